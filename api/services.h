@@ -29,31 +29,34 @@
 enum {
     API_FIGURES_SIZE = 1024,  ///< bytes of the run's own key figures as JSON with its terminator
     API_PRIORITY_MAX = 100,   ///< priorities go from -100 to 100, higher first
+    API_CLOSURE_SIZE = 16,    ///< bytes of the word of a closure with its terminator
     API_STREAM_RUNS_MAX = 32, ///< runs one event stream can follow
     API_ANY_REVISION = 0,     ///< whatever the revision is
 };
 
 /// A run as the store knows it.
 typedef struct api_run {
-    char id[API_ID_SIZE];           ///< UUIDv7: sorts by time of creation
-    run_state state;                ///< where it is in its life
-    run_model model;                ///< which solver
-    int priority;                   ///< higher runs first
-    char label[API_LABEL_SIZE];     ///< the client's, "" if none
-    char name[SCENE_NAME_SIZE];     ///< of the scenario
-    uint64_t revision;              ///< from 1, rises with every change of the row: the ETag
-    double progress;                ///< 0 to 1
-    int64_t created_ms;             ///< Unix time, ms
-    int64_t started_ms;             ///< last start; 0: never
-    int64_t finished_ms;            ///< 0: not yet
-    double eta_s;                   ///< wall seconds to the end; NAN: unknown
-    double predicted_s;             ///< CPU time that it will take while it waits; NAN: not known
-    uint64_t n_samples;             ///< stored samples of the curve
-    uint64_t n_snapshots;           ///< stored snapshots
-    uint64_t last_event;            ///< id of the newest event of the run; 0: none
-    bf_grid grid;                   ///< of its snapshots; n1 = 0: not known yet
-    api_parts parts;                ///< of its snapshots; n_values = 0: none
-    bool has_summary;               ///< summary.json is there
+    char id[API_ID_SIZE];       ///< UUIDv7: sorts by time of creation
+    run_state state;            ///< where it is in its life
+    run_model model;            ///< which solver
+    int priority;               ///< higher runs first
+    char label[API_LABEL_SIZE]; ///< the client's, "" if none
+    char name[SCENE_NAME_SIZE]; ///< of the scenario
+    char closure
+        [API_CLOSURE_SIZE]; ///< of the macroscopic model, its word; "": not known, or the other model
+    uint64_t revision;      ///< from 1, rises with every change of the row: the ETag
+    double progress;        ///< 0 to 1
+    int64_t created_ms;     ///< Unix time, ms
+    int64_t started_ms;     ///< last start; 0: never
+    int64_t finished_ms;    ///< 0: not yet
+    double eta_s;           ///< wall seconds to the end; NAN: unknown
+    double predicted_s;     ///< CPU time that it will take while it waits; NAN: not known
+    uint64_t n_samples;     ///< stored samples of the curve
+    uint64_t n_snapshots;   ///< stored snapshots
+    uint64_t last_event;    ///< id of the newest event of the run; 0: none
+    bf_grid grid;           ///< of its snapshots; n1 = 0: not known yet
+    api_parts parts;        ///< of its snapshots; n_values = 0: none
+    bool has_summary;       ///< summary.json is there
     char owner[API_OWNER_SIZE];     ///< whose it is; "": nobody's
     char study[API_ID_SIZE];        ///< whose trial it is; "": no study's
     bool is_cached;                 ///< its results are those of a run before it
@@ -63,19 +66,20 @@ typedef struct api_run {
 
 /// A run to be accepted.
 typedef struct api_submission {
-    run_model model;              ///< which solver
-    int priority;                 ///< see API_PRIORITY_MAX
-    char label[API_LABEL_SIZE];   ///< "" if none
-    char name[SCENE_NAME_SIZE];   ///< of the scenario
-    bf_buffer scenario;           ///< the resolved document
-    bf_buffer columns;            ///< of the curve, from scenario_columns()
-    char owner[API_OWNER_SIZE];   ///< whose it will be, "" if nobody's
-    char client[API_CLIENT_SIZE]; ///< who submits it, "" if no limit holds for them
-    bool is_fresh;                ///< to be solved even if the results are known
-    bf_buffer identity;           ///< the resolved document without its name; "": never cached
-    char key[API_KEY_SIZE];       ///< the client's idempotency key, one of its owner's; "" if none
-    const char *body; ///< with a key: what else must be the same, n_body bytes; borrowed
-    size_t n_body;    ///< bytes
+    run_model model;                ///< which solver
+    int priority;                   ///< see API_PRIORITY_MAX
+    char label[API_LABEL_SIZE];     ///< "" if none
+    char name[SCENE_NAME_SIZE];     ///< of the scenario
+    char closure[API_CLOSURE_SIZE]; ///< see api_run
+    bf_buffer scenario;             ///< the resolved document
+    bf_buffer columns;              ///< of the curve, from scenario_columns()
+    char owner[API_OWNER_SIZE];     ///< whose it will be, "" if nobody's
+    char client[API_CLIENT_SIZE];   ///< who submits it, "" if no limit holds for them
+    bool is_fresh;                  ///< to be solved even if the results are known
+    bf_buffer identity;             ///< the resolved document without its name; "": never cached
+    char key[API_KEY_SIZE]; ///< the client's idempotency key, one of its owner's; "" if none
+    const char *body;       ///< with a key: what else must be the same, n_body bytes; borrowed
+    size_t n_body;          ///< bytes
 } api_submission;
 
 /// What became of a submission. Zero-initialise; free with buffer_fini(&answer).

@@ -70,6 +70,13 @@ static bool has_parts(const void *item)
     return record->model == RUN_MICRO;
 }
 
+static bool has_closure(const void *item)
+{
+    const api_run *record = item;
+
+    return record->closure[0] != '\0';
+}
+
 static bool has_owner(const void *item)
 {
     const api_run *record = item;
@@ -111,6 +118,10 @@ static const member run_members[] = {
     MEMBER("progress", number, AT(progress), "Completed fraction of the simulated time",
            .type = "#Share"),
     MEMBER("model", enum, AT(model), "Which solver", .words = run_model_words, .type = "#Model"),
+    MEMBER("closure", text, AT(closure),
+           "Closure of the macroscopic model, as in the scenario; missing in runs of versions that "
+           "did not say so",
+           .applies = has_closure),
     MEMBER("label", text, AT(label), "The client's own name of the run; empty if none was given"),
     MEMBER("priority", int, AT(priority), "Runs of higher priority are solved first"),
     MEMBER("name", text, AT(name), "Name of the scenario"),

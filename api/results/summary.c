@@ -4,6 +4,7 @@
 #include "api/json/members.h"
 #include "api/scenario/review_members.h"
 #include "api/scenario/scenario.h"
+#include "api/scenario/scenario_members.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -26,6 +27,8 @@ typedef struct summary_view {
     double n_left;
     double work_per_s; // cell or particle steps
     double packing_density;
+    bf_grid grid;
+    scene_closure closure;
     run_review review;
     review_warnings warnings; // with those of the review
     const key_figures *figures;
@@ -160,7 +163,11 @@ static const member summary_members[] = {
     MEMBER("path", path, 0, "Equations of motion: planar or spatial", .tags = MICRO),
     MEMBER("parts", size, AT(n_parts), "Parts at the start and those of feeds that entered",
            .tags = MICRO),
+    MEMBER("closure", enum, AT(closure), "How packed cargo moved", .words = scenario_closure_words,
+           .tags = MACRO),
     MEMBER("cells", size, AT(end.n_cells), "Cells of the grid", .tags = MACRO),
+    MEMBER("cell_m", point, AT(grid.d1), "Edges of a cell along x and y, as fitted to the domain",
+           .unit = "m, m"),
     MEMBER("step_s", number, AT(begin.dt), "Length of a time step", .unit = "s"),
     MEMBER("duration_s", number, AT(end.t), "Simulated time that was reached", .unit = "s"),
     MEMBER("wall_time_s", number, AT(timing.wall_s), "Wall time spent solving", .unit = "s"),
@@ -247,6 +254,8 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
                         .n_left = end->parts_start + end->parts_entered - end->parts_end,
                         .work_per_s = work_per_s(model, end, timing),
                         .packing_density = scene_packing_density(&s),
+                        .grid = scene_grid(&s),
+                        .closure = s.macro.closure,
                         .figures = figures,
                         .scenario = scenario,
                         .n_scenario = n_scenario };

@@ -301,11 +301,13 @@ static const member_table output_table = { MEMBER_TABLE("output", output_members
 
 #define AT(place) offsetof(scene_macro, place)
 static const member macro_members[] = {
-    MEMBER("cell_m", number, AT(cell), "edge of a cell", .unit = "m", .range = &scene_range_length,
-           .flags = MEMBER_INIT),
+    MEMBER("cell_m", step, AT(cell),
+           "edge of a cell, fitted to the domain; auto: a third (dispersive: a fifth) of the "
+           "diameter of the smallest kind",
+           .unit = "m", .range = &scene_range_length, .flags = MEMBER_INIT),
     MEMBER("step_s", step, AT(step), "time step; auto: the largest stable and positive one",
            .unit = "s", .range = &scene_range_time,
-           .default_text = TEXT_OF(SCENE_MACRO_STEP) "; auto if congested"),
+           .default_text = "auto; " TEXT_OF(SCENE_MACRO_STEP) " if dispersive with a given cell_m"),
     MEMBER("closure", enum, AT(closure), "how packed cargo moves", .words = scenario_closure_words,
            .flags = MEMBER_INIT),
     MEMBER("jam_density", number, AT(jam_density), "rho_j of congested",
@@ -322,7 +324,7 @@ static const member macro_members[] = {
            .range = &scene_range_per_area, .flags = MEMBER_INIT),
     MEMBER("initial_mollifier_per_m2", number, AT(initial_mollifier),
            "sigma_0 of the density at the start", .unit = "1/m2", .range = &scene_range_per_area,
-           .flags = MEMBER_INIT),
+           .default_text = "in proportion to the footprint: 2500 for cylinders of 12 mm"),
     MEMBER("packing_density_per_m2", number, AT(packing), "rho_max, parts/m2 at density 1",
            .unit = "1/m2", .range = &scene_range_per_area,
            .default_text = "close packing of the shape, cut to four digits"),

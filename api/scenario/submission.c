@@ -90,6 +90,8 @@ bf_status submission_make(const scene *s, run_model model, api_submission *ret_s
     api_submission made = { .model = model };
 
     snprintf(made.name, sizeof made.name, "%s", s->name);
+    if (model == RUN_MACRO)
+        snprintf(made.closure, sizeof made.closure, "%s", scenario_closure_words[s->macro.closure]);
     bf_status status = scenario_write(s, &made.scenario, err);
     if (status == BF_OK)
         status = scenario_columns(s, &made.columns, err);
@@ -157,6 +159,7 @@ typedef struct validation {
     const char *document; // the resolved one
     size_t n_document;
     run_review review;
+    bf_grid grid;
     double predicted_s; // NAN: not known
     size_t parts_max;
     scene_placement placement; // where parts_max > 0
@@ -208,6 +211,9 @@ static const member validation_members[] = {
     MEMBER("valid", true, 0, "Always true: what is not valid is answered with a problem"),
     MEMBER("model", enum, AT(review.model), "The model that it was checked for",
            .words = run_model_words, .type = "#Model"),
+    MEMBER("cell_m", point, AT(grid.d1), "Edges of a cell along x and y, as fitted to the domain",
+           .unit = "m, m"),
+    MEMBER("shape", shape, AT(grid), "Rows of cells along y and columns along x"),
     MEMBER("warnings", warnings, 0,
            "Reasons to doubt the results; the summary will have them, too"),
     MEMBER("warning_details", array, AT(review.warnings.items),
@@ -258,6 +264,7 @@ bf_status submission_validation(const api_submission *submission, const predicti
         scenario_read_resolved(submission->scenario.bytes, submission->scenario.n, &s, err);
     if (status != BF_OK)
         return status;
+    of.grid = scene_grid(&s);
     status = run_review_of(&s, submission->model, &of.review, err);
     if (status == BF_OK)
         status = predict(&s, submission->model, speed, &of.predicted_s, err);

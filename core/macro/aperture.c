@@ -59,8 +59,9 @@ static vec2 extension_of(const scene *s, vec2 outward, vec2 belt)
 // One axis of the grid: its faces, cells along their normal (m, faces 0 .. n_normal) and beside each other.
 typedef struct face_axis {
     velocity_field *field;
-    int axis; // of the normal
-    double edge;
+    int axis;           // of the normal
+    double edge_normal; // of a cell
+    double edge_beside;
     double lower_normal;
     double lower_beside;
     ptrdiff_t n_normal;
@@ -87,7 +88,7 @@ static double beside_of(const face_axis *x, vec2 v)
 // The face nearest to a place on the normal's axis, m, as far as there is one.
 static ptrdiff_t nearest_face(const face_axis *x, double normal)
 {
-    const double face = round((normal - x->lower_normal) / x->edge);
+    const double face = round((normal - x->lower_normal) / x->edge_normal);
 
     return (ptrdiff_t)fmin(fmax(face, 0.0), (double)x->n_normal);
 }
@@ -97,7 +98,8 @@ static ptrdiff_t closed_face(const face_axis *x, const plate_end *e, ptrdiff_t s
 {
     const uint8_t *closed = x->axis == 0 ? x->field->closed1 : x->field->closed2;
     const double steep = fmax(fabs(beside_of(x, e->outward)), 1e-3);
-    const ptrdiff_t most = 1 + (ptrdiff_t)ceil(fabs(normal_of(x, e->outward)) / steep);
+    const double rise = fabs(normal_of(x, e->outward)) / steep; // from strip to strip
+    const ptrdiff_t most = 1 + (ptrdiff_t)ceil(rise * (x->edge_beside / x->edge_normal));
     const ptrdiff_t nearest = nearest_face(x, normal_of(x, e->tip));
     const ptrdiff_t back = normal_of(x, e->outward) > 0.0 ? -1 : 1;
 
@@ -126,8 +128,8 @@ static void cover_face(const face_axis *x, ptrdiff_t face, ptrdiff_t strip, doub
 // The strips of cells that the end of a plate and its extension lie in.
 static void cover_strips(const face_axis *x, const plate_end *e)
 {
-    const double tip = (beside_of(x, e->tip) - x->lower_beside) / x->edge;
-    const double length = beside_of(x, e->extension) / x->edge;
+    const double tip = (beside_of(x, e->tip) - x->lower_beside) / x->edge_beside;
+    const double length = beside_of(x, e->extension) / x->edge_beside;
     const double low = fmin(tip, tip + length), high = fmax(tip, tip + length);
     const double tip_strip = floor(tip - (length < 0.0 ? 1e-9 : -1e-9));
 
@@ -161,8 +163,8 @@ static void apply_end(const scene *s, velocity_field *f, const surroundings *aro
     const vec2 along = vec2_sub(e.tip, obstacle->path[before]);
     const vec2 belt = surroundings_velocity_of(around, surroundings_belt_at(around, e.tip));
     const face_axis axes[2] = {
-        { f, 0, g->d1, g->lower1, g->lower2, (ptrdiff_t)g->n1, (ptrdiff_t)g->n2 },
-        { f, 1, g->d2, g->lower2, g->lower1, (ptrdiff_t)g->n2, (ptrdiff_t)g->n1 },
+        { f, 0, g->d1, g->d2, g->lower1, g->lower2, (ptrdiff_t)g->n1, (ptrdiff_t)g->n2 },
+        { f, 1, g->d2, g->d1, g->lower2, g->lower1, (ptrdiff_t)g->n2, (ptrdiff_t)g->n1 },
     };
 
     if (!is_free(s, around, (size_t)(obstacle - s->obstacles), e.tip))

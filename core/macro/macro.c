@@ -148,8 +148,6 @@ static bf_status check_closure(const macro_def *def, bf_error *err)
         return bf_fail(err, BF_EINPUT, "/macro/jam_density", "must be more than 0 and at most 1");
     if (!is_positive(def->slip_rate))
         return bf_fail(err, BF_EINPUT, "", "the rate of the belt's friction must be positive");
-    if (def->grid.d1 != def->grid.d2)
-        return bf_fail(err, BF_EINPUT, "/macro/cell_m", "cells must be square");
     if (def->n_belts == 0)
         return bf_fail(err, BF_EINPUT, "/belts", "there is no belt");
     if (def->aperture1 == NULL || def->aperture2 == NULL || def->transverse1 == NULL ||

@@ -27,6 +27,7 @@ typedef struct plate {
 struct moving_plates {
     const scene *scene;        // as it is at angle 0
     double dt;                 // step of the solver, s
+    double edge;               // shorter one of a cell, m
     scene now;                 // the same with the plates that are there, at their places
     scene_obstacle *obstacles; // of now
     plate_motion motion;
@@ -114,6 +115,7 @@ bf_status moving_plates_create(const scene *s, moving_plates **ret_plates, bf_er
     p->scene = s;
     p->now = *s;
     p->dt = scene_macro_step(s);
+    p->edge = scene_cell_edge(s);
     // The field has room for all obstacles, and is then made for those that are there at the start.
     if ((status = plate_motion_init(&p->motion, s->n_obstacles, s->obstacles, err)) != BF_OK ||
         (status = init_arrays(p, err)) != BF_OK ||
@@ -163,7 +165,7 @@ static bool is_due(const moving_plates *p, double t)
         const double moved = of->radius * fabs(to->angle - of->place.angle);
         is = to->presence != of->place.presence;
         if (!is && to->presence == 1.0 && moved > 0.0)
-            is = moved >= most_moved * p->scene->macro.cell ||
+            is = moved >= most_moved * p->edge ||
                  plate_motion_angular_velocity(&p->motion, k, t, t + p->dt) == 0.0;
     }
     return is;

@@ -54,7 +54,7 @@ static void check_step(const scene *s, bf_faults *faults)
 static void check_scenario(const scene *s, bf_faults *faults)
 {
     const bool is_dispersive = s->macro.closure == SCENE_DISPERSIVE;
-    const int reach = mollifier_reach(s->macro.mollifier, s->macro.cell);
+    const int reach = mollifier_reach(s->macro.mollifier, scene_cell_edge(s));
 
     check_step(s, faults);
     if (is_dispersive && reach > MOLLIFIER_REACH_MAX)
@@ -65,9 +65,10 @@ static void check_scenario(const scene *s, bf_faults *faults)
 // What the congested closure needs beyond.
 static void complete_congested(const scene *s, const velocity_field *f, macro_def *def)
 {
+    const double edge = scene_cell_edge(s);
+
     def->dispersion = 0.0;
-    def->mollifier =
-        16.0 / (s->macro.cell * s->macro.cell); // reaches over one cell: nothing is smoothed
+    def->mollifier = 16.0 / (edge * edge); // reaches over one cell: nothing is smoothed
     def->jam_density = s->macro.jam_density;
     def->slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
     def->aperture1 = f->aperture1;

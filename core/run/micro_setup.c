@@ -241,8 +241,7 @@ static void check_results(const scene *s, const micro_def *def, bf_faults *fault
                          (s->n_feeds > 0 ? FRAME_VALUES_FED : 0);
     double bytes = n * n_parts * n_values * (double)sizeof(double);
     // A part counts for the cells up to where its Gaussian has fallen to 2^-53, see density.h.
-    double n_cells =
-        2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * s->macro.cell * s->macro.cell);
+    double n_cells = 2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * grid.d1 * grid.d2);
     double work = n * n_parts * fmin(n_cells, (double)grid_cells(&grid));
 
     if (!(bytes <= SCENE_SNAPSHOT_BYTES_MAX))

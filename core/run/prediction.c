@@ -78,7 +78,7 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
 {
     const bf_grid grid = scene_grid(s);
     const double steps = load->time / scene_macro_step(s);
-    const double cells = steps / (s->macro.cell * s->macro.cell) / load->time;
+    const double cells = steps / (grid.d1 * grid.d2) / load->time;
     const bool is_everywhere = s->macro.heaviside != SCENE_HEAVISIDE_SHARP;
     const double area = grid.d1 * grid.d2 * (double)grid_cells(&grid) * load->time;
     double *amounts = work->amounts;
@@ -92,9 +92,9 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     amounts[PREDICTION_COVERED_STEPS] = load->area * cells;
     amounts[PREDICTION_SATURATED_STEPS] = load->saturated_area * cells;
     if (work->kind != PREDICTION_CONGESTED)
-        amounts[PREDICTION_SATURATED_STEPS] = (is_everywhere ? area : load->saturated_area) *
-                                              cells *
-                                              mollifier_reach(s->macro.mollifier, s->macro.cell);
+        amounts[PREDICTION_SATURATED_STEPS] =
+            (is_everywhere ? area : load->saturated_area) * cells *
+            mollifier_reach(s->macro.mollifier, scene_cell_edge(s));
 }
 
 static bf_status set_micro(const scene *s, const prediction_load *load, prediction_work *work,

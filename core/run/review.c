@@ -4,6 +4,7 @@
 #include "core/feed/arrivals.h"
 #include "core/feed/capacity.h"
 #include "core/run/review_belts.h"
+#include "core/run/review_closure.h"
 #include "core/run/review_plates.h"
 #include "core/run/run.h"
 #include "core/scene/surroundings.h"
@@ -169,6 +170,7 @@ static void review_step(const scene *s, review_warnings *ret_warnings)
 static bf_status review_density(const scene *s, run_review *review, bf_error *err)
 {
     review_step(s, &review->warnings);
+    review_closure(s, &review->warnings);
     const bf_status status = validity_of(s, &review->validity, err);
     if (status != BF_OK)
         return status;

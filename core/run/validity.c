@@ -330,7 +330,7 @@ static void note_parameters(findings *f)
         }
     }
     note(f, VALIDITY_TREATMENT, n_others, "/obstacles/%zu/treatment", other);
-    note(f, VALIDITY_CELL, f->s->macro.cell / f->diameter, "/macro/cell_m");
+    note(f, VALIDITY_CELL, scene_cell_edge(f->s) / f->diameter, "/macro/cell_m");
 }
 
 static double diameter_of(const scene *s)

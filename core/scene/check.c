@@ -3,6 +3,7 @@
 
 #include "core/scene/scene.h"
 
+#include "core/scene/cells.h"
 #include "core/scene/check_work.h"
 #include "core/scene/goods.h"
 #include "core/scene/placement.h"
@@ -18,11 +19,6 @@
 /// more, far too many small parts fit into one cell of the search for overlaps.
 #define UNLIKE_MAX 1000.0
 
-/// A domain this near to a whole number of cells counts as one, relative to its length, and at most this
-/// part of a cell off.
-#define WHOLE     1e-6
-#define WHOLE_MAX 0.01
-
 #define CONTACT(word, pair)                                                                        \
     RULE("/contacts/" word "/length_m", scene, micro.contact[pair].length, scene_range_length),    \
         RULE("/contacts/" word "/damping_n_s_m", scene, micro.contact[pair].damping,               \
@@ -32,7 +28,8 @@
         RULE("/contacts/" word "/tanh_spin_s", scene, micro.contact[pair].tanh_spin,               \
              scene_range_tanh)
 
-/// Steps, s; 0 is "auto".
+/// The cell, m, and steps, s; 0 is "auto".
+static const bf_range macro_cell = { 0.0, INFINITY, false, false, SCENE_LENGTH_MAX };
 static const bf_range macro_step = { 0.0, INFINITY, false, false, 1e9 };
 static const bf_range micro_step = { 0.0, INFINITY, false, false, 1.0 };
 
@@ -43,7 +40,7 @@ static const number_rule number_rules[] = {
     RULE("/steady_precision", scene, steady_precision, scene_range_ratio),
     RULE("/output/curve_every_s", scene, output.curve_every, scene_range_time),
     RULE("/output/snapshot_every_s", scene, output.snapshot_every, scene_range_time),
-    RULE("/macro/cell_m", scene, macro.cell, scene_range_length),
+    RULE("/macro/cell_m", scene, macro.cell, macro_cell),
     RULE("/macro/step_s", scene, macro.step, macro_step),
     RULE("/macro/jam_density", scene, macro.jam_density, scene_range_jam_density),
     RULE("/macro/heaviside_width", scene, macro.heaviside_width, scene_range_heaviside_width),
@@ -272,26 +269,6 @@ static void check_shapes(const scene *s, bf_faults *faults)
                          M_PI * bounding_radius * bounding_radius / area, UNLIKE_MAX);
 }
 
-/// Note a length that is no whole number of cells, with the nearest cell edges that divide it.
-static void check_whole(double length, double cell, const char *axis, bf_faults *faults)
-{
-    double ratio = length / cell, n = round(ratio);
-
-    if (n >= 1.0 && fabs(ratio - n) <= fmin(WHOLE * n, WHOLE_MAX))
-        return;
-    double fewer = fmax(floor(ratio), 1.0), more = fmax(ceil(ratio), 1.0);
-    if (fewer < more)
-        faults_add(faults, "/macro/cell_m",
-                   "the domain's %.12g m along %s are %.12g cells of %.12g m; %.12g m (%.0f cells) "
-                   "or %.12g m (%.0f cells) would do",
-                   length, axis, ratio, cell, length / fewer, fewer, length / more, more);
-    else
-        faults_add(faults, "/macro/cell_m",
-                   "the domain's %.12g m along %s are %.12g cells of %.12g m; %.12g m (%.0f cells) "
-                   "would do",
-                   length, axis, ratio, cell, length / fewer, fewer);
-}
-
 /// Note a number beyond its limit.
 static void check_limit(double figure, double limit, const char *what, const char *pointer,
                         bf_faults *faults)
@@ -300,11 +277,11 @@ static void check_limit(double figure, double limit, const char *what, const cha
         faults_add_limit(faults, pointer, "%.10g %s, the limit is %.10g", figure, what, limit);
 }
 
-static void check_density_work(const scene *s, double n_cells, bf_faults *faults)
+static void check_density_work(const scene *s, const cells *c, bf_faults *faults)
 {
     // A part counts to where its Gaussian has fallen to 2^-53, see density.h.
-    double reached =
-        2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * s->macro.cell * s->macro.cell);
+    const double n_cells = c->n1 * c->n2;
+    const double reached = 2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * c->d1 * c->d2);
 
     // Too many parts are reported at their source.
     double n_parts = fmin((double)scene_parts(s), SCENE_PARTS_MAX);
@@ -314,38 +291,35 @@ static void check_density_work(const scene *s, double n_cells, bf_faults *faults
                 faults);
 }
 
-/// Note a grid that is too large or does not fit the domain. Returns true if it is neither.
-static bool check_grid(const scene *s, double n1, double n2, bf_faults *faults)
+/// Note a grid that is too large. Returns true if it is not.
+static bool check_grid(const scene *s, const cells *c, bf_faults *faults)
 {
     size_t n_before = faults->n;
 
-    check_whole(s->domain.x_max - s->domain.x_min, s->macro.cell, "x", faults);
-    check_whole(s->domain.y_max - s->domain.y_min, s->macro.cell, "y", faults);
     if (s->macro.closure == SCENE_CONGESTED)
-        check_limit(n1 * n2, SCENE_CONGESTED_CELLS_MAX, "cells with the congested closure",
+        check_limit(c->n1 * c->n2, SCENE_CONGESTED_CELLS_MAX, "cells with the congested closure",
                     "/macro/cell_m", faults);
     else
-        check_limit(n1 * n2, SCENE_CELLS_MAX, "cells", "/macro/cell_m", faults);
-    check_limit(fmax(n1, n2), SCENE_CELLS_SIDE_MAX, "cells in a row", "/macro/cell_m", faults);
+        check_limit(c->n1 * c->n2, SCENE_CELLS_MAX, "cells", "/macro/cell_m", faults);
+    check_limit(fmax(c->n1, c->n2), SCENE_CELLS_SIDE_MAX, "cells in a row", "/macro/cell_m",
+                faults);
     return faults->n == n_before;
 }
 
 static void check_sizes(const scene *s, bf_faults *faults)
 {
-    double cell = s->macro.cell;
-    double n1 = fmax(round((s->domain.x_max - s->domain.x_min) / cell), 1.0);
-    double n2 = fmax(round((s->domain.y_max - s->domain.y_min) / cell), 1.0);
+    const cells c = cells_of(s);
     double n_snapshots = scene_snapshots(s);
 
     check_limit(scene_samples(s), SCENE_SAMPLES_MAX, "samples of the curve",
                 "/output/curve_every_s", faults);
     check_limit(n_snapshots, SCENE_SNAPSHOTS_MAX, "snapshots", "/output/snapshot_every_s", faults);
     // Faults that follow from an invalid cell size are not reported again.
-    if (!check_grid(s, n1, n2, faults))
+    if (!check_grid(s, &c, faults))
         return;
-    check_limit(n_snapshots * n1 * n2 * (double)sizeof(float), SCENE_SNAPSHOT_BYTES_MAX,
+    check_limit(n_snapshots * c.n1 * c.n2 * (double)sizeof(float), SCENE_SNAPSHOT_BYTES_MAX,
                 "bytes of snapshots", "/output/snapshot_every_s", faults);
-    check_density_work(s, n1 * n2, faults);
+    check_density_work(s, &c, faults);
 }
 
 static void check_count(double n, const char *pointer, bf_faults *faults)

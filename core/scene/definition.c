@@ -1,6 +1,7 @@
 #include "core/scene/definition.h"
 
 #include "core/base/digest.h"
+#include "core/scene/cells.h"
 #include "core/scene/scene.h"
 
 #include <string.h>
@@ -218,7 +219,7 @@ uint64_t definition_digest(const scene *s)
     for (size_t k = 0; k < s->n_counters; k++)
         digest = definition_add_rect(digest, &s->counters[k].rect);
     digest = ADD_NUMBERS(digest, s->duration, s->output.curve_every, s->output.snapshot_every);
-    digest = ADD_NUMBERS(digest, macro->cell, macro->step, macro->scheme, macro->heaviside,
+    digest = ADD_NUMBERS(digest, cells_wanted(s), macro->step, macro->scheme, macro->heaviside,
                          macro->heaviside_width, macro->dispersion, macro->mollifier,
                          macro->initial_mollifier, macro->packing);
     digest = add_closure(digest, macro);

@@ -382,7 +382,7 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
 {
     measuring m = { .s = s,
                     .around = surroundings_of(s),
-                    .closed_gap = fmax(0.5 * s->macro.cell, SCENE_LENGTH_MIN),
+                    .closed_gap = fmax(0.5 * scene_cell_edge(s), SCENE_LENGTH_MIN),
                     .opening = { INFINITY, 0 } };
     layout out = { .least = { INFINITY, 0 }, .greatest = { -INFINITY, 0 } };
 

@@ -54,18 +54,22 @@ typedef enum scene_scheme {
 /// Parameters of the macroscopic model (10)-(18). Those of the other closure have no effect: with
 /// SCENE_CONGESTED heaviside to mollifier, and treatment, band and slide_width of obstacles.
 typedef struct scene_macro {
-    double cell;               ///< cell edge, m, > 0 (default 0.005)
-    double step;               ///< dt, s, > 0; 0 means "auto" (default 0.00125; 0 if congested)
-    scene_closure closure;     ///< (default SCENE_DISPERSIVE)
-    double jam_density;        ///< rho_j of SCENE_CONGESTED, in (0, 1] (default 0.93)
-    scene_scheme scheme;       ///< (default SCENE_SCHEME_ROE)
+    double cell;           ///< cell edge that is fitted to the domain, m, > 0; 0 means "auto", by
+                           ///< the size of the goods: cells.h (default 0)
+    double step;           ///< dt, s, > 0; 0 means "auto" (default 0; 0.00125 with
+                           ///< SCENE_DISPERSIVE and a cell)
+    scene_closure closure; ///< (default SCENE_CONGESTED)
+    double jam_density;    ///< rho_j of SCENE_CONGESTED, in (0, 1] (default 0.93)
+    scene_scheme scheme;   ///< (default SCENE_SCHEME_ROE)
     scene_heaviside heaviside; ///< (default SCENE_HEAVISIDE_SHARP)
     double heaviside_width;    ///< xi of SCENE_HEAVISIDE_SMOOTH, > 0 (default 0.05)
     double dispersion;         ///< epsilon, m/s, >= 0 (default 2 |v_T| of the fastest belt)
     double mollifier;          ///< sigma, 1/m2, > 0 (default 10000)
-    double initial_mollifier;  ///< sigma_0, 1/m2, > 0 (default 2500)
-    double packing; ///< rho_max, parts/m2 of density 1, > 0 (default: hexagonal packing of
-                    ///< the shape cut to four digits, see scene_packing_density())
+    double
+        initial_mollifier; ///< sigma_0, 1/m2, > 0 (default 0.36/r2 cut to four digits, r the radius of
+                           ///< a disk with the mean footprint of the kinds; at most 1/cell2)
+    double packing;        ///< rho_max, parts/m2 of density 1, > 0 (default: hexagonal packing of
+                           ///< the shape cut to four digits, see scene_packing_density())
 } scene_macro;
 
 /// Time integration of the microscopic model.

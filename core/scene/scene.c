@@ -26,9 +26,8 @@ static const scene_rect unknown_rect = { NAN, NAN, NAN, NAN };
 
 static scene_macro default_macro(void)
 {
-    return (scene_macro){ .cell = 0.005,
-                          .step = NAN,
-                          .closure = SCENE_DISPERSIVE,
+    return (scene_macro){ .step = NAN,
+                          .closure = SCENE_CONGESTED,
                           .jam_density = 0.93,
                           .scheme = SCENE_SCHEME_ROE,
                           .heaviside = SCENE_HEAVISIDE_SHARP,
@@ -36,7 +35,7 @@ static scene_macro default_macro(void)
                           .dispersion = NAN,
                           .packing = NAN,
                           .mollifier = paper_mollifier,
-                          .initial_mollifier = 2500.0 };
+                          .initial_mollifier = NAN };
 }
 
 static scene_micro default_micro(void)
@@ -161,7 +160,7 @@ static void fill_in_id(char *id, const char *word, size_t n)
         snprintf(id, SCENE_ID_SIZE, "%s-%zu", word, n + 1);
 }
 
-static void resolve_obstacle(scene_obstacle *o, double mollifier)
+void scene_resolve_obstacle(scene_obstacle *o, double mollifier)
 {
     bool is_sealed = o->treatment == SCENE_SEALED;
 
@@ -198,14 +197,6 @@ static double spin_radius_of(const scene_shape *shape)
     return 2.0 * radius / 3.0;
 }
 
-static bool is_sound(const scene_cargo *kind)
-{
-    bf_faults faults = { 0 };
-
-    shape_check(&kind->shape, "", &faults);
-    return faults.n == 0 && kind->share > 0.0;
-}
-
 // 1/rho_max is the mean area of a part, weighted by the proportions.
 static double mean_packing(const scene *s)
 {
@@ -220,6 +211,21 @@ static double mean_packing(const scene *s)
     return sum / area;
 }
 
+// The Gaussian of a part (18) has the paper's proportion to it: 2 cm for a radius of 12 mm. Cells that are longer would miss it
+// between their centres.
+static double derived_initial_mollifier(const scene *s)
+{
+    const double edge = scene_cell_edge(s), paper = 2500.0 * 0.012 * 0.012;
+    double sum = 0.0, area = 0.0;
+
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        sum += s->cargo[k].share;
+        area += s->cargo[k].share * shape_footprint_of(&s->cargo[k].shape).area;
+    }
+    const double of_parts = cut_to_four_digits(paper * M_PI * sum / area);
+    return edge > 0.0 && isfinite(edge) ? fmin(of_parts, 1.0 / (edge * edge)) : of_parts;
+}
+
 static void resolve_cargo(scene *s)
 {
     bool are_sound = true;
@@ -227,7 +233,7 @@ static void resolve_cargo(scene *s)
     s->is_mix = s->is_mix || s->n_cargo > 1;
     for (size_t k = 0; k < s->n_cargo; k++) {
         scene_cargo *kind = &s->cargo[k];
-        bool has_shape = is_sound(kind);
+        const bool has_shape = shape_is_sound(&kind->shape) && kind->share > 0.0;
         are_sound = are_sound && has_shape;
         if (isnan(kind->mass))
             kind->mass = has_shape ? SCENE_STEEL_DENSITY * shape_volume(&kind->shape) : 1.0;
@@ -237,6 +243,7 @@ static void resolve_cargo(scene *s)
     }
     fill_in(&s->micro.spin_friction_radius, s->cargo[0].spin_friction_radius);
     fill_in(&s->macro.packing, are_sound ? cut_to_four_digits(mean_packing(s)) : 1.0);
+    fill_in(&s->macro.initial_mollifier, are_sound ? derived_initial_mollifier(s) : 1.0);
 }
 
 // The line of a feed on a side: what is not given of its extent along the side is the whole side.
@@ -317,13 +324,15 @@ static void resolve_derived(scene *s)
     goods_resolve(s);
     fill_in(&s->micro.step, s->micro.integrator == SCENE_IMPLICIT ? 0.0 : SCENE_MICRO_STEP);
     fill_in(&s->micro.wall_friction, fmax(s->micro.contact[SCENE_HANDLING_CARGO].friction, 0.0));
-    fill_in(&s->macro.step, s->macro.closure == SCENE_CONGESTED ? 0.0 : SCENE_MACRO_STEP);
+    // The paper's step belongs to its cells.
+    const bool is_papers = s->macro.closure == SCENE_DISPERSIVE && s->macro.cell != 0.0;
+    fill_in(&s->macro.step, is_papers ? SCENE_MACRO_STEP : 0.0);
     fill_in(&s->macro.dispersion, 2.0 * (isfinite(speed) ? speed : paper_speed));
     for (size_t k = 0; k < s->n_belts; k++)
         fill_in_id(s->belts[k].id, k == 0 ? "main" : "belt", k);
     for (size_t k = 0; k < s->n_obstacles; k++) {
         fill_in_numbered(s->obstacles[k].id, "obstacle", k);
-        resolve_obstacle(&s->obstacles[k], mollifier);
+        scene_resolve_obstacle(&s->obstacles[k], mollifier);
     }
     for (size_t k = 0; k < s->n_counters; k++) {
         fill_in_id(s->counters[k].id, "upstream", k);
@@ -416,18 +425,6 @@ void scene_fini(scene *s)
     memory_free(s->initial.poses);
     placement_fini(&s->placement);
     *s = (scene){ 0 };
-}
-
-bf_grid scene_grid(const scene *s)
-{
-    double cell = s->macro.cell;
-
-    return (bf_grid){ .n1 = (size_t)round((s->domain.x_max - s->domain.x_min) / cell),
-                      .n2 = (size_t)round((s->domain.y_max - s->domain.y_min) / cell),
-                      .lower1 = s->domain.x_min,
-                      .lower2 = s->domain.y_min,
-                      .d1 = cell,
-                      .d2 = cell };
 }
 
 double scene_packing_density(const scene *s)
@@ -523,8 +520,8 @@ double scene_step_stable(const scene *s)
 
     find_speeds(s, &speed, &dispersion);
     if (s->macro.closure == SCENE_CONGESTED)
-        return s->macro.cell / ((is_muscl ? 4.0 : 2.0) * speed);
-    return s->macro.cell / ((is_muscl ? 2.0 : 1.0) * (speed + dispersion));
+        return scene_cell_edge(s) / ((is_muscl ? 4.0 : 2.0) * speed);
+    return scene_cell_edge(s) / ((is_muscl ? 2.0 : 1.0) * (speed + dispersion));
 }
 
 double scene_step_positive(const scene *s)
@@ -538,7 +535,7 @@ double scene_step_turning(const scene *s)
 
     for (size_t k = 0; k < s->n_obstacles; k++)
         speed = fmax(speed, plate_motion_largest_speed(s->obstacles, k, s->n_actions, s->actions));
-    return s->macro.cell / speed;
+    return scene_cell_edge(s) / speed;
 }
 
 double scene_macro_step(const scene *s)

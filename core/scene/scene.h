@@ -46,6 +46,9 @@ void scene_output_window_init(scene_output_window *w);
 /// empty ids, the belt and the counter if there are none. BF_ENOMEM: *s is as before.
 BF_MUST_CHECK bf_status scene_resolve(scene *s, bf_error *err);
 
+/// The part of it for one obstacle, with sigma of the macroscopic model, 1/m2.
+void scene_resolve_obstacle(scene_obstacle *o, double mollifier);
+
 /// True if an obstacle turns, comes or goes at any time, by itself or because an action may command it.
 bool scene_obstacle_moves(const scene_obstacle *o);
 
@@ -62,8 +65,11 @@ void scene_check(scene *s, bf_faults *faults);
 /// Free what *s owns and zero it. NULL is fine.
 void scene_fini(scene *s);
 
-/// The macroscopic grid: domain divided into cells of macro.cell. Valid after scene_check().
+/// The macroscopic grid, by cells.h. Valid after scene_check().
 bf_grid scene_grid(const scene *s);
+
+/// The shorter edge of its cells, m.
+double scene_cell_edge(const scene *s);
 
 /// Density of close packing rho_max, parts/m2: macro.packing. By default it is the packing of the
 /// shape (cylinder: 1/(2 sqrt(3) r^2); box: 1/(length width); prism and hull: pi/(2 sqrt(3)) divided by

@@ -336,6 +336,14 @@ void shape_check(const scene_shape *shape, const char *pointer, bf_faults *fault
         check_footprint(&c);
 }
 
+bool shape_is_sound(const scene_shape *shape)
+{
+    bf_faults faults = { 0 };
+
+    shape_check(shape, "", &faults);
+    return faults.n == 0;
+}
+
 vec2 shape_direction(double heading)
 {
     return (vec2){ cos(heading), sin(heading) };

@@ -28,6 +28,9 @@ double shape_packing_density(const scene_shape *shape);
 /// Note every fault of a shape; pointers begin with that of the shape ("/cargo/shape").
 void shape_check(const scene_shape *shape, const char *pointer, bf_faults *faults);
 
+/// True if shape_check() has nothing to note.
+bool shape_is_sound(const scene_shape *shape);
+
 /// True if two parts, or a part and a convex counter-clockwise polygon, overlap by more than SCENE_TOLERANCE.
 bool shape_overlaps(const shape_footprint *of_a, scene_pose a, const shape_footprint *of_b,
                     scene_pose b);

@@ -335,10 +335,13 @@ static const char schema_12[] =
     "DROP INDEX results_by_state;"
     "CREATE INDEX results_orphaned ON results (number) WHERE state = 2;";
 
+// The closure of the macroscopic model; '' of runs from before, and of the microscopic model.
+static const char schema_13[] = "ALTER TABLE runs ADD COLUMN closure TEXT NOT NULL DEFAULT '';";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1, schema_2,  schema_3,  schema_4,
-                                          schema_5, schema_6,  schema_7,  schema_8,
-                                          schema_9, schema_10, schema_11, schema_12 };
+const char *const store__migrations[] = { schema_1,  schema_2,  schema_3, schema_4, schema_5,
+                                          schema_6,  schema_7,  schema_8, schema_9, schema_10,
+                                          schema_11, schema_12, schema_13 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -15,6 +15,7 @@
     X(INTEGER, priority, run.priority)                                                             \
     X(TEXT, label, run.label)                                                                      \
     X(TEXT, name, run.name)                                                                        \
+    X(TEXT, closure, run.closure)                                                                  \
     X(INTEGER, created_ms, run.created_ms)                                                         \
     X(INTEGER, results, results)                                                                   \
     X(INTEGER, is_cached, run.is_cached)                                                           \

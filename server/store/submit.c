@@ -218,6 +218,7 @@ static void fill_row(const api_submission *submission, store__row *row)
     record->priority = submission->priority;
     snprintf(record->label, sizeof record->label, "%s", submission->label);
     snprintf(record->name, sizeof record->name, "%s", submission->name);
+    snprintf(record->closure, sizeof record->closure, "%s", submission->closure);
     record->created_ms = clock_unix_ms();
     record->eta_s = record->predicted_s = NAN;
 }

@@ -87,7 +87,7 @@ const example = async (d) => (await d.get("/v1/examples/example-1")).json;
 
 async function playCells(name, d, page, domain) {
   const run = await solve(d, { ...(await example(d)), name, domain, duration_s: 1,
-    output: { curve_every_s: 0.05, snapshot_every_s: 0.05 }, macro: { cell_m: 0.001, step_s: "auto" } });
+    output: { curve_every_s: 0.05, snapshot_every_s: 0.05 }, macro: { closure: "dispersive", cell_m: 0.001, step_s: "auto" } });
   await open(page, name, run);
   await play(page, name, 0.1);
 }
@@ -121,7 +121,7 @@ const benches = {
       domain: { x_m: [0, 15], y_m: [0, 9] },
       initial: { hexagonal: { rows: 400, columns: 250, first_m: [0.5, 0.1], spacing_m: 0.025 } },
       counters: [{ id: "all" }], output: { curve_every_s: 0.05, snapshot_every_s: 0.05 },
-      macro: { cell_m: 0.05, step_s: "auto" }, micro: { integrator: "implicit", step_s: "auto" } }, { model: "micro" });
+      macro: { closure: "dispersive", cell_m: 0.05, step_s: "auto" }, micro: { integrator: "implicit", step_s: "auto" } }, { model: "micro" });
     await page.setViewportSize({ width: 1920, height: 1080 });
     await open(page, name, run);
     await page.getByRole("button", { name: "Parts", exact: true }).click();

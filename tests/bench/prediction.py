@@ -89,8 +89,7 @@ def make(draw, kind):
              "macro": {"cell_m": draw.choice([0.005, 0.01, 0.01] if kind in ("roe", "muscl") else [0.01, 0.01, 0.02]),
                        "step_s": "auto"},
              "micro": {"modulus_reduction": draw.choice([1e4, 1e6]), "step_s": "auto"}}
-    if kind == "congested":
-        scene["macro"]["closure"] = "congested"
+    scene["macro"]["closure"] = "congested" if kind == "congested" else "dispersive"
     if kind == "muscl":
         scene["macro"]["scheme"] = "muscl"
     if kind.endswith("implicit"):

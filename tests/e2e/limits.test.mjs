@@ -31,7 +31,7 @@ const eye = (k) => ({ id: `eye${k}`, line_m: [[0.4, 0], [0.4, 0.6]] });
 const lasting = (s, n) => Object.assign(s, {
   duration_s: n - 1.5,
   output: { curve_every_s: 1, snapshot_every_s: 1 },
-  macro: { cell_m: 0.01 },
+  macro: { closure: "dispersive", cell_m: 0.01 },
 });
 
 // [what, last value, next value, change of the good scenario to a value, pointer within the scenario, limit as it is
@@ -84,7 +84,7 @@ const limits = [
       domain: { x_m: [0, 100], y_m: [0, 100] },
       obstacles: [],
       initial: { random: { count, region: { x_m: [1, 99], y_m: [1, 99] } } },
-      macro: { cell_m: 0.1 },
+      macro: { closure: "dispersive", cell_m: 0.1 },
     }),
     "/initial/random/count", "1000000"],
 
@@ -108,12 +108,12 @@ const limits = [
     "/actions", "256"],
 
   ["m of a side of the domain", 100_000, 100_010,
-    (s, x) => Object.assign(s, { domain: { x_m: [0, x], y_m: [0, 600] }, macro: { cell_m: 10 } }),
+    (s, x) => Object.assign(s, { domain: { x_m: [0, x], y_m: [0, 600] }, macro: { closure: "dispersive", cell_m: 10 } }),
     "/domain/x_m", "100000"],
   ["cells", 10_000 * 10_000, 10_001 * 10_000,
     (s, n) => Object.assign(s, {
       domain: { x_m: [0, n / 10_000 / 1000], y_m: [0, 10] },
-      macro: { cell_m: 0.001, step_s: "auto", mollifier_per_m2: 1e6 },
+      macro: { closure: "dispersive", cell_m: 0.001, step_s: "auto", mollifier_per_m2: 1e6 },
     }),
     "/macro/cell_m", "100000000"],
   ["cells with the congested closure", 6_000 * 5_000, 6_001 * 5_000,
@@ -127,7 +127,7 @@ const limits = [
       domain: { x_m: [0, n * 0.005], y_m: [0, 0.025] },
       obstacles: [],
       initial: { positions_m: [[0.1, 0.0125]] },
-      macro: { cell_m: 0.005 },
+      macro: { closure: "dispersive", cell_m: 0.005 },
     }),
     "/macro/cell_m", "16777216"],
   ["per m2 of a mollifier, which reaches over 64 cells", 39.0625, 39, // 4/(sqrt(39.0625) 0.01) = 64
@@ -151,7 +151,7 @@ const limits = [
     (s, n) => Object.assign(s, {
       duration_s: n / 2 ** 7,
       output: { curve_every_s: 1000, snapshot_every_s: 1000 },
-      macro: { cell_m: 0.01, step_s: 1 / 2 ** 7 },
+      macro: { closure: "dispersive", cell_m: 0.01, step_s: 1 / 2 ** 7 },
     }),
     "/macro/step_s", "1000000000"],
   ["microscopic steps", 1e9, 1e9 + 1,
@@ -235,7 +235,7 @@ test("beyond 20 million cells every second snapshot is compared", { skip: isSlow
     duration_s: 10 * every,
     domain: { x_m: [0, 2], y_m: [0, 1] },
     output: { curve_every_s: every, snapshot_every_s: every },
-    macro: { cell_m: 0.001, step_s: every, mollifier_per_m2: 1e6 },
+    macro: { closure: "dispersive", cell_m: 0.001, step_s: every, mollifier_per_m2: 1e6 },
   }));
   await d.reached(id, "succeeded");
   const { density } = (await d.get(`/v1/compare?a=${id}&b=${id}`)).json;

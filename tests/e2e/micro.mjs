@@ -20,7 +20,7 @@ export function smallJam(changes = {}) {
     initial: { hexagonal: { rows: 4, columns: 5, first_m: [0.4, 0.15], spacing_m: 0.02448 } },
     counters: [{ id: "upstream", x_m: [0.0, 0.52] }],
     output: { curve_every_s: 0.01, snapshot_every_s: 0.1 },
-    macro: { cell_m: 0.01, step_s: 0.0025 },
+    macro: { closure: "dispersive", cell_m: 0.01, step_s: 0.0025 },
     ...changes,
   };
 }

@@ -171,7 +171,7 @@ test("what runs of one scenario differ in most has columns, by which they are so
   const d = await daemon(t);
   await d.submit(tiny({ name: "gate: at 60 degrees", ...plate(60) }));
   await d.submit(tiny({ name: "gate: at 60 degrees", ...plate(75) }));
-  await d.submit(tiny({ name: "gate, angle 80°", ...plate(80), duration_s: 0.2, macro: { cell_m: 0.02, step_s: 0.00125 } }));
+  await d.submit(tiny({ name: "gate, angle 80°", ...plate(80), duration_s: 0.2, macro: { closure: "dispersive", cell_m: 0.02, step_s: 0.00125 } }));
   await d.submit(tiny({ name: "alone" }));
   const page = await openPage(t, d);
   await visit(page, "#/");

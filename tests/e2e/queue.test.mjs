@@ -105,7 +105,7 @@ test("a full queue refuses for a while, and takes again when there is room", asy
 test("a run beyond its memory fails and says so; the next one is solved", { skip: isSanitized }, async (t) => {
   const d = await daemon(t, { run_memory_bytes: 200_000_000 });
   const large = jam(1, { curve_every_s: 0.1, snapshot_every_s: 1 });
-  large.macro = { cell_m: 0.0002, step_s: "auto" }; // 15 million cells
+  large.macro = { closure: "dispersive", cell_m: 0.0002, step_s: "auto" }; // 15 million cells
   large.macro.mollifier_per_m2 = 1e6;
   const failed = await d.reached((await d.submit(large)).id, "failed");
   assert.match(`${failed.error.code} ${failed.error.detail}`, /memory/);

@@ -20,7 +20,7 @@ async function solveLarge(d) {
     duration_s: 0.002,
     domain: { x_m: [0, columns * 0.002], y_m: [0, rows * 0.002] },
     output: { curve_every_s: 0.001, snapshot_every_s: 0.002 },
-    macro: { cell_m: 0.002, step_s: "auto" },
+    macro: { closure: "dispersive", cell_m: 0.002, step_s: "auto" },
   });
   return d.reached((await d.submit(large)).id, "succeeded");
 }

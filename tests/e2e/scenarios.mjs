@@ -14,7 +14,7 @@ export function tiny(changes = {}) {
     cargo: structuredClone(cylinder),
     initial: { positions_m: [[0.06, 0.06]] },
     output: { curve_every_s: 0.01, snapshot_every_s: 0.05 },
-    macro: { cell_m: 0.01, step_s: 0.00125 },
+    macro: { closure: "dispersive", cell_m: 0.01, step_s: 0.00125 },
     ...changes,
   };
 }
@@ -31,7 +31,7 @@ export function jam(duration_s, output) {
     initial: { hexagonal: { rows: 16, columns: 12, first_m: [0.1, 0.11], spacing_m: 0.02448 } },
     counters: [{ id: "upstream", x_m: [0.0, 0.75] }],
     output,
-    macro: { cell_m: 0.01, step_s: 0.0025 },
+    macro: { closure: "dispersive", cell_m: 0.01, step_s: 0.0025 },
   };
 }
 
@@ -64,7 +64,7 @@ export function fed(changes = {}) {
     actions: [{ when: { photo_eye: "eye", state: "blocked" }, do: { obstacle: "stop", present: true } }],
     counters: [{ id: "upstream", x_m: [0.0, 0.5] }],
     output: { curve_every_s: 0.1, snapshot_every_s: 0.1 },
-    macro: { cell_m: 0.01 },
+    macro: { closure: "dispersive", cell_m: 0.01 },
     micro: { integrator: "implicit", modulus_reduction: 1e4 },
     ...changes,
   };

@@ -15,7 +15,7 @@ const pause = { t_s: [0.0625, 0.09375], factor: [0, 1] };
 // A part in steps of 1/512 s, so that the times of steps and of the schedule are exact.
 const paused = (belt) => tiny({ belts: [{ velocity_m_s: [0.4, 0], ...belt }], duration_s: 0.1875,
   counters: [{ id: "left", x_m: [0, 0.08] }], output: { curve_every_s: 0.03125, snapshot_every_s: 0.09375 },
-  macro: { cell_m: 0.01, step_s: 1 / 512 } });
+  macro: { closure: "dispersive", cell_m: 0.01, step_s: 1 / 512 } });
 
 test("a resolved document tells how a speed changes as it was given, and nothing where nothing was", async (t) => {
   const d = await daemon(t);

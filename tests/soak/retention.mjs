@@ -26,7 +26,7 @@ const large = {
   cargo: { shape: { type: "cylinder", radius_m: 0.012, height_m: 0.008 } },
   initial: { hexagonal: { rows: 100, columns: 100, first_m: [0.1, 0.1], spacing_m: 0.0241 } },
   output: { curve_every_s: 0.01, snapshot_every_s: 0.0005 },
-  macro: { cell_m: 0.05 },
+  macro: { closure: "dispersive", cell_m: 0.05 },
 };
 
 const bytesOf = (d) => statSync(path.join(d.data, "beltflow.db")).size;

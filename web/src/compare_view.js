@@ -7,7 +7,7 @@ import { CompareCurves } from "./compare_curves.js";
 import { chipsOf, differences } from "./differences.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { follow } from "./events.js";
-import { age, nameOf } from "./format.js";
+import { age, modelOf, modelWords, nameOf } from "./format.js";
 import { KeyTable } from "./key_strip.js";
 import { MeasuresTable } from "./measures.js";
 import { address, go, note } from "./router.js";
@@ -55,7 +55,7 @@ export class CompareView {
     const rows = differences(runs.map(({ scenario }) => scenario)).filter(({ label }) => label !== "name");
     const isOf = (what) => new Set(runs.map(({ run }) => run[what])).size > 1;
     const isByName = rows.length > CHIPS_MAX && isOf("name");
-    this.chips = runs.map(({ run }, k) => [isOf("model") || rows.length === 0 || isByName ? run.model : null,
+    this.chips = runs.map(({ run }, k) => [isOf("model") || isOf("closure") || rows.length === 0 || isByName ? modelOf(run, modelWords) : null,
       ...(isByName ? [] : chipsOf(rows, k, CHIPS_MAX)), isOf("label") ? run.label : null].filter(Boolean));
     this.titles = this.chips.map((chips, k) => [...(isByName ? [nameOf(runs[k].run)] : []), ...chips].join(", "));
   }
@@ -99,7 +99,7 @@ export class CompareView {
       on: { change: () => box.value && this.show([...this.runs.map(({ id }) => id), box.value]) } },
       h("option", { value: "" }, others.length === 0 ? "no other run" : "choose a run"),
       others.map((run) => h("option", { value: run.id },
-        `${nameOf(run)} · ${run.model}${run.label ? ` · ${run.label}` : ""} · ${age(run.created_at)}`)));
+        `${nameOf(run)} · ${modelOf(run, modelWords)}${run.label ? ` · ${run.label}` : ""} · ${age(run.created_at)}`)));
     return h("label", { class: "field inline" }, h("span", {}, "Add"), box);
   }
 

@@ -109,3 +109,10 @@ export function nameOf(run) {
 }
 
 export const models = { macro: "macroscopic", micro: "microscopic" };
+
+// "macroscopic, congested": with the closure, where a run or a summary has one; `names` are the words for the models.
+export function modelOf({ model, closure }, names = models) {
+  return closure ? `${names[model]}, ${closure}` : names[model];
+}
+
+export const modelWords = { macro: "macro", micro: "micro" };

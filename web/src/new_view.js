@@ -4,7 +4,7 @@
 import { getJson, post, Problem } from "./api.js";
 import { nameOfVariant } from "./differences.js";
 import { h } from "./dom.js";
-import { span } from "./format.js";
+import { quantity, span } from "./format.js";
 import { JsonEditor } from "./json_editor.js";
 import { formatJson } from "./json_text.js";
 import { address, go, note } from "./router.js";
@@ -191,7 +191,7 @@ export class NewView {
   }
 
   accept(validation) {
-    const { resolved, predicted_s: seconds, warning_details: warnings } = validation;
+    const { predicted_s: seconds, warning_details: warnings } = validation;
     this.validation = validation;
     this.scene.show(this.scenario, validation);
     this.showWarnings(warnings);
@@ -201,7 +201,7 @@ export class NewView {
     else {
       const doubt = n === 0 ? "" : ` Read the ${n === 1 ? "warning" : `${n} warnings`} first.`;
       const time = seconds === null ? "" : ` It takes about ${span(seconds)}.`;
-      this.say(`${sizeText(resolved, this.model)}${time}${doubt}`, n === 0 ? "good" : "doubt");
+      this.say(`${sizeText(validation)}${time}${doubt}`, n === 0 ? "good" : "doubt");
     }
   }
 
@@ -283,8 +283,8 @@ function shift(detail) {
 }
 
 // What the server will have to do.
-function sizeText({ domain, macro, duration_s: duration }, model) {
-  const cells = ["x_m", "y_m"].reduce((n, axis) => n * Math.round((domain[axis][1] - domain[axis][0]) / macro.cell_m), 1);
-  const what = model === "macro" ? `${cells.toLocaleString("en")} cells` : "every part by itself";
-  return `Ready: ${what}, ${duration} s.`;
+function sizeText({ resolved, shape: [rows, columns], cell_m: edges, model }) {
+  if (model === "micro") return `Ready: every part by itself, ${resolved.duration_s} s.`;
+  const size = `${(rows * columns).toLocaleString("en")} cells, ${resolved.duration_s} s`;
+  return `Ready: ${size}. Closure ${resolved.macro.closure}, cells of ${quantity(Math.max(...edges) * 1000, "mm", 3)}.`;
 }

@@ -20,7 +20,7 @@ export class RunData {
     this.scenario = null;
     this.summary = null;
     this.figures = null; // the key figures so far
-    this.grid = null; // { origin_m, cell_m, shape }
+    this.grid = null; // { origin_m, cell_m, shape }; not known before there is a snapshot
     this.parts = null; // { rows, columns, cargo }
     this.snapshots = [];
     this.curve = { t: [], columns: new Map() };
@@ -34,15 +34,13 @@ export class RunData {
       getJson(paths.of(this.id, "scenario")),
     ]);
     Object.assign(this, { run, scenario });
-    this.gridFromScenario();
     if (isOver(run)) await this.loadResults();
   }
 
-  gridFromScenario() {
-    const { domain, macro } = this.scenario;
-    const [width, height] = [domain.x_m[1] - domain.x_m[0], domain.y_m[1] - domain.y_m[0]];
-    const shape = [Math.round(height / macro.cell_m), Math.round(width / macro.cell_m)];
-    this.grid = { origin_m: [domain.x_m[0], domain.y_m[0]], cell_m: [macro.cell_m, macro.cell_m], shape };
+  // The cells of a snapshot: they are fitted to the domain.
+  gridOfShape(shape) {
+    const { x_m: [x0, x1], y_m: [y0, y1] } = this.scenario.domain;
+    this.grid = { origin_m: [x0, y0], cell_m: [(x1 - x0) / shape[1], (y1 - y0) / shape[0]], shape };
   }
 
   async loadResults() {
@@ -117,6 +115,7 @@ export class RunData {
   async takeSnapshot(event) {
     if (this.snapshots.length > event.n) return;
     this.snapshots.push(event);
+    if (!this.grid) this.gridOfShape(event.shape);
     if (!event.parts_url || this.parts) return;
     try {
       const { parts, kinds } = await getJson(paths.of(this.id, "snapshots"));
@@ -141,7 +140,7 @@ export class RunData {
 
   // About how many bytes a picture has; without feeds each snapshot has a row for each part of the start.
   frameBytes(layer) {
-    const [rows, columns] = this.grid.shape;
+    const [rows, columns] = this.grid?.shape ?? [0, 0];
     const density = layer === "parts" ? 0 : 4 * rows * columns;
     const inside = this.snapshots.at(-1)?.mass ?? 0;
     const parts = layer === "density" || !this.parts ? 0 : 8 * (this.parts.rows ?? inside) * this.parts.columns.length;

@@ -3,7 +3,7 @@
 import { currentToken } from "./access.js";
 import { ticketed } from "./api.js";
 import { h, iconButton, link } from "./dom.js";
-import { fixed, models, moment, number, parts, percent, quantity, readable, span } from "./format.js";
+import { fixed, modelOf, moment, number, parts, percent, quantity, readable, span } from "./format.js";
 import { formatJson } from "./json_text.js";
 import { copy } from "./run_actions.js";
 import { tellFault } from "./toast.js";
@@ -28,6 +28,13 @@ function cargoFacts(s) {
   ]);
 }
 
+// Cells of unlike edges where none divides the domain. Summaries of older versions do not tell the edges.
+function cellsText({ cells, cell_m: edges }) {
+  if (!edges) return number(cells, 9);
+  const [x, y] = edges.map((edge) => number(edge * 1000, 4));
+  return `${number(cells, 9)} of ${x === y ? x : `${x} × ${y}`} mm`;
+}
+
 // What the solver did.
 function solverRows(s) {
   const isMicro = s.model === "micro";
@@ -35,13 +42,13 @@ function solverRows(s) {
   return [
     ["Largest density", `${percent(s.largest_density, 1)} of close packing`],
     isMicro ? ["Largest overlap", overlap(s)] : null,
-    isMicro ? ["Contacts at the end", number(s.contacts, 6)] : ["Cells", number(s.cells, 9)],
+    isMicro ? ["Contacts at the end", number(s.contacts, 6)] : ["Cells", cellsText(s)],
     ["Time step", quantity(s.step_s * 1000, "ms")],
     ["Steps", number(s.steps, 9)],
     ["Computing time", span(s.wall_time_s)],
     speed === null ? null : ["Speed", `${number(speed / 1e6)} million ${isMicro ? "part" : "cell"} steps/s`],
     ["Threads", number(s.threads)],
-    ["Solver", `${models[s.model]}, version ${s.solver_version}`],
+    ["Solver", `${modelOf(s)}, version ${s.solver_version}`],
   ].filter(Boolean);
 }
 
@@ -68,7 +75,7 @@ export function solverTable(runs, headOf) {
 
 function runFacts({ run, scenario }) {
   return facts([
-    ["Model", models[run.model]],
+    ["Model", modelOf(run)],
     ["Simulated time", quantity(scenario.duration_s, "s")],
     ["Created", moment(run.created_at)],
     run.started_at ? ["Started", moment(run.started_at)] : null,

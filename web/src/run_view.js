@@ -6,7 +6,7 @@ import { onConnection } from "./connection.js";
 import { CurvePlot } from "./curve_plot.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { follow } from "./events.js";
-import { age, models, nameOf, percent, span } from "./format.js";
+import { age, modelOf, nameOf, percent, span } from "./format.js";
 import { KeyFiguresPanel } from "./key_figures.js";
 import { KeyStrip } from "./key_strip.js";
 import { address, go } from "./router.js";
@@ -52,7 +52,7 @@ export class RunView {
     const name = nameOf(data.run);
     this.title = name;
     this.controls = new SceneControls(cinema, this.query, {
-      headingsOf: () => [[name, `${models[data.run.model]} model`]],
+      headingsOf: () => [[name, `${modelOf(data.run)} model`]],
       fileWords: [name, data.run.model],
     });
     this.screen = cinema.add(data, `The belt from above, ${name}`, () => Math.max(220, innerHeight * 0.62));
@@ -80,7 +80,7 @@ export class RunView {
       h("div", { class: "heading" },
         h("h1", {}, nameOf(run)),
         h("p", { class: "meta" }, this.state.pill, this.bar, this.progress,
-          h("span", { class: "model", data: { model: run.model } }, models[run.model]),
+          h("span", { class: "model", data: { model: run.model } }, modelOf(run)),
           run.label ? h("span", { class: "label" }, run.label) : null,
           h("time", { datetime: run.created_at }, age(run.created_at)))),
       h("div", { class: "actions" },

@@ -1,7 +1,7 @@
 // The columns of the list of runs: what they are called, by what the server sorts them, and what they say of a run. They
 // stand in one table, from which headers and cells follow.
 
-import { fixed, number, percent, quantity, span } from "./format.js";
+import { fixed, modelOf, modelWords, number, percent, quantity, span } from "./format.js";
 import { residenceOf } from "./key_figures.js";
 
 function count(parts) {
@@ -33,7 +33,7 @@ const figure = (name, sort, title, text) => ({ name, sort, title, kind: "right",
 // cells, minor ones being left out where there is no room.
 export const columns = [
   { name: "Run", sort: "name" },
-  { name: "Model", sort: "model", text: ({ model }) => model },
+  { name: "Model", sort: "model", text: (run) => modelOf(run, modelWords) },
   { name: "State", sort: "status" },
   { name: "Progress", kind: "progress", text: progressText },
   figure("Parts through", null, "Parts that left the belt, of those at the start and those that entered",

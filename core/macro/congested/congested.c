@@ -148,7 +148,11 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     c->jam_density = def->jam_density;
     c->slip_rate = def->slip_rate;
     c->n_belts = def->n_belts;
-    c->relaxation = (float)(relaxation_factor * def->grid.d1 / (4.0 * def->dt));
+    const double ratio = def->grid.d1 / def->grid.d2;
+    c->ratio = (float)ratio;
+    c->steepness = (float)(ratio * ratio);
+    c->relaxation =
+        (float)(relaxation_factor * def->grid.d1 / (2.0 * (1.0 + ratio * ratio) * def->dt));
     c->lambda = (float)(def->dt / def->grid.d1);
     if (!init_faces(s, c, def) || !lay_out(s, c) ||
         (def->scheme == SCENE_SCHEME_MUSCL && !lay_out_stage(s, c))) {

@@ -40,7 +40,7 @@ typedef enum congested_side {
 } congested_side;
 
 /// The law of the correction (see congested.h) at the faces on one side of the red cells, in half rows. With e the
-/// face's normal, towards rising x, b the belt's direction and q its left normal.
+/// face's normal, towards rising x, b the belt's direction and q its left normal. Fluxes are times dx1/dx2 at x2-faces.
 typedef struct congested_law {
     float *slope;     ///< k, of G.b beyond G0 = max(0, rho_j (v_T - v_stat.b))
     float *offset;    ///< (1 - k) G0: beyond G0, G.b = k g.b + (1 - k) G0
@@ -52,12 +52,11 @@ typedef struct congested_law {
     float *along;     ///< e.b; NULL in a forward solver, and so are the next two
     float *across;    ///< e.q
     float *crosswise; ///< the pressure gradient along the face, g.(left of e), of the step before
-    float *full_slip; ///< rho_j v_T of the belt under the face
+    float *full_slip; ///< rho_j v_T of the belt under the face; itself also at x2-faces
     float *gain;      ///< threshold per slip: a quarter of tan phi of the belt's speed
     float *at_rest;   ///< full_slip where the face is closed, else 0
     float *flux;      ///< G.e after the iteration
 } congested_law;
-
 /// The law (above) of open faces where v_stat is the first belt's velocity, as in most of a jam. Its offset is 0.
 typedef struct congested_uniform {
     float slope; ///< of x1-faces
@@ -142,7 +141,7 @@ struct congested {
     uint8_t closed_edge[4]; ///< west, east, south, north: nothing is corrected across it
     ptrdiff_t half_stride;  ///< floats from half row to half row
     float *storage;         ///< of all half rows
-    float *pressure[2];     ///< p/dx of red and black cells, m/s: a difference is the gradient
+    float *pressure[2];     ///< p/dx1 of red and black cells, m/s: a difference is -dp/dx1
     float *excess[2];       ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
     congested_uniform uniform;          ///< of a forward solver
@@ -152,8 +151,9 @@ struct congested {
     ptrdiff_t first_row;    ///< first row with active cells
     ptrdiff_t last_row;     ///< row after the last
     double density_limit;   ///< density at which the run fails
-    float relaxation;       ///< omega dx / (4 dt)
-    float lambda;           ///< dt/dx
+    float ratio, steepness; ///< dx1/dx2, and its square, by which pressures count along x2
+    float relaxation;       ///< omega dx1 / (2 (1 + ratio^2) dt)
+    float lambda;           ///< dt/dx1
     congested_slot *slots;  ///< two of each thread, used in turn
     macro_state stage;      ///< density after the first stage and its spans (muscl; else NULL)
     double *stage_storage;  ///< of all rows below (muscl; else NULL)

@@ -85,6 +85,7 @@ static inline row_pressures pressures_of(const congested *c, ptrdiff_t row, int 
 // What the relaxation reads of the solver and of a half row: copies, so that no store to a pressure can change them.
 typedef struct half_row {
     congested_uniform uniform;
+    float steepness;
     float lambda;
     float relaxation;
     congested_law law[CONGESTED_SIDES]; // of the faces around the cells
@@ -98,6 +99,7 @@ static inline __attribute__((always_inline)) half_row half_row_of(const congeste
 {
     const congested_row_faces faces = congested__faces(c, row, colour);
     half_row r = { .uniform = c->uniform,
+                   .steepness = c->steepness,
                    .lambda = c->lambda,
                    .relaxation = c->relaxation,
                    .p = pressures_of(c, row, colour),
@@ -127,8 +129,8 @@ static inline __attribute__((always_inline)) simd_float relax_cells(const half_r
     const simd_float here = simd_float_load(r->p.own + k);
     const simd_float west = simd_float_load(r->p.west + k) - here;
     const simd_float east = here - simd_float_load(r->p.east + k);
-    const simd_float south = simd_float_load(r->p.south + k) - here;
-    const simd_float north = here - simd_float_load(r->p.north + k);
+    const simd_float south = r->steepness * (simd_float_load(r->p.south + k) - here);
+    const simd_float north = r->steepness * (here - simd_float_load(r->p.north + k));
     const simd_float in =
         flux(r, CONGESTED_WEST, k, west, kind) - flux(r, CONGESTED_EAST, k, east, kind) +
         flux(r, CONGESTED_SOUTH, k, south, kind) - flux(r, CONGESTED_NORTH, k, north, kind);
@@ -208,10 +210,11 @@ static inline __attribute__((always_inline)) void make_flux_row(const congested 
         // Fluxes are taken towards rising x: into the cell on its west and south sides.
         const float sign = side == CONGESTED_WEST || side == CONGESTED_SOUTH ? 1.0F : -1.0F;
         const bool is_x1 = side == CONGESTED_WEST || side == CONGESTED_EAST;
+        const float scale = is_x1 ? sign : sign * c->steepness;
         for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_FLOAT_LANES) {
             const simd_float drop = simd_float_load(beside[side] + k) - simd_float_load(p.own + k);
             simd_float_store(f.law->flux + f.at + k,
-                             law(&c->uniform, f.law, f.at + k, sign * drop, kind, is_x1));
+                             law(&c->uniform, f.law, f.at + k, scale * drop, kind, is_x1));
         }
     }
 }
@@ -331,7 +334,7 @@ static inline simd loss(const macro_solver *s, const row_fluxes *f, ptrdiff_t k)
     const simd across = simd_load_floats(f->side[CONGESTED_NORTH] + k) -
                         simd_load_floats(f->side[CONGESTED_SOUTH] + k);
 
-    return s->lambda1 * along + s->lambda2 * across;
+    return s->lambda1 * along + s->lambda1 * across;
 }
 
 static void correct(const macro_solver *s, const congested *c, ptrdiff_t row, congested_range cells)

@@ -12,6 +12,7 @@ static const double friction = 0.46;
 
 // The belt's speed and v_stat at a face in the directions of the face: e its normal, t the left of e.
 typedef struct face_state {
+    double scale;    // of fluxes: 1, or the ratio of the cells' edges
     double aperture; // 0 closed .. 1 open
     double belt_e;   // v_T
     double belt_t;
@@ -39,24 +40,25 @@ static face_slot slot_of(const congested *c, int axis, ptrdiff_t i, ptrdiff_t j)
 static void set_across(const congested *c, const face_slot *f, const face_state *x, double speed,
                        double lateral)
 {
-    const double most = lateral_most * c->jam_density * speed;
+    const double most = lateral_most * c->jam_density * speed, open = x->scale * x->aperture;
 
-    f->law->lower[f->at] = (float)(x->aperture * fmin(0.0, -most - c->jam_density * lateral));
-    f->law->upper[f->at] = (float)(x->aperture * fmax(0.0, most - c->jam_density * lateral));
+    f->law->lower[f->at] = (float)(open * fmin(0.0, -most - c->jam_density * lateral));
+    f->law->upper[f->at] = (float)(open * fmax(0.0, most - c->jam_density * lateral));
     f->law->full_slip[f->at] = (float)(c->jam_density * speed);
-    f->law->gain[f->at] = (float)(0.25 * friction * tanh(0.5 * c->slip_rate * speed));
+    f->law->gain[f->at] = (float)(x->scale * 0.25 * friction * tanh(0.5 * c->slip_rate * speed));
 }
 
 static void set_along(const congested *c, const face_slot *f, const face_state *x, double speed,
                       double forward)
 {
-    const double free = x->aperture * fmax(0.0, c->jam_density * (speed - forward));
+    const double open = x->scale * x->aperture;
+    const double free = open * fmax(0.0, c->jam_density * (speed - forward));
     const double slope = fmin(1.0, forward_slope / (c->slip_rate * speed));
 
     f->law->slope[f->at] = (float)slope;
     f->law->offset[f->at] = (float)((1.0 - slope) * free);
-    f->law->most[f->at] = (float)(free + x->aperture * forward_most * c->jam_density * speed);
-    f->law->least[f->at] = (float)(-c->jam_density * (forward + lateral_most * speed));
+    f->law->most[f->at] = (float)(free + open * forward_most * c->jam_density * speed);
+    f->law->least[f->at] = (float)(x->scale * -c->jam_density * (forward + lateral_most * speed));
     f->law->at_rest[f->at] = 0.0F;
 }
 
@@ -111,6 +113,7 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
             const vec2 v_t = vec2_scale(c->belts[belt], factor);
             const face_slot f = slot_of(c, axis, i, j);
             face_state x = {
+                .scale = axis == 0 ? 1.0 : (double)c->ratio,
                 .aperture = is_edge_closed(s, c, axis, i, j) ? 0.0 : aperture,
                 .belt_e = axis == 0 ? v_t.x : v_t.y,
                 .belt_t = axis == 0 ? v_t.y : -v_t.x,
@@ -139,9 +142,13 @@ static void set_uniform(const macro_solver *s, congested *c)
                                 .gain = &others[2],
                                 .at_rest = &others[3] };
     const face_slot slot = { &law, 0 };
-    const face_state x = { .aperture = 1.0, .belt_e = speed, .stat_e = speed };
+    face_state x = { .scale = 1.0, .aperture = 1.0, .belt_e = speed, .stat_e = speed };
 
     set_face(c, &slot, &x);
+    if (speed == 0.0)
+        return;
+    x.scale = (double)c->ratio;
+    set_across(c, &slot, &x, speed, 0.0);
 }
 
 static bool has_uniform_law(const congested *c, const congested_row_faces *faces, ptrdiff_t k)
@@ -198,6 +205,8 @@ static void couple_face(const congested *c, int axis, ptrdiff_t i, ptrdiff_t j)
     const double along = (double)own.law->along[own.at], across = (double)own.law->across[own.at];
     const float full = own.law->full_slip[own.at];
     const double sign = axis == 0 ? 1.0 : -1.0; // of t on the other axis
+    const double own_scale = axis == 0 ? 1.0 : (double)c->ratio;
+    const double other_scale = axis == 0 ? (double)c->ratio : 1.0;
     double gradient = 0.0, slip = 0.0;
 
     // Where the belt stands both stay, like pressures.
@@ -211,14 +220,15 @@ static void couple_face(const congested *c, int axis, ptrdiff_t i, ptrdiff_t j)
         const float before =
             axis == 0 ? *congested__pressure(c, oi, oj - 1) : *congested__pressure(c, oi - 1, oj);
         const double drop = (double)(before - *congested__pressure(c, oi, oj));
-        const double parallel = along * (double)own.law->flux[own.at] -
-                                across * sign * (double)other.law->flux[other.at];
+        const double parallel = along * (double)own.law->flux[own.at] / own_scale -
+                                across * sign * (double)other.law->flux[other.at] / other_scale;
         // A closed face beside one that mostly lies along the belt holds its cargo back.
         const bool is_held = is_closed && fabs(along) < 0.5;
         slip += is_held ? (double)full : fmin(fmax(-parallel, 0.0), (double)full);
         gradient += is_closed ? 0.0 : sign * drop;
     }
-    own.law->crosswise[own.at] = (float)(0.25 * gradient);
+    // Along x2 the gradient is the drop times the ratio, and at an x2-face it is kept times the ratio: once in each case.
+    own.law->crosswise[own.at] = (float)(0.25 * (double)c->ratio * gradient);
     own.law->threshold[own.at] = (float)(0.5 * (double)own.law->threshold[own.at] +
                                          0.5 * (double)own.law->gain[own.at] * slip);
 }

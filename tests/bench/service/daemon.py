@@ -22,7 +22,7 @@ SCENARIO = {
     "cargo": {"shape": {"type": "cylinder", "radius_m": 0.012, "height_m": 0.008}},
     "initial": {"positions_m": [[0.06, 0.06]]},
     "output": {"curve_every_s": 0.01, "snapshot_every_s": 0.05},
-    "macro": {"cell_m": 0.01, "step_s": 0.00125},
+    "macro": {"closure": "dispersive", "cell_m": 0.01, "step_s": 0.00125},
 }
 # Solved each time, even if the same scenario was solved before.
 BODY = json.dumps({"scenario": SCENARIO, "fresh": True}).encode()

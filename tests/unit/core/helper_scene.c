@@ -95,6 +95,7 @@ void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment)
     s->duration = 6.0;
     s->domain = (scene_rect){ 0.0, 1.0, 0.0, 0.6 };
     s->macro.closure = SCENE_DISPERSIVE;
+    s->macro.cell = 0.005;
     s->initial.type = SCENE_INITIAL_HEXAGONAL;
     s->initial.n_rows = 16;
     s->initial.n_columns = 12;

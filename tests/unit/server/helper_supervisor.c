@@ -19,14 +19,15 @@
 
 const char helper_short_belt[] = "{\"duration_s\":1,\"domain\":{\"x_m\":[0,1],\"y_m\":[0,0.6]},"
                                  "\"cargo\":{},\"initial\":{\"positions_m\":[[0.5,0.3]]},"
-                                 "\"macro\":{\"cell_m\":0.02,\"step_s\":\"auto\"}}";
+                                 "\"macro\":{\"closure\":\"dispersive\",\"cell_m\":0.02,"
+                                 "\"step_s\":\"auto\"}}";
 
 #define JAM(duration, cell, snapshots)                                                             \
     "{\"duration_s\":" duration ",\"domain\":{\"x_m\":[0,1],\"y_m\":[0,0.6]},"                     \
     "\"obstacles\":[{\"from_m\":[0.75,0],\"to_m\":[0.75,0.6]}],\"cargo\":{},"                      \
     "\"initial\":{\"hexagonal\":{\"rows\":16,\"columns\":12,\"first_m\":[0.1,0.11],"               \
     "\"spacing_m\":0.02448}},\"output\":{\"curve_every_s\":0.05,\"snapshot_every_s\":" snapshots   \
-    "},\"macro\":{\"cell_m\":" cell ",\"step_s\":\"auto\"}}"
+    "},\"macro\":{\"closure\":\"dispersive\",\"cell_m\":" cell ",\"step_s\":\"auto\"}}"
 
 const char helper_long_jam[] = JAM("5000", "0.005", "100");
 #if HELPER_AMOUNT_IS_LESS

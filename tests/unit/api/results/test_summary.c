@@ -110,8 +110,9 @@ static void a_summary_warns(void **unused)
     (void)unused;
     dense.peak = 1.41;
     dense.stopped = 1;
-    json_t *root =
-        summarise_scenario(DOCUMENT_WITH("'macro': {'step_s': 0.00212}"), &begin, &dense);
+    json_t *root = summarise_scenario(
+        DOCUMENT_WITH("'macro': {'closure': 'dispersive', 'cell_m': 0.005, 'step_s': 0.00212}"),
+        &begin, &dense);
     const json_t *texts = json_object_get(root, "warnings");
     assert_int_equal(json_array_size(texts), 3);
     assert_true(json_is_true(json_object_get(root, "stopped")));

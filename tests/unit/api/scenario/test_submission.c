@@ -92,7 +92,7 @@ static void the_identity_is_the_scenario_without_its_name(void **unused)
         { "{'scenario': {'name': 'other', " DOCUMENT_NEEDED "}, 'label': 'l', 'priority': 1}",
           true },
         { "{'scenario': {" DOCUMENT_NEEDED "}, 'fresh': true}", true },
-        { "{'scenario': {" DOCUMENT_NEEDED ", 'macro': {'cell_m': 0.005}}}", true }, // the default
+        { "{'scenario': {" DOCUMENT_NEEDED ", 'macro': {'cell_m': 'auto'}}}", true }, // the default
         { "{'scenario': {" DOCUMENT_NEEDED ", 'macro': {'cell_m': 0.01}}}", false },
         { "{'scenario': {" DOCUMENT_NEEDED ", 'counters': [{'id': 'gate'}]}}", false },
     };
@@ -260,7 +260,8 @@ static void assert_begins(const bf_buffer *text, const char *expected)
     "'scenario': {'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, "                   \
     "'obstacles': [{'from_m': [0.461325, 0], 'to_m': [0.75, 0.5]}], "                              \
     "'cargo': {'shape': {'type': 'box', 'length_m': 0.02, 'width_m': 0.02}}, 'initial': "          \
-    "{'hexagonal': {'rows': 5, 'columns': 5, 'first_m': [0.1, 0.1], 'spacing_m': 0.05}}}"
+    "{'hexagonal': {'rows': 5, 'columns': 5, 'first_m': [0.1, 0.1], 'spacing_m': 0.05}}, "         \
+    "'macro': {'closure': 'dispersive', 'cell_m': 0.005}}"
 
 static void a_validation_says_what_the_results_would_be_doubted_for(void **unused)
 {
@@ -268,10 +269,12 @@ static void a_validation_says_what_the_results_would_be_doubted_for(void **unuse
 
     (void)unused;
     validate("{" SCENARIO "}", &free_belt);
-    assert_begins(&free_belt, "{\"valid\":true,\"model\":\"macro\",\"warnings\":[],\"warning_"
-                              "details\":[],\"predicted_s\":null,\"validity\":{"
-                              "\"closure\":\"dispersive\",\"compared\":true,\"outside\":[]},"
-                              "\"resolved\":{\"name\":\"N\",");
+    assert_begins(&free_belt,
+                  "{\"valid\":true,\"model\":\"macro\","
+                  "\"cell_m\":[0.008,0.008],\"shape\":[75,125],\"warnings\":[],\"warning_"
+                  "details\":[],\"predicted_s\":null,\"validity\":{"
+                  "\"closure\":\"congested\",\"compared\":true,\"outside\":[]},"
+                  "\"resolved\":{\"name\":\"N\",");
     validate("{" DEFLECTED "}", &macro);
 #define TITLE "The share of parts that are no cylinders is 100 %"
 #define MEANING                                                                                    \
@@ -279,7 +282,8 @@ static void a_validation_says_what_the_results_would_be_doubted_for(void **unuse
     "model, too."
     assert_begins(
         &macro,
-        "{\"valid\":true,\"model\":\"macro\",\"warnings\":[\"" TITLE ". " MEANING "\"],"
+        "{\"valid\":true,\"model\":\"macro\",\"cell_m\":[0.005,0.005],\"shape\":[120,200],"
+        "\"warnings\":[\"" TITLE ". " MEANING "\"],"
         "\"warning_details\":[{\"title\":\"" TITLE "\",\"meaning\":\"" MEANING "\","
         "\"detail\":\"The density model was compared with moving parts for cylinders alone.\","
         "\"pointer\":\"/cargo/shape\"}],"
@@ -289,8 +293,10 @@ static void a_validation_says_what_the_results_would_be_doubted_for(void **unuse
         "\"pointer\":\"/cargo/shape\",\"detail\":\"" TITLE
         "; the model was compared with moving parts for cylinders alone.\"}]},\"resolved\":{");
     validate("{" DEFLECTED ", 'model': 'micro'}", &micro);
-    assert_begins(&micro, "{\"valid\":true,\"model\":\"micro\",\"warnings\":[],\"warning_details\":"
-                          "[],\"predicted_s\":null,\"resolved\":{");
+    assert_begins(
+        &micro, "{\"valid\":true,\"model\":\"micro\","
+                "\"cell_m\":[0.005,0.005],\"shape\":[120,200],\"warnings\":[],\"warning_details\":"
+                "[],\"predicted_s\":null,\"resolved\":{");
     buffer_fini(&free_belt);
     buffer_fini(&macro);
     buffer_fini(&micro);

@@ -246,22 +246,60 @@ static void the_congested_closure_has_steps_of_its_own(void **state)
     scene_fini(&s);
 }
 
-static void the_step_is_auto_by_default_if_congested(void **state)
+static void the_default_is_congested_in_steps_and_cells_that_are_chosen(void **state)
 {
     scene s;
 
     (void)state;
     scene_init(&s);
-    s.macro.closure = SCENE_CONGESTED;
     helper_scene_resolve(&s);
+    assert_int_equal(s.macro.closure, SCENE_CONGESTED);
     assert_true(s.macro.step == 0.0);
+    assert_true(s.macro.cell == 0.0);
     assert_true(s.macro.jam_density == 0.93);
     scene_fini(&s);
-    scene_init(&s);
-    s.macro.closure = SCENE_DISPERSIVE;
-    helper_scene_resolve(&s);
-    assert_true(s.macro.step == 0.00125);
-    scene_fini(&s);
+}
+
+// The paper's step is the default where its closure is chosen and the cell is named.
+static void the_papers_step_belongs_to_cells_that_are_given(void **state)
+{
+    scene s;
+
+    (void)state;
+    for (int is_named = 0; is_named < 2; is_named++) {
+        scene_init(&s);
+        s.macro.closure = SCENE_DISPERSIVE;
+        s.macro.cell = is_named ? 0.005 : 0.0;
+        helper_scene_resolve(&s);
+        assert_true(s.macro.step == (is_named ? 0.00125 : 0.0));
+        scene_fini(&s);
+    }
+}
+
+// The paper's 2500/m2 for its 12 mm, in proportion to 1/r2; a disk of 0.04 m2 has r2 = 0.04/pi: 28.27; cells of 0.5 m allow 4.
+static void the_gaussian_of_a_part_has_its_size(void **state)
+{
+    static const struct {
+        scene_shape shape;
+        double cell, expected;
+    } cases[] = {
+        { { .type = SCENE_CYLINDER, .radius = 0.012, .height = 0.01 }, 0.0, 2500.0 },
+        { { .type = SCENE_CYLINDER, .radius = 0.120, .height = 0.01 }, 0.0, 25.0 },
+        { { .type = SCENE_BOX, .length = 0.4, .width = 0.1, .height = 0.1 }, 0.0, 28.27 },
+        { { .type = SCENE_CYLINDER, .radius = 0.012, .height = 0.01 }, 0.5, 4.0 },
+    };
+    scene s;
+
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene_init(&s);
+        s.domain = (scene_rect){ 0.0, 2.0, 0.0, 1.0 };
+        s.cargo[0].shape = cases[k].shape;
+        s.macro.cell = cases[k].cell;
+        helper_scene_resolve(&s);
+        assert_near(s.macro.initial_mollifier, cases[k].expected, 1e-12);
+        scene_fini(&s);
+    }
 }
 
 static double mass_of(scene *s)
@@ -338,7 +376,9 @@ int main(void)
         cmocka_unit_test(an_auto_step_fits_into_the_period_of_the_curve),
         cmocka_unit_test(an_auto_step_is_no_longer_than_the_run),
         cmocka_unit_test(the_congested_closure_has_steps_of_its_own),
-        cmocka_unit_test(the_step_is_auto_by_default_if_congested),
+        cmocka_unit_test(the_default_is_congested_in_steps_and_cells_that_are_chosen),
+        cmocka_unit_test(the_papers_step_belongs_to_cells_that_are_given),
+        cmocka_unit_test(the_gaussian_of_a_part_has_its_size),
         cmocka_unit_test(the_mass_of_a_solid_is_steel_times_its_volume),
         cmocka_unit_test(the_hull_of_a_fine_cylinder_has_nearly_its_volume),
     };

@@ -103,7 +103,7 @@ static void numbers_out_of_range_are_refused_where_they_stand(void **state)
         { offsetof(scene, cargo[0].material.poisson_ratio), "/cargo/material/poisson_ratio", 0.5 },
         { offsetof(scene, initial.first.y), "/initial/hexagonal/first_m", 1e9 },
         { offsetof(scene, initial.spacing), "/initial/hexagonal/spacing_m", 0.0 },
-        { offsetof(scene, macro.cell), "/macro/cell_m", 0.0 },
+        { offsetof(scene, macro.cell), "/macro/cell_m", -0.005 },
         { offsetof(scene, macro.step), "/macro/step_s", -1.0 },
         { offsetof(scene, macro.jam_density), "/macro/jam_density", 0.0 },
         { offsetof(scene, macro.jam_density), "/macro/jam_density", 1.001 },
@@ -417,33 +417,6 @@ static void slender_shapes_are_beyond_the_limit(void **state)
     assert_true(is_only_fault(&s, BF_ELIMIT, "/cargo/shape", "1000"));
 }
 
-static void a_domain_of_part_cells_is_refused_with_the_nearest_cells(void **state)
-{
-    scene s;
-
-    (void)state;
-    helper_scene_belt(&s, 1.0, 0.7, 0.007, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
-    helper_scene_resolve(&s);
-    const bf_faults *faults = faults_of(&s);
-    // 1 m are 142.857 cells: 142 or 143 would do.
-    assert_true(has_fault(faults, BF_EINPUT, "/macro/cell_m", "142.857"));
-    assert_true(has_fault(faults, BF_EINPUT, "/macro/cell_m", "0.00704225352113 m (142 cells)"));
-    assert_true(has_fault(faults, BF_EINPUT, "/macro/cell_m", "0.00699300699301 m (143 cells)"));
-    assert_int_equal(faults->n, 1);
-    // Rounding of the document is forgiven, 1e-6 of the length.
-    helper_scene_belt(&s, 1.0000005, 0.7, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
-    helper_scene_resolve(&s);
-    assert_int_equal(scene_grid(&s).n1, 200);
-    assert_int_equal(faults_of(&s)->n, 0);
-    helper_scene_belt(&s, 1.000002, 0.7, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
-    helper_scene_resolve(&s);
-    assert_true(is_only_fault(&s, BF_EINPUT, "/macro/cell_m", "200.0004"));
-    helper_scene_belt(&s, 0.1, 0.1, 0.3, (scene_pose[]){ { 0.05, 0.05, 0.0 } }, 1);
-    s.macro.mollifier = 10.0;
-    helper_scene_resolve(&s);
-    assert_true(has_fault(faults_of(&s), BF_EINPUT, "/macro/cell_m", "0.1 m (1 cells) would do"));
-}
-
 static void sizes_beyond_the_limits_are_refused_with_figure_and_limit(void **state)
 {
     scene s;
@@ -584,7 +557,6 @@ int main(void)
         cmocka_unit_test(paths_of_obstacles_have_length),
         cmocka_unit_test(shapes_are_convex_and_solid),
         cmocka_unit_test(slender_shapes_are_beyond_the_limit),
-        cmocka_unit_test(a_domain_of_part_cells_is_refused_with_the_nearest_cells),
         cmocka_unit_test(sizes_beyond_the_limits_are_refused_with_figure_and_limit),
         cmocka_unit_test(numbers_of_items_are_limited),
         cmocka_unit_test(cargo_faults_point_at_their_source),
