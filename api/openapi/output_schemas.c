@@ -239,10 +239,9 @@ static const openapi_schema table[] = {
     WRITTEN("PhotoEyeFigures", openapi__write_eye_figures, "Key figures of a photo eye"),
     OBJECT(submission_validation_members, "A submission that is valid"),
     OBJECT(submission_part_members, "A part at the start"),
-    OBJECT(review_validity_members,
-           "Whether the macroscopic model was compared with moving parts for scenarios like this "
-           "one"),
-    OBJECT(review_outside_members, "A figure of a scenario that is out of its range"),
+    OBJECT(review_validity_members, "Whether a model was compared for scenarios like this one"),
+    OBJECT(review_outside_members,
+           "A figure of a scenario that is out of its range or was never compared"),
     OBJECT(review_warning_members, "A reason to doubt the results; it is no fault"),
     { .help = "Outflow curve: one list for each counter, under its id, all of the same length",
       .table = &results_curve_members,

@@ -208,9 +208,9 @@ static const member summary_members[] = {
            .table = &review_warning_members, .offset_n = AT(warnings.n),
            .limit = REVIEW_WARNINGS_MAX, .flags = MEMBER_OPTIONAL),
     MEMBER("validity", object, AT(review.validity),
-           "Whether the model was compared with moving parts for scenarios like this one; missing "
+           "Whether the model was compared for scenarios like this one; missing "
            "in summaries of versions that did not say so",
-           .table = &review_validity_members, .tags = MACRO, .flags = MEMBER_OPTIONAL),
+           .table = &review_validity_members, .flags = MEMBER_OPTIONAL),
     MEMBER("cached", described, 0, "The results were known from an earlier run", .type = "boolean",
            .flags = MEMBER_OPTIONAL),
     MEMBER("scenario", raw, AT(scenario), "What was solved, with every default filled in",

@@ -7,10 +7,13 @@
 #define AT(place) offsetof(validity_item, place)
 static const member outside_members[] = {
     MEMBER("what", enum, AT(figure), "Figure of the scenario", .words = validity_words),
-    MEMBER("value", number, AT(value), "Its value, the one that is farthest out"),
+    MEMBER("value", number, AT(value), "Its value, the one that is farthest out",
+           .null = "not known"),
     MEMBER("unit", string, AT(unit), "Unit of the value and of the range", .null = "none"),
-    MEMBER("min", number, AT(minimum), "Smallest value of the comparison", .null = "no limit"),
-    MEMBER("max", number, AT(maximum), "Largest value of the comparison", .null = "no limit"),
+    MEMBER("min", number, AT(minimum), "Smallest value of the comparison",
+           .null = "no limit, or never compared"),
+    MEMBER("max", number, AT(maximum), "Largest value of the comparison",
+           .null = "no limit, or never compared"),
     MEMBER("pointer", text, AT(pointer), "What has that value, in the document of the scenario",
            .type = "#JsonPointer"),
     MEMBER("detail", text, AT(detail), "Value, range and what to expect, for people"),
@@ -19,13 +22,25 @@ const member_table review_outside_members = { MEMBER_TABLE("OutsideValidity", ou
                                               .size = sizeof(validity_item) };
 #undef AT
 
+static bool is_of_a_density(const void *item)
+{
+    const validity *of = item;
+
+    return of->subject != VALIDITY_PARTS_MODEL;
+}
+
+// In the order of validity_subject, which has the closures first.
 #define AT(place) offsetof(validity, place)
 static const member validity_members[] = {
-    MEMBER("closure", enum, AT(closure), "Closure of the macroscopic model",
-           .words = scenario_closure_words),
-    MEMBER("compared", bool, AT(is_compared), "Every figure of the scenario is within its range"),
+    MEMBER("closure", enum, AT(subject), "Closure of the macroscopic model",
+           .words = scenario_closure_words, .applies = is_of_a_density),
+    MEMBER("compared", bool, AT(is_compared),
+           "Every figure of the scenario was compared and is within its range"),
     MEMBER("outside", array, AT(items), "Figures that are out of their range",
-           .table = &review_outside_members, .offset_n = AT(n), .limit = VALIDITY_ITEMS_MAX),
+           .table = &review_outside_members, .offset_n = AT(n), .limit = VALIDITY_OUTSIDE_MAX),
+    MEMBER("never_compared", array, AT(never),
+           "Figures that no comparison had, or whose value is not known",
+           .table = &review_outside_members, .offset_n = AT(n_never), .limit = VALIDITY_NEVER_MAX),
 };
 const member_table review_validity_members = { MEMBER_TABLE("Validity", validity_members) };
 #undef AT

@@ -6,7 +6,7 @@
 #include "api/json/members.h"
 #include "core/run/run.h"
 
-/// The validity of the macroscopic model, and an item of it; the structs are validity and validity_item.
+/// The validity of a model, and an item of it; the structs are validity and validity_item.
 extern const member_table review_validity_members;
 extern const member_table review_outside_members;
 

@@ -173,13 +173,6 @@ static void write_warnings(json_out *w, const member *m, const void *item)
     review_write_texts(w, &of->review.warnings);
 }
 
-static bool has_validity(const void *item)
-{
-    const validation *of = item;
-
-    return of->review.model == RUN_MACRO;
-}
-
 static bool has_parts(const void *item)
 {
     const validation *of = item;
@@ -223,9 +216,8 @@ static const member validation_members[] = {
            "CPU time that the run will take on one core of the service's machine", .unit = "s",
            .null = "not known in the first second of the service"),
     MEMBER("validity", object, AT(review.validity),
-           "Of the macroscopic model: whether it was compared with moving parts for scenarios like "
-           "this one",
-           .table = &review_validity_members, .applies = has_validity),
+           "Whether the model was compared for scenarios like this one",
+           .table = &review_validity_members),
     MEMBER("parts", parts, 0,
            "With the parameter `parts`: where parts stand at the start, in the order of placement; "
            "where there are more, so many of them, evenly chosen",

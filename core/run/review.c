@@ -9,6 +9,7 @@
 #include "core/run/run.h"
 #include "core/scene/surroundings.h"
 
+#include <math.h>
 #include <stdio.h>
 
 enum { BEAM_POINTS = 101 }; ///< of a beam that belts are looked for under
@@ -167,19 +168,24 @@ static void review_step(const scene *s, review_warnings *ret_warnings)
              positive);
 }
 
-static bf_status review_density(const scene *s, run_review *review, bf_error *err)
+static void warn_of_items(const validity_item *items, size_t n, review_warnings *ret_warnings)
 {
-    review_step(s, &review->warnings);
-    review_closure(s, &review->warnings);
-    const bf_status status = validity_of(s, &review->validity, err);
+    for (size_t k = 0; k < n; k++) {
+        review_warning *item = review_add(ret_warnings, items[k].pointer, items[k].title);
+        snprintf(item->meaning, sizeof item->meaning, "%s", items[k].meaning);
+        snprintf(item->detail, sizeof item->detail, "%s", items[k].comparison);
+    }
+}
+
+static bf_status review_validity(const scene *s, run_model model, run_review *review, bf_error *err)
+{
+    const bf_status status = model == RUN_MACRO ? validity_of(s, &review->validity, err)
+                                                : validity_of_parts(s, NAN, &review->validity, err);
+
     if (status != BF_OK)
         return status;
-    for (size_t k = 0; k < review->validity.n; k++) {
-        const validity_item *of = &review->validity.items[k];
-        review_warning *item = review_add(&review->warnings, of->pointer, of->title);
-        snprintf(item->meaning, sizeof item->meaning, "%s", of->meaning);
-        snprintf(item->detail, sizeof item->detail, "%s", of->comparison);
-    }
+    warn_of_items(review->validity.items, review->validity.n, &review->warnings);
+    warn_of_items(review->validity.never, review->validity.n_never, &review->warnings);
     return BF_OK;
 }
 
@@ -192,7 +198,11 @@ bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
     for (size_t k = 0; k < s->n_feeds && status == BF_OK; k++)
         status = review_rate(s, k, &ret_review->warnings, err);
     review_actions(s, &ret_review->warnings);
-    if (status == BF_OK && model == RUN_MACRO)
-        status = review_density(s, ret_review, err);
+    if (model == RUN_MACRO) {
+        review_step(s, &ret_review->warnings);
+        review_closure(s, &ret_review->warnings);
+    }
+    if (status == BF_OK)
+        status = review_validity(s, model, ret_review, err);
     return status;
 }

@@ -66,7 +66,7 @@ void run_check(const scene *s, run_model model, bf_faults *faults);
 /// What is to be said about the results of a scenario before it is solved.
 typedef struct run_review {
     run_model model;          ///< with which it would be solved
-    validity validity;        ///< of RUN_MACRO; of other models there is none
+    validity validity;        ///< of the model
     review_warnings warnings; ///< reasons to doubt the results
 } run_review;
 

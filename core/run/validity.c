@@ -1,9 +1,14 @@
 #include "core/run/validity.h"
 
+#include "core/base/memory.h"
 #include "core/base/vec2.h"
+#include "core/feed/arrivals.h"
+#include "core/run/validity_table.h"
+#include "core/run/validity_text.h"
 #include "core/scene/layout.h"
 #include "core/scene/mix.h"
 #include "core/scene/shape.h"
+#include "core/scene/surroundings.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -13,189 +18,60 @@
 /// Values are told with four digits. What is outside by less than they show, relative to the bound, is inside.
 #define SLACK 2e-4
 
-/// Where the models were compared and differed by at most 5 % of the parts, and what happens outside.
-typedef struct range_row {
-    double minimum;    ///< see validity_item
-    double maximum;    ///< see validity_item
-    const char *below; ///< what to expect of smaller values; NULL: it was not measured
-    const char *above; ///< what to expect of larger values; NULL: it was not measured
-} range_row;
+/// Ratios of equal numbers and sines of parallel directions are within this of 1 and 0.
+#define ROUNDING 1e-6
 
-/// What to expect where it was not measured.
-static const char unknown[] = "How well the density model predicts this was not measured: solve it "
-                              "with the microscopic model, too.";
+/// From this share of what a full opening passes on, cargo queues before it.
+#define FULL 0.95
 
-#define NOTHING -INFINITY
-
-static const range_row dispersive_ranges[VALIDITY_FIGURE_COUNT] = {
-    [VALIDITY_ANGLE] = { 30.0, 90.0,
-                         "The density model lets cargo slide too slowly along a flat deflector.",
-                         "Cargo collects in the corner that the deflector closes, and stays "
-                         "there." },
-    [VALIDITY_OPENING] = { 2.9, 12.5, "Parts may bridge the opening, which a density cannot show.",
-                           NULL },
-    [VALIDITY_FUNNEL] = { 2.9, 12.5, "Parts may bridge the opening, which a density cannot show.",
-                          NULL },
-    [VALIDITY_HEAP] = { NOTHING, 62.0, NULL,
-                        "So much cargo fills the opening, and the density model lets it pass too "
-                        "fast." },
-    [VALIDITY_PARTS] = { 24.0, 640.0, "A density says little about a few parts.", NULL },
-    [VALIDITY_SPEED] = { 0.2, 0.8, "The density model lets cargo pass too slowly at such a speed.",
-                         NULL },
-    [VALIDITY_SCHEDULES] = { NOTHING, 0.0, NULL, NULL },
-    [VALIDITY_BELTS] = { NOTHING, 1.0, NULL, NULL },
-    [VALIDITY_PLATES] = { NOTHING, 1.0, NULL,
-                          "The density model holds cargo back between two deflectors." },
-    [VALIDITY_BENDS] = { NOTHING, 1.0, NULL, NULL },
-    [VALIDITY_PIECES] = { NOTHING, LAYOUT_PIECES_MAX, NULL,
-                          "Angles and openings of so many were not measured." },
-    [VALIDITY_WALL] = { NOTHING, 0.0, NULL, "Cargo collects at such a wall." },
-    [VALIDITY_DIAMETER] = { 0.022, 0.036, "The density model is not laid out for such small parts.",
-                            "The density model is not laid out for such large parts." },
-    [VALIDITY_SHAPE] = { NOTHING, 0.0, NULL, NULL },
-    [VALIDITY_KINDS] = { NOTHING, 1.0, NULL, NULL },
-    [VALIDITY_PLATE_FRICTION] = { 0.1, 0.5, NULL, NULL },
-    [VALIDITY_PART_FRICTION] = { 0.05, 0.5, NULL, NULL },
-    [VALIDITY_BELT_FRICTION] = { 0.3, 1.0, NULL, NULL },
-    [VALIDITY_TREATMENT] = { NOTHING, 0.0, NULL,
-                             "In the density model cargo leaks through field, and piles up in the "
-                             "corners of wall." },
-    [VALIDITY_CELL] = { 0.1, 0.25, NULL,
-                        "The density model lets cargo pass too slowly on a coarse grid." },
-    [VALIDITY_MOTIONS] = { NOTHING, 0.0, NULL, NULL },
+enum {
+    WIDTH_DIRECTIONS = 64, ///< in which the width of a part is looked for, over half a turn
+    TURN_SAMPLES = 16,     ///< angles of a plate that turns at which openings are measured
+    TURN_PIECES_MAX = 64,  ///< straight pieces of all plates up to which they are
 };
-
-static const range_row congested_ranges[VALIDITY_FIGURE_COUNT] = {
-    [VALIDITY_ANGLE] = { 10.0, 90.0, NULL,
-                         "Cargo collects in the corner that the deflector closes, and stays "
-                         "there." },
-    [VALIDITY_OPENING] = { 2.9, 9.0, "Parts may bridge the opening, which a density cannot show.",
-                           NULL },
-    [VALIDITY_FUNNEL] = { 6.0, 10.0, "Parts may bridge the opening, which a density cannot show.",
-                          NULL },
-    [VALIDITY_HEAP] = { NOTHING, INFINITY, NULL, NULL },
-    [VALIDITY_PARTS] = { 96.0, 840.0, "A density says little about a few parts.", NULL },
-    [VALIDITY_SPEED] = { 0.1, 0.6, NULL, NULL },
-    [VALIDITY_SCHEDULES] = { NOTHING, 0.0, NULL, NULL },
-    [VALIDITY_BELTS] = { NOTHING, 2.0, NULL, NULL },
-    [VALIDITY_PLATES] = { NOTHING, 2.0, NULL, NULL },
-    [VALIDITY_BENDS] = { NOTHING, 1.0, NULL, NULL },
-    [VALIDITY_PIECES] = { NOTHING, LAYOUT_PIECES_MAX, NULL,
-                          "Angles and openings of so many were not measured." },
-    [VALIDITY_WALL] = { NOTHING, 0.0, NULL, "Cargo collects at such a wall." },
-    [VALIDITY_DIAMETER] = { 0.024, 0.024, NULL, NULL },
-    [VALIDITY_SHAPE] = { NOTHING, 0.0, NULL, NULL },
-    [VALIDITY_KINDS] = { NOTHING, 1.0, NULL, NULL },
-    [VALIDITY_PLATE_FRICTION] = { 0.19, 0.19, NULL, NULL },
-    [VALIDITY_PART_FRICTION] = { 0.15, 0.15, NULL, NULL },
-    [VALIDITY_BELT_FRICTION] = { 1.0, 1.0, NULL, NULL },
-    [VALIDITY_TREATMENT] = { NOTHING, INFINITY, NULL, NULL },
-    [VALIDITY_CELL] = { 0.2, 0.42, NULL, NULL },
-    [VALIDITY_MOTIONS] = { NOTHING, 0.0, NULL, NULL },
-};
-
-static const range_row *const ranges[SCENE_CLOSURE_COUNT] = {
-    [SCENE_DISPERSIVE] = dispersive_ranges,
-    [SCENE_CONGESTED] = congested_ranges,
-};
-
-const char *const validity_words[] = {
-    [VALIDITY_ANGLE] = "angle",
-    [VALIDITY_OPENING] = "opening",
-    [VALIDITY_FUNNEL] = "funnel",
-    [VALIDITY_HEAP] = "heap",
-    [VALIDITY_PARTS] = "parts",
-    [VALIDITY_SPEED] = "speed",
-    [VALIDITY_SCHEDULES] = "schedules",
-    [VALIDITY_BELTS] = "belts",
-    [VALIDITY_PLATES] = "plates",
-    [VALIDITY_BENDS] = "bends",
-    [VALIDITY_PIECES] = "pieces",
-    [VALIDITY_WALL] = "wall",
-    [VALIDITY_DIAMETER] = "diameter",
-    [VALIDITY_SHAPE] = "shape",
-    [VALIDITY_KINDS] = "kinds",
-    [VALIDITY_PLATE_FRICTION] = "plate_friction",
-    [VALIDITY_PART_FRICTION] = "part_friction",
-    [VALIDITY_BELT_FRICTION] = "belt_friction",
-    [VALIDITY_TREATMENT] = "treatment",
-    [VALIDITY_CELL] = "cell",
-    [VALIDITY_MOTIONS] = "motions",
-    [VALIDITY_FIGURE_COUNT] = NULL,
-};
-
-/// The text about a figure: "<before> <value><after>; the model was compared with moving parts for <range>".
-typedef struct figure_text {
-    const char *unit;   ///< in documents; NULL: none
-    const char *before; ///< words before the value
-    const char *after;  ///< words after the value
-    const char *of;     ///< words after the numbers of the range
-    const char *only;   ///< instead of these numbers; NULL: the numbers
-} figure_text;
-
-static const figure_text texts[VALIDITY_FIGURE_COUNT] = {
-    [VALIDITY_ANGLE] = { "deg", "A deflector stands at", " degrees to the belt", " degrees", NULL },
-    [VALIDITY_OPENING] = { "diameters", "The narrowest opening is", " part diameters wide",
-                           " diameters", NULL },
-    [VALIDITY_FUNNEL] = { "diameters", "The narrowest opening of several deflectors is",
-                          " part diameters wide", " diameters", NULL },
-    [VALIDITY_HEAP] = { "parts/diameter", "The heap has",
-                        " parts for each part diameter of the narrowest opening", "", NULL },
-    [VALIDITY_PARTS] = { "parts", "The number of parts is", "", "", NULL },
-    [VALIDITY_SPEED] = { "m/s", "A belt runs at", " m/s", " m/s", NULL },
-    [VALIDITY_SCHEDULES] = { NULL, "The number of belts whose speed changes is", "", "",
-                             "constant speeds alone" },
-    [VALIDITY_BELTS] = { NULL, "The number of different belt velocities is", "", "", "one alone" },
-    [VALIDITY_PLATES] = { NULL, "The number of deflectors is", "", "", NULL },
-    [VALIDITY_BENDS] = { NULL, "The number of bends of a deflector is", "", "", NULL },
-    [VALIDITY_PIECES] = { NULL, "The number of straight pieces of the deflectors is", "", "",
-                          "a few" },
-    [VALIDITY_WALL] = { "deg", "A belt runs against a wall at", " degrees", "",
-                        "walls along the belt" },
-    [VALIDITY_DIAMETER] = { "m", "A part is", " m across", " m", NULL },
-    [VALIDITY_SHAPE] = { "%", "The share of parts that are no cylinders is", " %", "",
-                         "cylinders alone" },
-    [VALIDITY_KINDS] = { NULL, "The number of kinds of cargo is", "", "", "one alone" },
-    [VALIDITY_PLATE_FRICTION] = { NULL, "The friction of parts on deflectors is", "", "", NULL },
-    [VALIDITY_PART_FRICTION] = { NULL, "The friction of parts on parts is", "", "", NULL },
-    [VALIDITY_BELT_FRICTION] = { NULL, "The friction of parts on belts is", "", "", NULL },
-    [VALIDITY_TREATMENT] = { NULL, "The number of deflectors that are not sealed is", "", "",
-                             "sealed ones alone" },
-    [VALIDITY_CELL] = { "diameters", "The edge of a cell is", " part diameters", " diameters",
-                        NULL },
-    [VALIDITY_MOTIONS] = { NULL, "The number of obstacles that move is", "", "",
-                           "obstacles that stand" },
-};
-
-enum { TOO_SMALL, TOO_LARGE, WAY_COUNT };
 
 /// What was found so far.
 typedef struct findings {
     const scene *s;
-    const range_row *ranges; ///< of its closure
-    double diameter;         ///< of the largest part, m
-    validity_item items[VALIDITY_FIGURE_COUNT][WAY_COUNT];
-    bool has[VALIDITY_FIGURE_COUNT][WAY_COUNT]; ///< the item is filled in
+    validity_subject subject; ///< what is compared
+    double diameter;          ///< of the largest part, m
+    double rate;              ///< of all feeds together at most, parts/s
+    double n_fed;             ///< parts of feeds in the run
+    bool is_turning;          ///< a plate turns
+    validity_item items[VALIDITY_FIGURE_COUNT][VALIDITY_WAY_COUNT];
+    bool has[VALIDITY_FIGURE_COUNT][VALIDITY_WAY_COUNT]; ///< the item is filled in
 } findings;
+
+static const validity_range *range_of(const findings *f, validity_figure figure)
+{
+    return &validity_table[figure].ranges[f->subject];
+}
+
+static int way_of(const validity_range *range, double value)
+{
+    if (isnan(range->minimum) || isnan(value))
+        return VALIDITY_NEVER_COMPARED;
+    if (value < range->minimum * (1.0 - SLACK))
+        return VALIDITY_TOO_SMALL;
+    return value > range->maximum * (1.0 + SLACK) ? VALIDITY_TOO_LARGE : VALIDITY_WAY_COUNT;
+}
 
 static void note(findings *f, validity_figure figure, double value, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/// Compare a value with its range; the text is the pointer of what has it.
+/// Compare a value that the scenario has with its range; the text is the pointer of what has it.
 static void note(findings *f, validity_figure figure, double value, const char *format, ...)
 {
-    const range_row *range = &f->ranges[figure];
-    int way = WAY_COUNT;
+    const validity_range *range = range_of(f, figure);
+    const bool is_any = range->minimum == -INFINITY && range->maximum == INFINITY;
+    const int way = way_of(range, value);
     va_list args;
 
-    if (value < range->minimum * (1.0 - SLACK))
-        way = TOO_SMALL;
-    else if (value > range->maximum * (1.0 + SLACK))
-        way = TOO_LARGE;
-    if (way == WAY_COUNT)
+    if (way == VALIDITY_WAY_COUNT || is_any)
         return;
     validity_item *item = &f->items[figure][way];
-    if (f->has[figure][way] && (way == TOO_SMALL ? value >= item->value : value <= item->value))
+    if (f->has[figure][way] && !isnan(value) &&
+        (way == VALIDITY_TOO_SMALL ? value >= item->value : value <= item->value))
         return;
     f->has[figure][way] = true;
     item->figure = figure;
@@ -205,7 +81,14 @@ static void note(findings *f, validity_figure figure, double value, const char *
     va_end(args);
 }
 
-// ---- the figures
+/// The same for a number of things that a scenario may not have.
+static void note_count(findings *f, validity_figure figure, size_t n, const char *pointer)
+{
+    if (n > 0)
+        note(f, figure, (double)n, "%s", pointer);
+}
+
+// ---- plates and openings
 
 static void note_angles(findings *f, const layout *of)
 {
@@ -215,20 +98,96 @@ static void note_angles(findings *f, const layout *of)
     note(f, VALIDITY_BENDS, of->bends.value, "/obstacles/%zu", of->bends.index);
 }
 
+static void note_opening(findings *f, const layout *of)
+{
+    const double width = of->opening.value / f->diameter;
+
+    if (of->n_plates > 0 && isfinite(width))
+        note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
+             of->opening.index);
+}
+
+/// Parts/s that the narrowest opening passes when it is full: what a packed one would carry, times a share by the angle
+/// of the plate to the belt. The shares are those of tests/validation/feeds.py at 4.2 diameters.
+static double full_rate(const findings *f, const layout *of)
+{
+    static const double angles[] = { 45.0, 60.0, 75.0, 90.0 },
+                        parts_of[] = { 0.96, 0.84, 0.83, 0.76 };
+    const scene_obstacle *plate = &f->s->obstacles[of->opening.index];
+    const vec2 middle = vec2_scale(vec2_add(plate->path[0], plate->path[plate->n_points - 1]), 0.5);
+    const surroundings around = surroundings_of(f->s);
+    const vec2 belt = surroundings_velocity_of(&around, surroundings_belt_at(&around, middle));
+    double passed = parts_of[0];
+
+    for (size_t k = 1; k < sizeof angles / sizeof *angles; k++) {
+        const double place = (of->greatest.value - angles[k - 1]) / (angles[k] - angles[k - 1]);
+        if (place > 0.0)
+            passed = parts_of[k - 1] + fmin(place, 1.0) * (parts_of[k] - parts_of[k - 1]);
+    }
+    return passed * scene_packing_density(f->s) * of->opening.value * vec2_length(belt);
+}
+
+/// How far the foot of a plate is downstream of the line of a feed, m.
+static double length_before(const scene *s, const scene_feed *feed, const scene_obstacle *plate)
+{
+    const surroundings around = surroundings_of(s);
+    const vec2 middle = vec2_scale(vec2_add(feed->line[0], feed->line[1]), 0.5);
+    const vec2 belt = surroundings_velocity_of(&around, surroundings_belt_at(&around, middle));
+    double least = INFINITY;
+
+    for (size_t k = 0; k < plate->n_points; k++)
+        least = fmin(least, vec2_dot(vec2_sub(plate->path[k], middle), belt));
+    return least / vec2_length(belt);
+}
+
+static void note_load(findings *f, const layout *of)
+{
+    const double load = f->rate / full_rate(f, of);
+
+    if (of->opening.value == 0.0)
+        return;
+    note(f, VALIDITY_LOAD, 100.0 * load, "/feeds");
+    if (load < FULL)
+        return;
+    for (size_t k = 0; k < f->s->n_feeds; k++)
+        note(f, VALIDITY_QUEUE,
+             length_before(f->s, &f->s->feeds[k], &f->s->obstacles[of->opening.index]),
+             "/feeds/%zu", k);
+}
+
 static void note_heap(findings *f, const layout *of)
 {
     const double n_parts = (double)scene_parts(f->s), width = of->opening.value / f->diameter;
+    const double most = range_of(f, VALIDITY_PARTS)->maximum;
 
-    // How many parts there are at a time is not known before where feeds go on to deliver them.
+    // How many parts of feeds there are at a time is what their load says.
     if (f->s->n_feeds == 0)
         note(f, VALIDITY_PARTS, n_parts, "/initial");
-    if (!isfinite(width))
+    else
+        note(f, VALIDITY_PARTS, fmin(n_parts + f->n_fed, most), "/feeds");
+    if (of->n_plates == 0)
         return;
-    note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
-         of->opening.index);
-    if (width > 0.0 && f->s->n_feeds == 0)
+    note_opening(f, of);
+    if (width > 0.0 && isfinite(width))
         note(f, VALIDITY_HEAP, n_parts / width, "/initial");
+    if (f->s->n_feeds > 0)
+        note_load(f, of);
 }
+
+static void note_plates(findings *f, const layout *of)
+{
+    note(f, VALIDITY_PIECES, (double)of->n_pieces, "/obstacles");
+    if (!of->is_measured) {
+        note(f, VALIDITY_ANGLE, NAN, "/obstacles");
+        note(f, VALIDITY_OPENING, NAN, "/obstacles");
+        return;
+    }
+    if (of->n_plates > 0)
+        note_angles(f, of);
+    note_count(f, VALIDITY_GUIDES, of->n_guides, "/obstacles");
+}
+
+// ---- belts
 
 static void note_walls(findings *f, const layout *of)
 {
@@ -253,6 +212,17 @@ static size_t count_velocities(const scene *s)
     return n;
 }
 
+/// What photo eyes command of belts.
+static void note_commanded_speeds(findings *f)
+{
+    for (size_t k = 0; k < f->s->n_actions; k++) {
+        const scene_action *a = &f->s->actions[k];
+        if (a->type == SCENE_ACTION_BELT)
+            note(f, VALIDITY_SPEED, vec2_length(f->s->belts[a->target].velocity) * a->value,
+                 "/actions/%zu/do/factor", k);
+    }
+}
+
 static void note_speeds(findings *f)
 {
     double n_schedules = 0.0;
@@ -266,70 +236,387 @@ static void note_speeds(findings *f)
         for (size_t i = 0; i < schedule->n_times; i++)
             note(f, VALIDITY_SPEED, speed * schedule->factors[i],
                  "/belts/%zu/speed_schedule/factor/%zu", k, i);
-        n_schedules += schedule->n_times > 0;
+        n_schedules += schedule->n_times > 0 || belt->is_commanded;
     }
-    note(f, VALIDITY_SCHEDULES, n_schedules, "/belts");
+    note_commanded_speeds(f);
+    if (n_schedules > 0.0)
+        note(f, VALIDITY_SCHEDULES, n_schedules, "/belts");
+}
+
+static double angle_between(vec2 a, vec2 b)
+{
+    return atan2(fabs(vec2_cross(a, b)), vec2_dot(a, b)) * 180.0 / M_PI;
+}
+
+static void note_turns(findings *f)
+{
+    for (size_t k = 0; k < f->s->n_belts; k++) {
+        const vec2 a = f->s->belts[k].velocity;
+        for (size_t i = 0; i < k; i++) {
+            const vec2 b = f->s->belts[i].velocity;
+            const double turn = angle_between(a, b), ratio = vec2_length(a) / vec2_length(b);
+            if (vec2_length(a) == 0.0 || vec2_length(b) == 0.0)
+                continue;
+            if (turn > ROUNDING)
+                note(f, VALIDITY_TURN, turn, "/belts/%zu/velocity_m_s", k);
+            if (fabs(ratio - 1.0) > ROUNDING)
+                note(f, VALIDITY_RATIO, fmax(ratio, 1.0 / ratio), "/belts/%zu/velocity_m_s", k);
+        }
+    }
+}
+
+/// Parts/s that a belt carries when it is packed over its width, or over that of the domain.
+static double belt_capacity(const scene *s, const scene_belt *belt)
+{
+    const scene_rect *d = &s->domain;
+    const vec2 corners[] = { { d->x_min, d->y_min },
+                             { d->x_max, d->y_min },
+                             { d->x_max, d->y_max },
+                             { d->x_min, d->y_max } };
+    const vec2 *points = belt->n_points > 0 ? belt->polygon : corners;
+    const size_t n = belt->n_points > 0 ? belt->n_points : sizeof corners / sizeof *corners;
+    double low = INFINITY, high = -INFINITY; // speed times place across the belt
+
+    for (size_t k = 0; k < n; k++) {
+        const double across = vec2_cross(belt->velocity, points[k]);
+        low = fmin(low, across);
+        high = fmax(high, across);
+    }
+    return scene_packing_density(s) * (high - low);
+}
+
+static void note_transfers(findings *f)
+{
+    if (f->s->n_feeds == 0)
+        return;
+    for (size_t k = 0; k < f->s->n_belts; k++)
+        note(f, VALIDITY_TRANSFER, 100.0 * f->rate / belt_capacity(f->s, &f->s->belts[k]),
+             "/belts/%zu", k);
+}
+
+// ---- feeds
+
+static double batch_of(const scene_feed *feed)
+{
+    double batch = 1.0;
+
+    if (feed->demand != SCENE_DEMAND_SCHEDULE)
+        return feed->arrivals == SCENE_ARRIVALS_BATCH ? feed->batch_size : 1.0;
+    for (size_t k = 0; k < feed->schedule.n && feed->schedule.counts != NULL; k++)
+        batch = fmax(batch, feed->schedule.counts[k]);
+    return batch;
+}
+
+static void note_batches(findings *f)
+{
+    for (size_t k = 0; k < f->s->n_feeds; k++) {
+        const double batch = batch_of(&f->s->feeds[k]);
+        if (batch > 1.0)
+            note(f, VALIDITY_BATCH, batch, "/feeds/%zu", k);
+    }
+}
+
+static bf_status sum_feeds(findings *f, bf_error *err)
+{
+    for (size_t k = 0; k < f->s->n_feeds; k++) {
+        feed_arrivals *arrivals;
+        const bf_status status =
+            feed_arrivals_create(&f->s->feeds[k], f->s->substream, &arrivals, err);
+        if (status != BF_OK)
+            return status;
+        f->rate += feed_arrivals_largest_rate(arrivals);
+        f->n_fed += feed_arrivals_until(arrivals, f->s->duration);
+        feed_arrivals_destroy(arrivals);
+    }
+    return BF_OK;
+}
+
+// ---- what moves
+
+/// The angles that a plate turns to: those of its schedule and of what is commanded, rad.
+static void range_of_turn(const scene *s, size_t index, double *ret_least, double *ret_largest)
+{
+    const scene_series *turn = &s->obstacles[index].turn;
+
+    *ret_least = *ret_largest = turn->n_times > 0 ? turn->values[0] : 0.0;
+    for (size_t k = 0; k < turn->n_values; k++) {
+        *ret_least = fmin(*ret_least, turn->values[k]);
+        *ret_largest = fmax(*ret_largest, turn->values[k]);
+    }
+    for (size_t k = 0; k < s->n_actions; k++) {
+        const scene_action *a = &s->actions[k];
+        if (a->type == SCENE_ACTION_TURN && a->target == index) {
+            *ret_least = fmin(*ret_least, a->value);
+            *ret_largest = fmax(*ret_largest, a->value);
+        }
+    }
+}
+
+static vec2 turned_about(vec2 pivot, vec2 at, double angle)
+{
+    const vec2 arm = vec2_sub(at, pivot);
+
+    return vec2_add(
+        pivot, vec2_add(vec2_scale(arm, cos(angle)), vec2_scale(vec2_turn_left(arm), sin(angle))));
+}
+
+/// Measure the angles and openings that a plate comes to while the others stand as in the document.
+static bf_status note_turning(findings *f, scene *turned, size_t index, bf_error *err)
+{
+    const scene_obstacle *o = &f->s->obstacles[index];
+    bf_status status = BF_OK;
+    double least, largest;
+    layout of;
+
+    range_of_turn(f->s, index, &least, &largest);
+    for (int k = 0; k <= TURN_SAMPLES && status == BF_OK; k++) {
+        const double angle = least + (largest - least) * k / TURN_SAMPLES;
+        for (size_t i = 0; i < o->n_points; i++)
+            turned->obstacles[index].path[i] = turned_about(o->pivot, o->path[i], angle);
+        status = layout_measure(turned, &of, err);
+        if (status == BF_OK && of.n_plates > 0)
+            note_angles(f, &of);
+        if (status == BF_OK && isfinite(of.opening.value))
+            note(f, VALIDITY_SWEPT, of.opening.value / f->diameter, "/obstacles/%zu", index);
+    }
+    return status;
+}
+
+/// The same for all plates that turn, on a copy of the scene whose obstacles are its own.
+static bf_status note_swept(findings *f, const layout *of, bf_error *err)
+{
+    const scene *s = f->s;
+    scene turned = *s;
+    bf_status status = BF_OK;
+
+    for (size_t k = 0; k < s->n_obstacles && status == BF_OK; k++) {
+        double least, largest;
+        range_of_turn(s, k, &least, &largest);
+        if (least == largest)
+            continue;
+        f->is_turning = true;
+        if (of->n_pieces > TURN_PIECES_MAX) {
+            note(f, VALIDITY_SWEPT, NAN, "/obstacles/%zu", k);
+            continue;
+        }
+        scene_obstacle *obstacles = memory_alloc(s->n_obstacles, sizeof *obstacles);
+        vec2 *path = memory_alloc(s->obstacles[k].n_points, sizeof *path);
+        if (obstacles != NULL && path != NULL) {
+            memcpy(obstacles, s->obstacles, s->n_obstacles * sizeof *obstacles);
+            obstacles[k].path = path;
+            turned.obstacles = obstacles;
+            status = note_turning(f, &turned, k, err);
+        } else {
+            status = bf_fail(err, BF_ENOMEM, "", "no memory for plates that turn");
+        }
+        memory_free(path);
+        memory_free(obstacles);
+    }
+    return status;
 }
 
 static void note_motions(findings *f)
 {
-    double n_moving = 0.0;
-    size_t moving = 0;
+    size_t n_moving = 0, moving = 0;
+    char pointer[BF_POINTER_SIZE];
 
     for (size_t k = 0; k < f->s->n_obstacles; k++) {
         if (scene_obstacle_moves(&f->s->obstacles[k])) {
-            n_moving += 1.0;
+            n_moving++;
             moving = k;
         }
     }
-    note(f, VALIDITY_MOTIONS, n_moving, "/obstacles/%zu", moving);
+    snprintf(pointer, sizeof pointer, "/obstacles/%zu", moving);
+    note_count(f, VALIDITY_MOTIONS, n_moving, pointer);
+    note_count(f, VALIDITY_COMMANDS, f->s->n_actions, "/actions");
+}
+
+// ---- cargo
+
+/// A ratio of the largest to the smallest of the kinds, and its place.
+typedef struct extremes {
+    double least;
+    double largest;
+    size_t at; ///< the kind that is largest
+} extremes;
+
+static void widen(extremes *of, double value, size_t kind)
+{
+    if (value > of->largest)
+        of->at = kind;
+    of->least = fmin(of->least, value);
+    of->largest = fmax(of->largest, value);
+}
+
+static void note_ratio(findings *f, validity_figure figure, const extremes *of)
+{
+    if (of->largest > of->least * (1.0 + ROUNDING))
+        note(f, figure, of->largest / of->least, "/cargo/%zu", of->at);
+}
+
+/// The least width of a footprint, m.
+static double width_of(const shape_footprint *footprint)
+{
+    double least = INFINITY;
+
+    if (footprint->n_corners == 0)
+        return 2.0 * footprint->bounding_radius;
+    for (int k = 0; k < WIDTH_DIRECTIONS; k++) {
+        const vec2 across = shape_direction(M_PI * k / WIDTH_DIRECTIONS);
+        least = fmin(least, shape_extent(footprint, 0.0, across) +
+                                shape_extent(footprint, 0.0, vec2_scale(across, -1.0)));
+    }
+    return least;
+}
+
+static double height_of(const scene_shape *shape)
+{
+    double low = INFINITY, high = -INFINITY;
+
+    if (shape->type != SCENE_HULL)
+        return shape->height;
+    for (size_t k = 0; k < shape->n_vertices; k++) {
+        low = fmin(low, shape->vertices[k][2]);
+        high = fmax(high, shape->vertices[k][2]);
+    }
+    return high - low;
+}
+
+static void note_kind(findings *f, size_t k, const shape_footprint *footprint)
+{
+    const scene_cargo *kind = &f->s->cargo[k];
+    const double slender = height_of(&kind->shape) / width_of(footprint);
+    char place[32] = "";
+
+    if (f->s->is_mix)
+        snprintf(place, sizeof place, "/%zu", k);
+    note(f, VALIDITY_DIAMETER, 2.0 * footprint->bounding_radius, "/cargo%s/shape", place);
+    note(f, VALIDITY_MASS, kind->mass, "/cargo%s/mass_kg", place);
+    note(f, VALIDITY_TIPPING, slender * f->s->micro.contact[SCENE_CONVEYOR_CARGO].friction,
+         "/cargo%s/shape", place);
+}
+
+/// How many parts are of each kind: those at the start, and those of feeds by the shares of their mix.
+static void weigh_kinds(const scene *s, double ret_weights[SCENE_KINDS_MAX])
+{
+    size_t counts[SCENE_KINDS_MAX];
+
+    mix_count(s, scene_parts(s), counts);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        ret_weights[k] = (double)counts[k];
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        for (size_t i = 0; i < s->feeds[k].n_cargo; i++)
+            ret_weights[s->feeds[k].cargo[i].kind] += s->feeds[k].cargo[i].share;
+    }
+}
+
+static void note_shapes(findings *f)
+{
+    const scene *s = f->s;
+    double weights[SCENE_KINDS_MAX], all = 0.0, others = 0.0;
+    size_t other = 0;
+
+    weigh_kinds(s, weights);
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        const bool is_other = s->cargo[k].shape.type != SCENE_CYLINDER;
+        all += weights[k];
+        others += is_other ? weights[k] : 0.0;
+        other = is_other ? k : other;
+    }
+    if (others == 0.0)
+        return;
+    if (s->is_mix)
+        note(f, VALIDITY_SHAPE, 100.0 * others / all, "/cargo/%zu/shape", other);
+    else
+        note(f, VALIDITY_SHAPE, 100.0 * others / all, "/cargo/shape");
 }
 
 static void note_cargo(findings *f)
 {
-    const scene *s = f->s;
-    const size_t n_parts = scene_parts(s);
-    size_t counts[SCENE_KINDS_MAX], n_others = 0, other = 0;
+    extremes sizes = { INFINITY, 0.0, 0 }, masses = { INFINITY, 0.0, 0 };
 
-    mix_count(s, n_parts, counts);
-    for (size_t k = 0; k < s->n_cargo; k++) {
-        const scene_cargo *kind = &s->cargo[k];
-        const double diameter = 2.0 * shape_footprint_of(&kind->shape).bounding_radius;
-        const bool is_other = kind->shape.type != SCENE_CYLINDER;
-        if (s->is_mix)
-            note(f, VALIDITY_DIAMETER, diameter, "/cargo/%zu/shape", k);
-        else
-            note(f, VALIDITY_DIAMETER, diameter, "/cargo/shape");
-        n_others += is_other ? counts[k] : 0;
-        other = is_other ? k : other;
+    for (size_t k = 0; k < f->s->n_cargo; k++) {
+        const shape_footprint footprint = shape_footprint_of(&f->s->cargo[k].shape);
+        note_kind(f, k, &footprint);
+        widen(&sizes, footprint.bounding_radius, k);
+        widen(&masses, f->s->cargo[k].mass, k);
     }
-    const double percent = 100.0 * (double)n_others / (double)n_parts;
-    if (s->is_mix)
-        note(f, VALIDITY_SHAPE, percent, "/cargo/%zu/shape", other);
-    else
-        note(f, VALIDITY_SHAPE, percent, "/cargo/shape");
-    note(f, VALIDITY_KINDS, (double)s->n_cargo, "/cargo");
+    note_ratio(f, VALIDITY_SIZES, &sizes);
+    note_ratio(f, VALIDITY_MASSES, &masses);
+    note_shapes(f);
+    note(f, VALIDITY_KINDS, (double)f->s->n_cargo, "/cargo");
 }
 
-static void note_parameters(findings *f)
+// ---- parameters
+
+static void note_frictions(findings *f)
 {
     const scene_contact *contact = f->s->micro.contact;
-    double n_others = 0.0;
-    size_t other = 0;
 
     note(f, VALIDITY_PLATE_FRICTION, contact[SCENE_HANDLING_CARGO].friction,
          "/contacts/handling_cargo/friction");
+    note(f, VALIDITY_WALL_FRICTION, f->s->micro.wall_friction, "/contacts/wall_friction");
     note(f, VALIDITY_PART_FRICTION, contact[SCENE_CARGO_CARGO].friction,
          "/contacts/cargo_cargo/friction");
     note(f, VALIDITY_BELT_FRICTION, contact[SCENE_CONVEYOR_CARGO].friction,
          "/contacts/conveyor_cargo/friction");
+    note(f, VALIDITY_SMOOTHING, contact[SCENE_CONVEYOR_CARGO].tanh_linear,
+         "/contacts/conveyor_cargo/tanh_linear_s_m");
+}
+
+/// A constant with the values of the comparison.
+typedef struct constant {
+    bool is_other;
+    const char *pointer;
+} constant;
+
+static void note_constants(findings *f)
+{
+    const scene_macro *macro = &f->s->macro;
+    const scene_micro *micro = &f->s->micro;
+    const double dispersion = 2.0 * scene_belt_speed(f->s);
+    const constant dispersive[] = {
+        { macro->heaviside == SCENE_HEAVISIDE_SMOOTH, "/macro/heaviside" },
+        { fabs(macro->dispersion - dispersion) > ROUNDING * dispersion, "/macro/dispersion_m_s" },
+        { macro->mollifier < 1e3 || macro->mollifier > 1e4, "/macro/mollifier_per_m2" },
+    };
+    const constant congested[] = { { macro->jam_density != 0.93, "/macro/jam_density_ratio" } };
+    const constant parts[] = {
+        { micro->tension, "/micro/tension" },
+        { micro->damping != 0.1, "/micro/damping_per_s" },
+        { micro->gravity != 9.81, "/micro/gravity_m_s2" },
+    };
+    const struct {
+        const constant *list;
+        size_t n;
+    } all[VALIDITY_SUBJECT_COUNT] = {
+        [VALIDITY_DISPERSIVE] = { dispersive, sizeof dispersive / sizeof *dispersive },
+        [VALIDITY_CONGESTED] = { congested, sizeof congested / sizeof *congested },
+        [VALIDITY_PARTS_MODEL] = { parts, sizeof parts / sizeof *parts },
+    };
+    const char *pointer = "";
+    size_t n_others = 0;
+
+    for (size_t k = 0; k < all[f->subject].n; k++) {
+        n_others += all[f->subject].list[k].is_other;
+        pointer = all[f->subject].list[k].is_other ? all[f->subject].list[k].pointer : pointer;
+    }
+    note_count(f, VALIDITY_CONSTANTS, n_others, pointer);
+}
+
+static void note_grid(findings *f)
+{
+    double n_others = 0.0;
+    size_t other = 0;
+
     for (size_t k = 0; k < f->s->n_obstacles; k++) {
         if (f->s->obstacles[k].treatment != SCENE_SEALED) {
             n_others += 1.0;
             other = k;
         }
     }
-    note(f, VALIDITY_TREATMENT, n_others, "/obstacles/%zu/treatment", other);
+    if (n_others > 0.0)
+        note(f, VALIDITY_TREATMENT, n_others, "/obstacles/%zu/treatment", other);
     note(f, VALIDITY_CELL, scene_cell_edge(f->s) / f->diameter, "/macro/cell_m");
 }
 
@@ -345,96 +632,82 @@ static double diameter_of(const scene *s)
 static void note_figures(findings *f, const layout *of)
 {
     const size_t n_velocities = count_velocities(f->s);
+    const bool is_free = of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 &&
+                         n_velocities == 1 && !f->is_turning;
 
     note_motions(f);
-    const bool is_free =
-        of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 && n_velocities == 1;
-
+    note_batches(f);
     if (is_free)
         return;
-    note(f, VALIDITY_PIECES, (double)of->n_pieces, "/obstacles");
+    note_plates(f, of);
     note(f, VALIDITY_BELTS, (double)n_velocities, "/belts");
+    note_turns(f);
+    if (n_velocities > 1)
+        note_transfers(f);
     note_walls(f, of);
-    if (of->is_measured && of->n_plates > 0)
-        note_angles(f, of);
     note_heap(f, of);
     note_speeds(f);
     note_cargo(f);
-    note_parameters(f);
+    note_frictions(f);
+    note_constants(f);
+    note_grid(f);
 }
 
-// ---- the texts
-
-/// A number with four digits, or all of its whole part.
-static void print_value(double value, char *ret_text, size_t size)
+static void collect(findings *f, validity *out)
 {
-    snprintf(ret_text, size, fabs(value) < 10000.0 ? "%.4g" : "%.0f", value);
+    out->subject = f->subject;
+    out->n = out->n_never = 0;
+    for (int figure = 0; figure < VALIDITY_FIGURE_COUNT; figure++) {
+        for (int way = 0; way < VALIDITY_WAY_COUNT; way++) {
+            if (!f->has[figure][way])
+                continue;
+            validity_item *item = way == VALIDITY_NEVER_COMPARED ? &out->never[out->n_never++]
+                                                                 : &out->items[out->n++];
+            *item = f->items[figure][way];
+            validity_complete(item, f->subject, (validity_way)way);
+        }
+    }
+    out->is_compared = out->n == 0 && out->n_never == 0;
 }
 
-static void print_range(const validity_item *item, char *ret_text, size_t size)
+/// The findings are on the heap: they are some 100 KB.
+static bf_status find(const scene *s, validity_subject subject, double overlap,
+                      validity *ret_validity, bf_error *err)
 {
-    const figure_text *text = &texts[item->figure];
-    char minimum[32], maximum[32];
+    findings *f = memory_alloc(1, sizeof *f);
+    layout of;
 
-    print_value(item->minimum, minimum, sizeof minimum);
-    print_value(item->maximum, maximum, sizeof maximum);
-    if (text->only != NULL)
-        snprintf(ret_text, size, "%s", text->only);
-    else if (!isfinite(item->minimum))
-        snprintf(ret_text, size, "up to %s%s", maximum, text->of);
-    else if (item->minimum == item->maximum)
-        snprintf(ret_text, size, "%s%s", minimum, text->of);
-    else if (!isfinite(item->maximum))
-        snprintf(ret_text, size, "%s%s and more", minimum, text->of);
-    else
-        snprintf(ret_text, size, "%s to %s%s", minimum, maximum, text->of);
-}
-
-/// Fill in what follows from figure and value.
-static void complete_item(validity_item *item, const range_row *range, int way)
-{
-    const figure_text *text = &texts[item->figure];
-    const char *then = way == TOO_SMALL ? range->below : range->above;
-    const bool is_closed =
-        item->value == 0.0 && (item->figure == VALIDITY_OPENING || item->figure == VALIDITY_FUNNEL);
-    char value[32], between[96];
-
-    if (is_closed)
-        then = "The deflectors close the belt: cargo collects at them, and stays there.";
-    item->unit = text->unit;
-    item->minimum = range->minimum;
-    item->maximum = range->maximum;
-    item->meaning = then == NULL ? unknown : then;
-    print_value(item->value, value, sizeof value);
-    print_range(item, between, sizeof between);
-    snprintf(item->title, sizeof item->title, "%s %s%s", text->before, value, text->after);
-    snprintf(item->comparison, sizeof item->comparison,
-             "The density model was compared with moving parts for %s.", between);
-    snprintf(item->detail, sizeof item->detail,
-             "%s %s%s; the model was compared with moving parts for %s.%s%s", text->before, value,
-             text->after, between, then == NULL ? "" : " ", then == NULL ? "" : then);
+    if (f == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the validity of a scenario");
+    f->s = s;
+    f->subject = subject;
+    f->diameter = diameter_of(s);
+    bf_status status = sum_feeds(f, err);
+    if (status == BF_OK)
+        status = layout_measure(s, &of, err);
+    if (status == BF_OK)
+        status = note_swept(f, &of, err);
+    if (status == BF_OK) {
+        note_figures(f, &of);
+        if (subject == VALIDITY_PARTS_MODEL && !isnan(overlap))
+            note(f, VALIDITY_OVERLAP, 100.0 * overlap, "/micro/modulus_reduction");
+        collect(f, ret_validity);
+    }
+    memory_free(f);
+    return status;
 }
 
 bf_status validity_of(const scene *s, validity *ret_validity, bf_error *err)
 {
-    findings f = { .s = s, .ranges = ranges[s->macro.closure], .diameter = diameter_of(s) };
-    layout of;
+    static const validity_subject of_closures[SCENE_CLOSURE_COUNT] = {
+        [SCENE_DISPERSIVE] = VALIDITY_DISPERSIVE,
+        [SCENE_CONGESTED] = VALIDITY_CONGESTED,
+    };
 
-    bf_status status = layout_measure(s, &of, err);
-    if (status != BF_OK)
-        return status;
-    note_figures(&f, &of);
-    ret_validity->n = 0;
-    for (int figure = 0; figure < VALIDITY_FIGURE_COUNT; figure++) {
-        for (int way = 0; way < WAY_COUNT; way++) {
-            if (!f.has[figure][way])
-                continue;
-            validity_item *item = &ret_validity->items[ret_validity->n++];
-            *item = f.items[figure][way];
-            complete_item(item, &f.ranges[figure], way);
-        }
-    }
-    ret_validity->closure = s->macro.closure;
-    ret_validity->is_compared = ret_validity->n == 0;
-    return BF_OK;
+    return find(s, of_closures[s->macro.closure], NAN, ret_validity, err);
+}
+
+bf_status validity_of_parts(const scene *s, double overlap, validity *ret_validity, bf_error *err)
+{
+    return find(s, VALIDITY_PARTS_MODEL, overlap, ret_validity, err);
 }

@@ -347,16 +347,19 @@ static void add_plate(const measuring *m, const piece *p, size_t body, layout *o
 
 static void measure_plates(const measuring *m, layout *out)
 {
-    size_t last = SIZE_MAX;
+    size_t last = SIZE_MAX, last_of_all = SIZE_MAX;
 
     for (size_t k = 0; k < m->n; k++) {
         const piece *p = &m->pieces[k];
+        out->n_guides += p->obstacle != last_of_all;
+        last_of_all = p->obstacle;
         if (!p->deflects)
             continue;
         out->n_plates += p->obstacle != last;
         last = p->obstacle;
         add_plate(m, p, body_of(m, k), out);
     }
+    out->n_guides -= out->n_plates;
 }
 
 static void measure_walls(const measuring *m, layout *out)

@@ -37,6 +37,7 @@ typedef struct layout {
     size_t n_pieces;          ///< straight pieces of all plates
     bool is_measured;         ///< pieces and steps are within limits; else nothing below is known
     size_t n_plates;          ///< obstacles with a piece that deflects cargo
+    size_t n_guides;          ///< obstacles whose pieces all run along their belts
     layout_figure least;      ///< smallest angle of such a piece; index of the obstacle
     layout_figure greatest;   ///< largest angle of such a piece; index of the obstacle
     layout_figure bends;      ///< most bends of a plate; index of the obstacle

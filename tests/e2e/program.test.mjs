@@ -118,7 +118,8 @@ test("check warns of results that are to be doubted, and says yes", async () => 
   assert.equal(macro.status, 0);
   assert.match(macro.stderr, /^warning: \/obstacles\/0: The narrowest opening is 0 part diameters wide\. The deflectors close the belt: .+$/m);
   const micro = await beltflow(["check", "-", "--model", "micro"], { input });
-  assert.deepEqual([micro.status, micro.stderr], [0, ""]);
+  assert.equal(micro.status, 0);
+  assert.match(micro.stderr, /^warning: \/obstacles\/0: The narrowest opening is 0 part diameters wide\. The deflectors close the belt: .+$/m);
 });
 
 test("solve writes every result, the list of them, and a summary", async (t) => {

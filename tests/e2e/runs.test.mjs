@@ -136,7 +136,8 @@ test("validating says before a run what its summary will say", async (t) => {
   const scenario = jam(0.1, { curve_every_s: 0.05, snapshot_every_s: 0.1 });
   const before = (await d.post("/v1/validate", { scenario })).json;
   assert.equal(before.validity.compared, false);
-  assert.deepEqual(before.validity.outside.map(({ pointer }) => pointer), before.warning_details.map(({ pointer }) => pointer));
+  const doubts = [...before.validity.outside, ...before.validity.never_compared];
+  assert.deepEqual(doubts.map(({ pointer }) => pointer), before.warning_details.map(({ pointer }) => pointer));
   assert.deepEqual(before.warning_details.map(({ title, meaning }) => `${title}. ${meaning}`), before.warnings);
   const opening = before.validity.outside.find(({ what }) => what === "opening");
   assert.deepEqual([opening.value, opening.pointer], [0, "/obstacles/0"]);

@@ -8,7 +8,8 @@ leave the domain after the warm-up. Known are
                 queue-paper (the paper's frictions), queue-rough (large ones) and queue-smooth (none);
     speed       the rate is proportional to the speed of the belt;
     funnel      X. Wang et al., Chinese Physics B 29 (2020) 044502: Q ~ 1 - 0.74 exp(-0.19 D/(d cos theta)) for an opening
-                D and parts of diameter d, theta = 90 degrees minus the angle of the plates to the belt.
+                D and parts of diameter d, theta = 90 degrees minus the angle of the plates to the belt;
+    closure     that of the microscopic model, which both closures of the macroscopic model should have at any load.
 """
 
 import argparse
@@ -21,7 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from documents import MICRO
+from documents import CLOSURES, MICRO
 from layouts import DIAMETER_M as D
 from layouts import SPEED_M_S, WIDTH_M, funnel, single
 from solver import Program
@@ -30,6 +31,8 @@ TREE = Path(__file__).resolve().parents[2]
 OFFERED_PER_M = 700.0  # parts offered for each metre that the belt moves: more than any outlet here passes
 FILLED_M = 8.0  # the belt has moved so far when the queue is there
 MEASURED_M = 30.0
+LOADED_M = 12.0  # the same in the group "closure"
+PACKING_PER_M2 = 2004.0
 
 
 @dataclass
@@ -54,7 +57,7 @@ def frictions(part, plate, rate):
             "conveyor_cargo": {"tanh_linear_s_m": rate}}
 
 
-def fed(row, substream):
+def fed(row, substream, offered_per_m=OFFERED_PER_M, measured_m=MEASURED_M):
     """The scenario of a row: its layout, with a feed instead of the heap."""
     layout = row.layout
     document = layout.document("fed")
@@ -62,11 +65,11 @@ def fed(row, substream):
     warmup = round(FILLED_M / layout.speed, 3)
     return {
         **document,
-        "duration_s": warmup + round(MEASURED_M / layout.speed, 3),
+        "duration_s": warmup + round(measured_m / layout.speed, 3),
         "warmup_s": warmup,
         "substream": substream,
         "feeds": [{"id": "infeed", "edge": "west", "arrivals": "poisson",
-                   "rate_per_s": round(OFFERED_PER_M * layout.speed, 3)}],
+                   "rate_per_s": round(offered_per_m * layout.speed, 3)}],
         "output": {"curve_every_s": 0.1, "snapshot_every_s": 10.0},
         "micro": MICRO["implicit"],
         "contacts": row.contacts,
@@ -92,6 +95,36 @@ def rows():
                       wang(theta, n * D) / wang(0, n * D))
 
 
+def loads():
+    """Angle, opening in m, and what the feed offers as a share of what a packed outlet would carry."""
+    yield from ((60, 0.10, load) for load in (0.3, 0.6, 0.8, 1.0, 1.65))
+    yield from ((angle, 0.10, load) for angle in (45, 75, 90) for load in (0.5, 1.65))
+    yield from ((60, opening, 1.65) for opening in (0.07, 0.15))
+
+
+def compare_closures(program, pool, substreams):
+    """The rates of both closures next to that of the parts. True if that of `congested` is off by more than 8 %."""
+    made = []
+    for angle, opening, load in loads():
+        row = Row("closure", f"{angle} deg", single(angle, opening, 1.0, foot=0.75), 0.08, contacts={})
+        documents = [fed(row, k, load * PACKING_PER_M2 * opening, LOADED_M) for k in range(substreams)]
+        jobs = [[pool.submit(program.solve, "micro", document) for document in documents]]
+        for closure in CLOSURES:
+            macro = {"cell_m": 0.005, "step_s": "auto", "closure": closure}
+            jobs.append([pool.submit(program.solve, "macro", {**documents[0], "macro": macro})])
+        made.append((angle, opening, load, documents[0]["warmup_s"], jobs))
+    is_missed = False
+    print(f"{'angle':>5} {'m':>5} {'load %':>6} {'micro/s':>8} "
+          + " ".join(f"{closure + ' %':>13}" for closure in CLOSURES))
+    for angle, opening, load, warmup, jobs in made:
+        micro, *others = [statistics.mean(rate(run.result().folder, warmup) for run in runs) for runs in jobs]
+        errors = [100 * (other / micro - 1) for other in others]
+        is_missed |= abs(errors[CLOSURES.index("congested")]) > 8.0
+        print(f"{angle:5} {opening:5.2f} {100 * load:6.0f} {micro:8.2f} " + " ".join(f"{e:13.1f}" for e in errors),
+              flush=True)
+    return is_missed
+
+
 def rate(folder, warmup):
     """Parts/s that left after the warm-up."""
     with open(folder / "curve.csv", newline="") as file:
@@ -103,7 +136,7 @@ def rate(folder, warmup):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("groups", nargs="*", help="queue, queue-paper, queue-rough, queue-smooth, "
-                        "speed, funnel-6d, funnel-10d (default all)")
+                        "speed, funnel-6d, funnel-10d, closure (default all)")
     parser.add_argument("--substreams", type=int, default=3, help="runs of a row (default %(default)s)")
     parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
     parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
@@ -115,6 +148,8 @@ def main():
         runs = [[pool.submit(program.solve, "micro", fed(row, k)) for k in range(options.substreams)]
                 for row in chosen]
         first, missed = {}, 0
+        if not options.groups or "closure" in options.groups:
+            missed += compare_closures(program, pool, options.substreams)
         print(f"{'group':12} {'row':16} {'parts/s':>8} {'+-':>6} {'ratio':>7} {'known':>7} {'off %':>6} {'most':>5}")
         for row, made in zip(chosen, runs):
             warmup = fed(row, 0)["warmup_s"]

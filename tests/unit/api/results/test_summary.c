@@ -203,7 +203,10 @@ static void a_microscopic_summary_counts_parts(void **unused)
     assert_true(number_at(root, "largest_overlap_share") == 0.0625);
     assert_true(number_at(root, "contacts") == 17);
     assert_true(number_at(root, "kinetic_energy_j") == 0.25);
-    assert_null(json_object_get(root, "validity"));
+    const json_t *of = json_object_get(root, "validity");
+    assert_null(json_object_get(of, "closure"));
+    assert_non_null(json_object_get(of, "compared"));
+    assert_int_equal(json_array_size(json_object_get(of, "outside")), 0);
     json_decref(root);
 }
 

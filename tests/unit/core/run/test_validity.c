@@ -18,7 +18,7 @@ static validity validity_now(const scene *s)
     validity of;
 
     assert_int_equal(validity_of(s, &of, NULL), BF_OK);
-    assert_int_equal(of.is_compared, of.n == 0);
+    assert_int_equal(of.is_compared, of.n == 0 && of.n_never == 0);
     return of;
 }
 
@@ -30,6 +30,7 @@ static validity_item find_only(scene *s)
     for (size_t k = 1; k < of.n; k++)
         print_error("%s\n", of.items[k].detail);
     assert_int_equal(of.n, 1);
+    assert_int_equal(of.n_never, 0);
     scene_fini(s);
     return of.items[0];
 }
@@ -146,9 +147,11 @@ static void slow_and_fast_belts_were_not_compared(void **state)
     (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.belts[0].velocity.x = 0.1;
+    s.macro.dispersion = 0.2; // as by default, twice the speed
     assert_only(&s, VALIDITY_SPEED, 0.1, "/belts/0/velocity_m_s");
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.belts[0].velocity = (vec2){ 0.9, 0.0 };
+    s.macro.dispersion = 1.8;
     assert_only(&s, VALIDITY_SPEED, 0.9, "/belts/0/velocity_m_s");
 }
 
@@ -184,7 +187,15 @@ static void belts_of_several_velocities_were_not_compared(void **state)
     (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     helper_scene_add_belt(&s, (vec2){ 0.5, 0.0 }, half, 4);
-    assert_only(&s, VALIDITY_BELTS, 2.0, "/belts");
+    s.macro.dispersion = 1.0;
+    const validity of = validity_now(&s);
+    assert_int_equal(of.n, 1);
+    assert_int_equal(of.items[0].figure, VALIDITY_BELTS);
+    assert_true(of.items[0].value == 2.0);
+    assert_int_equal(of.n_never, 1); // the dispersive closure was compared on one belt alone
+    assert_int_equal(of.never[0].figure, VALIDITY_RATIO);
+    assert_near(of.never[0].value, 0.5 / 0.395, 1e-12);
+    scene_fini(&s);
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     helper_scene_add_belt(&s, s.belts[0].velocity, half, 4);
     assert_true(validity_now(&s).is_compared);
@@ -199,6 +210,7 @@ static void a_belt_against_a_wall_was_not_compared(void **state)
     (void)state;
     make_plate(&s, 75.0, 0.5);
     s.belts[0].velocity = (vec2){ 0.4 * cos(M_PI / 6.0), 0.4 * sin(M_PI / 6.0) };
+    s.macro.dispersion = 0.8;
     assert_only(&s, VALIDITY_WALL, 30.0, "/edges/north");
 }
 
@@ -367,10 +379,10 @@ static void each_closure_has_ranges_of_its_own(void **state)
     (void)state;
     make_plate(&s, 15.0, 0.5);
     s.initial.n_columns = 40;
-    assert_int_equal(validity_now(&s).closure, SCENE_DISPERSIVE);
+    assert_int_equal(validity_now(&s).subject, VALIDITY_DISPERSIVE);
     assert_int_equal(validity_now(&s).n, 2);
     s.macro.closure = SCENE_CONGESTED;
-    assert_int_equal(validity_now(&s).closure, SCENE_CONGESTED);
+    assert_int_equal(validity_now(&s).subject, VALIDITY_CONGESTED);
     assert_true(validity_now(&s).is_compared);
     s.micro.contact[SCENE_HANDLING_CARGO].friction = 0.3;
     const validity_item item = find_only(&s);
@@ -408,7 +420,15 @@ static void plates_of_too_many_pieces_are_not_measured(void **state)
         path[k] = (vec2){ 0.6, 0.0001 * (double)k };
     helper_scene_add_obstacle(&s, path, LAYOUT_PIECES_MAX + 1, SCENE_SEALED);
     helper_scene_resolve(&s);
-    assert_only(&s, VALIDITY_PIECES, LAYOUT_PIECES_MAX + 1.0, "/obstacles");
+    const validity of = validity_now(&s);
+    assert_int_equal(of.n, 1);
+    assert_int_equal(of.items[0].figure, VALIDITY_PIECES);
+    assert_near(of.items[0].value, LAYOUT_PIECES_MAX + 1.0, 1e-9);
+    assert_int_equal(of.n_never, 2); // nobody knows them
+    assert_int_equal(of.never[0].figure, VALIDITY_ANGLE);
+    assert_true(isnan(of.never[0].value));
+    assert_int_equal(of.never[1].figure, VALIDITY_OPENING);
+    scene_fini(&s);
 }
 
 // Whatever the cargo, its number and its speed: nothing is in its way.
