@@ -114,6 +114,6 @@ extern const char *const validity_words[];
 BF_MUST_CHECK bf_status validity_of(const scene *s, validity *ret_validity, bf_error *err);
 
 /// The validity of the microscopic model for it; overlap is the share of the smallest radius by which parts are expected
-/// to overlap, NAN if that is not known. BF_ENOMEM.
+/// to overlap, NAN to leave that out. BF_ENOMEM.
 BF_MUST_CHECK bf_status validity_of_parts(const scene *s, double overlap, validity *ret_validity,
                                           bf_error *err);

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
+#include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -35,6 +36,7 @@ typedef struct measuring {
     const scene *s;
     surroundings around;
     double closed_gap; ///< of a gap at a wall, m
+    double radius;     ///< of the largest part, m
     size_t n;          ///< pieces
     piece *pieces;     ///< n of them
     size_t *groups;    ///< of the pieces and then the sides: another of the same body, or itself
@@ -194,8 +196,77 @@ static bool is_in_domain(const measuring *m, vec2 at)
     return at.x >= d->x_min && at.x <= d->x_max && at.y >= d->y_min && at.y <= d->y_max;
 }
 
-/// True if some of the way from a to b lies on a moving belt, and, between two guides, not along it: the
-/// joint between two rails is no opening.
+/// True if two segments cross; with touching also if an end of one lies on the other's line.
+static bool segments_cross(vec2 a, vec2 b, vec2 c, vec2 d, bool touching)
+{
+    const vec2 along = vec2_sub(b, a), other = vec2_sub(d, c);
+    const double least = touching ? SCENE_TOLERANCE : 0.0;
+
+    return vec2_cross(along, vec2_sub(c, a)) * vec2_cross(along, vec2_sub(d, a)) < least &&
+           vec2_cross(other, vec2_sub(a, c)) * vec2_cross(other, vec2_sub(b, c)) < least;
+}
+
+static bool is_plate_between(const measuring *m, vec2 a, vec2 b, bool touching)
+{
+    for (size_t k = 0; k < m->n; k++) {
+        if (m->pieces[k].deflects &&
+            segments_cross(a, b, m->pieces[k].start, m->pieces[k].end, touching))
+            return true;
+    }
+    return false;
+}
+
+/// True if the belt runs against a wall somewhere ahead of a point.
+static bool is_wall_ahead(const measuring *m, vec2 belt)
+{
+    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
+        if (is_wall(m, side) && vec2_dot(belt, surroundings_side(&m->around, side).inward) <
+                                    -SURROUNDINGS_GUIDE_SINE * vec2_length(belt))
+            return true;
+    }
+    return false;
+}
+
+/// True if a plate keeps off what the belt would bring to a point, and nothing ahead of it would hold cargo back, so
+/// that it spread to there.
+static bool is_behind_plate(measuring *m, vec2 at, vec2 belt)
+{
+    const scene_rect *d = &m->s->domain;
+    const double far = (d->x_max - d->x_min) + (d->y_max - d->y_min);
+    const vec2 way = vec2_scale(belt, far / vec2_length(belt));
+
+    m->steps += 2.0 * (double)m->n;
+    return is_plate_between(m, vec2_sub(at, way), at, false) &&
+           !is_plate_between(m, at, vec2_add(at, way), true) && !is_wall_ahead(m, belt);
+}
+
+/// True if cargo starts or enters on the line along which the belt carries it past a point.
+static bool is_supplied(const measuring *m, vec2 at, vec2 belt)
+{
+    const scene_rect *d = &m->s->domain;
+    const double far = (d->x_max - d->x_min) + (d->y_max - d->y_min);
+    const vec2 ahead = vec2_scale(belt, 1.0 / vec2_length(belt));
+    const vec2 from = vec2_sub(at, vec2_scale(ahead, far)),
+               to = vec2_add(at, vec2_scale(ahead, far));
+    const scene_placement *parts = &m->s->placement;
+
+    // Parts are not placed yet in a scene that was not checked.
+    if (parts->n == 0 && m->s->n_feeds == 0)
+        return true;
+    for (size_t k = 0; k < m->s->n_feeds; k++) {
+        if (segments_cross(from, to, m->s->feeds[k].line[0], m->s->feeds[k].line[1], true))
+            return true;
+    }
+    for (size_t k = 0; k < parts->n; k++) {
+        const vec2 place = vec2_sub((vec2){ parts->poses[k].x, parts->poses[k].y }, at);
+        if (fabs(vec2_cross(place, ahead)) < m->radius)
+            return true;
+    }
+    return false;
+}
+
+/// True if some of the way from a to b lies on a moving belt and not behind a plate, and, between two guides, not along
+/// the belt, as the joint between two rails is no opening, and where the belt brings cargo.
 static bool is_passage(measuring *m, vec2 a, vec2 b, bool are_guides)
 {
     const vec2 to = vec2_sub(b, a);
@@ -205,9 +276,11 @@ static bool is_passage(measuring *m, vec2 a, vec2 b, bool are_guides)
         const vec2 belt = belt_under(m, at);
         const double speed = vec2_length(belt);
         m->steps += m->steps_of_lookup;
-        if (is_in_domain(m, at) && speed > 0.0 &&
-            !(are_guides &&
-              fabs(vec2_cross(to, belt)) <= SURROUNDINGS_GUIDE_SINE * speed * vec2_length(to)))
+        if (!is_in_domain(m, at) || speed == 0.0 || is_behind_plate(m, at, belt))
+            continue;
+        if (!are_guides ||
+            (fabs(vec2_cross(to, belt)) > SURROUNDINGS_GUIDE_SINE * speed * vec2_length(to) &&
+             is_supplied(m, at, belt)))
             return true;
     }
     return false;
@@ -391,6 +464,8 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
 
     for (size_t k = 0; k < s->n_obstacles; k++)
         out.n_pieces += s->obstacles[k].n_points - 1;
+    for (size_t k = 0; k < s->n_cargo; k++)
+        m.radius = fmax(m.radius, shape_footprint_of(&s->cargo[k].shape).bounding_radius);
     for (size_t k = 0; k < s->n_belts; k++)
         m.steps_of_lookup += 1.0 + (double)s->belts[k].n_points;
     out.opening = m.opening;

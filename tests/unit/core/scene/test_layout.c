@@ -281,6 +281,51 @@ static void guides_along_the_belt_deflect_nothing_and_bound_openings(void **stat
     assert_int_equal(narrowed.n_plates, 1);
 }
 
+// The feed delivers above the rail: the strip of 45 mm between it and the wall stays empty, and a guide that ends short of a
+// corner leaves no opening there.
+static void strips_to_which_no_cargo_comes_are_no_openings(void **state)
+{
+    scene s;
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        make_belt(&s, east[0], east[1]);
+        add_plate(&s, 0.0, 0.05, 0.98, 0.05);
+        add_plate(&s, 0.5, 0.6, 0.7, 0.3);
+        scene_feed *feed = memory_alloc(1, sizeof *feed);
+        assert_non_null(feed);
+        feed->line[0] = (vec2){ 0.1, k == 0 ? 0.15 : 0.02 };
+        feed->line[1] = (vec2){ 0.1, 0.5 };
+        s.feeds = feed;
+        s.n_feeds = 1;
+        const layout of = measure(&s); // frees the scene
+        assert_int_equal(of.n_guides, 1);
+        if (k == 0)
+            assert_true(of.opening.value > 0.2); // from the tip to the rail, some 25 cm
+        else
+            assert_true(of.opening.value < 0.05);
+    }
+}
+
+// A shield upstream keeps all cargo off the two posts behind it, 3 cm apart.
+static void what_lies_behind_a_plate_is_no_opening(void **state)
+{
+    scene s;
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        make_belt(&s, east[0], east[1]);
+        if (k == 0)
+            add_plate(&s, 0.3, 0.0, 0.5, 0.4);
+        add_plate(&s, 0.7, 0.10, 0.9, 0.10);
+        add_plate(&s, 0.7, 0.13, 0.9, 0.13);
+        if (k == 0)
+            assert_near(measure(&s).opening.value, 0.2, 1e-12);
+        else
+            assert_true(measure(&s).opening.value < 0.03);
+    }
+}
+
 // Half a cell is 2.5 mm: a slit of 2 mm at the foot is closed on the grid, one of 4 mm is not.
 static void a_slit_at_a_wall_counts_from_half_a_cell_on(void **state)
 {
@@ -398,6 +443,8 @@ int main(void)
         cmocka_unit_test(a_corner_may_be_made_of_two_obstacles),
         cmocka_unit_test(plates_that_join_opposite_walls_leave_no_opening),
         cmocka_unit_test(guides_along_the_belt_deflect_nothing_and_bound_openings),
+        cmocka_unit_test(strips_to_which_no_cargo_comes_are_no_openings),
+        cmocka_unit_test(what_lies_behind_a_plate_is_no_opening),
         cmocka_unit_test(a_slit_at_a_wall_counts_from_half_a_cell_on),
         cmocka_unit_test(what_lies_off_the_belts_is_no_opening),
         cmocka_unit_test(a_plate_that_leaves_the_domain_closes_nothing),
