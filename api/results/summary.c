@@ -149,6 +149,13 @@ static bool may_end_early(const void *item)
 static const char *const end_words[FRAME_END_REASON_COUNT + 1] = { "duration", "drained",
                                                                    "steady" };
 
+static bool is_hardness_chosen(const void *item)
+{
+    const summary_view *of = item;
+
+    return of->end.reduction > 0.0;
+}
+
 #define AT(place) offsetof(summary_view, place)
 #define MACRO     (1U << RUN_MACRO)
 #define MICRO     (1U << RUN_MICRO)
@@ -191,6 +198,13 @@ static const member summary_members[] = {
            "Largest overlap of two parts at any time", .unit = "m", .tags = MICRO),
     MEMBER("largest_overlap_share", number, AT(end.overlap_share),
            "Largest overlap divided by the smaller part's radius", .tags = MICRO),
+    MEMBER("modulus_reduction", number, AT(end.reduction),
+           "By which moduli were divided at the end, where the scenario says auto", .tags = MICRO,
+           .applies = is_hardness_chosen),
+    MEMBER("modulus_reduction_start", number, AT(end.reduction_start),
+           "The same at the start; larger: parts were pressed harder than foreseen, and contacts "
+           "made harder while the run went on",
+           .tags = MICRO, .applies = is_hardness_chosen),
     MEMBER("contacts", size, AT(end.n_contacts), "Contacts at the end", .tags = MICRO),
     MEMBER("kinetic_energy_j", number, AT(end.kinetic_energy), "Of all parts at the end",
            .unit = "J", .tags = MICRO),

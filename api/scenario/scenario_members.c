@@ -15,7 +15,7 @@ const char *const scenario_closure_words[] = { "dispersive", "congested", NULL }
 static const char *const scheme_words[] = { "roe", "muscl", NULL };
 static const char *const until_words[] = { "duration", "drained", "steady", NULL };
 static const char *const heaviside_words[] = { "sharp", "smooth", "none", NULL };
-static const char *const integrator_words[] = { "verlet", "implicit", NULL };
+static const char *const integrator_words[] = { "verlet", "implicit", "auto", NULL };
 static const char *const path_words[] = { "auto", "planar", "spatial", NULL };
 
 HAS_WORDS(edge_words, SCENE_EDGE_COUNT);
@@ -335,16 +335,22 @@ static const member_table macro_table = { MEMBER_TABLE("macro", macro_members),
 
 #define AT(place) offsetof(scene_micro, place)
 static const member micro_members[] = {
-    MEMBER("integrator", enum, AT(integrator), "time integration", .words = integrator_words,
-           .flags = MEMBER_INIT),
+    MEMBER("integrator", enum, AT(integrator), "time integration; auto: implicit",
+           .words = integrator_words, .flags = MEMBER_INIT),
     MEMBER("path", enum, AT(path),
            "equations of motion; auto: planar where all parts are cylinders", .words = path_words,
            .flags = MEMBER_INIT),
     MEMBER("step_s", step, AT(step), "time step; auto: chosen by the integrator, and stable",
            .unit = "s", .range = &scene_range_time,
-           .default_text = TEXT_OF(SCENE_MICRO_STEP) "; auto if implicit"),
-    MEMBER("modulus_reduction", number, AT(modulus_reduction), "all moduli are divided by it",
+           .default_text = "auto; " TEXT_OF(SCENE_MICRO_STEP) " if verlet"),
+    MEMBER("modulus_reduction", step, AT(modulus_reduction),
+           "all moduli are divided by it; auto: from the loads that parts may bear",
            .range = &scene_range_modulus_reduction, .flags = MEMBER_INIT),
+    MEMBER(
+        "overlap_limit", number, AT(overlap_limit),
+        "overlap of two parts, or of a part and a plate, beyond which a run fails, as a share of "
+        "the smaller radius",
+        .range = &scene_range_overlap_limit, .flags = MEMBER_INIT),
     MEMBER("tension", bool, AT(tension), "contacts may pull", .flags = MEMBER_INIT),
     MEMBER("damping_per_s", number, AT(damping), "D of the integration", .unit = "1/s",
            .range = &scene_range_damping_rate, .flags = MEMBER_INIT),

@@ -16,6 +16,9 @@
 /// Fraction of `near`: what was clipped off at that distance cannot come into contact any more.
 #define COMING 0.999
 
+/// Cosine of the angle between a normal and faces that are about parallel to the contact.
+#define NEARLY_OPPOSED 0.95
+
 /// Weight of crossing edges.
 #define CROSSING 0.25
 
@@ -292,6 +295,34 @@ manifold_feature manifold_feature_of(const gjk_pair *pair, const gjk_result *tou
     if (facing_a >= SAME_DIRECTION || facing_a >= facing_b)
         return (manifold_feature){ MANIFOLD_FACE_A, face_a, 0 };
     return (manifold_feature){ MANIFOLD_FACE_B, 0, face_b };
+}
+
+void manifold_widen(const gjk_pair *pair, double near, manifold *m)
+{
+    const vec3 normal = m->normal;
+    const vec3 against = mat3_apply_back(&pair->rotation, vec3_scale(normal, -1.0));
+    double facing_a, facing_b;
+    const size_t face_a = find_facing(pair->a, normal, &facing_a);
+    const size_t face_b = find_facing(pair->b, against, &facing_b);
+    const bool is_of_a = facing_a >= facing_b;
+    const double facing = is_of_a ? facing_a : facing_b;
+    const manifold_feature face = { is_of_a ? MANIFOLD_FACE_A : MANIFOLD_FACE_B, (uint16_t)face_a,
+                                    (uint16_t)face_b };
+    manifold region;
+
+    if (fmin(facing_a, facing_b) < NEARLY_OPPOSED)
+        return;
+    manifold_find(pair, face, near, &region);
+    double deepest = -HUGE_VAL;
+    for (size_t k = 0; k < region.n; k++) {
+        region.point[k].depth /= facing;
+        deepest = fmax(deepest, region.point[k].depth);
+    }
+    if (deepest < m->depth - OVERHANG * near)
+        return;
+    m->n = region.n;
+    m->n_below = region.n_below;
+    memcpy(m->point, region.point, region.n * sizeof *region.point);
 }
 
 void manifold_on_plane(const hull *h, vec3 x, const mat3 *r, const manifold_plane *plane,

@@ -73,6 +73,11 @@ void manifold_find(const gjk_pair *pair, manifold_feature feature, double near,
 /// The single point of a touch, in a's frame.
 void manifold_from_result(const gjk_result *touch, manifold *ret_manifold);
 
+/// Where a region is a single point, of edges that cross or of corners, and a face of either hull is nearly parallel to
+/// the contact: all points of these faces that are nearer than `near`, with their depths along the same normal. The point
+/// itself is about the deepest of them.
+void manifold_widen(const gjk_pair *pair, double near, manifold *m);
+
 /// The region of a hull at x with rotation r below the surface of a solid; its normal is the
 /// plane's. All in the world's frame.
 void manifold_on_plane(const hull *h, vec3 x, const mat3 *r, const manifold_plane *plane,

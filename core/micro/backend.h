@@ -23,6 +23,7 @@ typedef struct micro_common {
     belt_speeds speeds;  ///< of the belts
     plate_motion motion; ///< of the obstacles; pose_plates() must follow what changes it
     uint64_t steps;      ///< made since t = 0
+    double recent_share; ///< largest overlap_share (micro_totals) since micro.c set it to 0
 } micro_common;
 
 /// The functions of a path; state is what create() made. Meanings as in micro.h.
@@ -45,6 +46,11 @@ typedef struct micro_backend {
     void (*forget_gone)(void *state);
     /// micro_measure()
     micro_totals (*measure)(const void *state);
+    /// Of the largest overlap of a step that was beyond overlap_limit: the handles as the ids, and where. The share is
+    /// set by the caller.
+    void (*press)(const void *state, micro_press *ret_press);
+    /// Compute contacts with this modulus_reduction from now on. MICRO_IMPLICIT only.
+    void (*harden)(void *state, double reduction);
     /// Put the plates where their motion says
     void (*pose_plates)(void *state);
     /// Write the state as the payload of a checkpoint.
@@ -53,6 +59,12 @@ typedef struct micro_backend {
     bf_status (*load)(void *state, size_t n, checkpoint_reader *r, bf_error *err);
     checkpoint_kind kind; ///< of its checkpoints
 } micro_backend;
+
+/// Whether an overlap since the start was beyond overlap_limit.
+static inline bool micro__is_pressed(double overlap_share, const micro_def *def)
+{
+    return overlap_share > def->overlap_limit;
+}
 
 /// For how many parts steps and iterations are chosen.
 static inline size_t micro__n_expected(const micro_def *def)

@@ -184,6 +184,7 @@ static bf_status check_parameters(const micro_def *def, bf_error *err)
     } numbers[] = {
         { is_no_less_than(def->modulus_reduction, 1.0), def->modulus_reduction,
           "/micro/modulus_reduction" },
+        { def->overlap_limit > 0.0, def->overlap_limit, "/micro/overlap_limit" },
         { is_no_less_than(def->damping, 0.0), def->damping, "/micro/damping_per_s" },
         { is_no_less_than(def->gravity, 0.0), def->gravity, "/micro/gravity_m_s2" },
         { is_no_less_than(def->wall_friction, 0.0), def->wall_friction, "/contacts/wall_friction" },

@@ -13,6 +13,7 @@ static const double step_longest = 2e-3;      // s, that is chosen
 static const double step_limit = 1e-2;        // s, that is allowed
 static const double move_planar = 0.08;       // of the smallest radius
 static const double move_spatial = 0.02;      // in space
+static const double spatial_periods = 2.5;    // in space, of sqrt(m/k)
 static const double move_limit = 0.25;        // of the same
 static const double iterations_chosen = 16.0; // at most, where the step is chosen
 static const double over_relaxation = 1.4;    // in the plane
@@ -23,8 +24,7 @@ static const double damping_weight = 0.4;    // of iterations^2
 
 enum { ITERATIONS_MAX = 32 };
 
-// Radius of a cylinder, half the least width of another footprint.
-static double radius_of(const scene_shape *shape)
+double implicit_step_radius_of(const scene_shape *shape)
 {
     const shape_footprint f = shape_footprint_of(shape);
     double least = HUGE_VAL;
@@ -49,7 +49,7 @@ double implicit_step_radius(const micro_def *def)
     double radius = HUGE_VAL;
 
     for (size_t k = 0; k < def->n_kinds; k++)
-        radius = fmin(radius, radius_of(&def->kinds[k].shape));
+        radius = fmin(radius, implicit_step_radius_of(&def->kinds[k].shape));
     return radius;
 }
 
@@ -165,5 +165,7 @@ double implicit_step_chosen(const micro_def *def, bool is_planar)
     e.speed = fmax(e.speed, micro__plate_speed(def, &fastest));
     double dt = fmin(step_longest, step_of_move(&e, is_planar ? move_planar : move_spatial));
 
+    if (!is_planar)
+        dt = fmin(dt, spatial_periods * sqrt(e.mass / e.stiffness));
     return fmin(fmin(dt, step_of_iterations(def, &e)), step_of_belt(def, &e));
 }

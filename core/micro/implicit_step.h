@@ -25,6 +25,8 @@
 ///     0.08 r / v            parts move by less than a twelfth of a radius: directions of contacts remain valid;
 ///                           in space 0.02 r / v, as corners and faces of bodies that turn take over
 ///                           each other's load
+///     2.5 sqrt(m / k)       in space: a body of the smallest mass that the stiffest contact throws back turns, and comes
+///                           to lie on other corners before the next step knows of them
 ///     0.2 / (lambda mu g), or 0.05 v / (mu g) if that is longer: the belt accelerates parts over many steps
 ///     where iterations(h) = 16 without over-relaxation: stiffer contacts take shorter steps instead of more
 ///                           iterations
@@ -46,6 +48,9 @@ int implicit_step_effort(const micro_def *def, bool is_planar);
 
 /// Over-relaxation, less 1, of an iteration in the plane: 0 <= iteration < n_iterations.
 double implicit_step_excess(int iteration, int n_iterations);
+
+/// r of a shape, m.
+double implicit_step_radius_of(const scene_shape *shape);
 
 /// The smallest r of any kind, m.
 double implicit_step_radius(const micro_def *def);

@@ -4,6 +4,7 @@
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
+#include "core/micro/hardness.h"
 #include "core/micro/implicit_step.h"
 #include "core/micro/micro_priv.h"
 #include "core/micro/places.h"
@@ -27,7 +28,10 @@ struct micro_solver {
     const micro_backend *backend;
     micro_common *state;
     double dt;
-    uint64_t definition; // digest, to which checkpoints belong
+    double overlap_limit; // see micro_def
+    double reduction;     // of the moduli, now
+    bool hardens;         // see micro_def
+    uint64_t definition;  // digest, to which checkpoints belong
     scene_rect domain;
     size_t n_kinds;
     size_t n_defined; // parts of the definition
@@ -44,11 +48,14 @@ struct micro_solver {
 typedef struct saved_header {
     uint64_t n;
     uint64_t next_id;
+    double reduction;
+    double recent_share;
 } saved_header;
 
 micro_def micro_def_default(void)
 {
     micro_def def = { .modulus_reduction = 1e6,
+                      .overlap_limit = INFINITY,
                       .damping = 0.1,
                       .gravity = 9.81,
                       .dt = 1e-5,
@@ -89,6 +96,16 @@ double micro_dt_chosen(const micro_def *def)
     return def->integrator == MICRO_IMPLICIT
                ? implicit_step_chosen(def, backend == &micro__disk)
                : fmin(chosen_fraction * backend->dt_stable(def), micro_dt_plates(def));
+}
+
+double micro_reduction_chosen(const micro_def *def)
+{
+    return hardness_reduction(def);
+}
+
+double micro_overlap_expected(const micro_def *def)
+{
+    return hardness_overlap_share(def);
 }
 
 bool micro_def_is_planar(const micro_def *def)
@@ -174,6 +191,7 @@ static uint64_t digest_definition(const micro_def *def)
     const double numbers[] = { def->start_velocity.x,  def->start_velocity.y,
                                def->modulus_reduction, def->damping,
                                def->gravity,           def->dt,
+                               def->hardens,           def->overlap_limit,
                                def->tension,           def->integrator,
                                (double)def->n_parts,   (double)def->n_parts_expected };
     uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
@@ -229,6 +247,10 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
     *s = (micro_solver){ .backend = backend,
                          .dt = own.dt,
+                         .overlap_limit = own.overlap_limit,
+                         .reduction = own.modulus_reduction,
+                         .hardens = own.hardens && own.integrator == MICRO_IMPLICIT &&
+                                    backend == &micro__disk,
                          .definition = digest_definition(&own),
                          .domain = def->domain,
                          .n_kinds = def->n_kinds,
@@ -254,10 +276,72 @@ micro_solver *micro_destroy(micro_solver *s)
     return NULL;
 }
 
+static void set_reduction(micro_solver *s, double reduction)
+{
+    if (reduction != s->reduction)
+        s->backend->harden(s->state, reduction);
+    s->reduction = reduction;
+}
+
+// Steps up to where the run may become harder, which depends on the number of the step alone.
+static uint64_t steps_until_harder(const micro_solver *s, uint64_t n)
+{
+    const uint64_t left = HARDNESS_STEPS - micro_steps(s) % HARDNESS_STEPS;
+
+    return s->hardens && left < n ? left : n;
+}
+
+static void harden_if_pressed(micro_solver *s)
+{
+    if (!s->hardens || micro_steps(s) % HARDNESS_STEPS != 0)
+        return;
+    if (s->state->recent_share > hardness_goal)
+        set_reduction(s, hardness_harder(s->reduction));
+    s->state->recent_share = 0.0;
+}
+
+static bf_status fail_pressed(const micro_solver *s, const micro_press *press, bf_error *err)
+{
+    return bf_fail(err, BF_ENUMERIC, "/micro/modulus_reduction",
+                   "part %llu overlaps by %.3g %% of a radius at (%.4g, %.4g) m after %.6g s, more "
+                   "than overlap_limit, %.3g %%",
+                   (unsigned long long)press->part, 100.0 * press->share, press->at.x, press->at.y,
+                   (double)micro_steps(s) * s->dt, 100.0 * s->overlap_limit);
+}
+
 bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
 {
+    bf_status status = BF_OK;
+    micro_press press;
+
     s->places.is_sorted = false;
-    return s->backend->advance(s->state, n, err);
+    while (n > 0 && status == BF_OK) {
+        const uint64_t n_now = steps_until_harder(s, n);
+        status = s->backend->advance(s->state, n_now, err);
+        n -= n_now;
+        harden_if_pressed(s);
+    }
+    return status == BF_ENUMERIC && micro_press_now(s, &press) ? fail_pressed(s, &press, err)
+                                                               : status;
+}
+
+bool micro_press_now(const micro_solver *s, micro_press *ret_press)
+{
+    const double share = s->backend->measure(s->state).overlap_share;
+
+    if (share <= s->overlap_limit)
+        return false;
+    s->backend->press(s->state, ret_press);
+    ret_press->share = share;
+    ret_press->part = s->ids[ret_press->part];
+    if (ret_press->other != UINT64_MAX)
+        ret_press->other = s->ids[ret_press->other];
+    return true;
+}
+
+double micro_reduction(const micro_solver *s)
+{
+    return s->reduction;
 }
 
 void micro_command_turn(micro_solver *s, size_t obstacle, double t, double angle, double over)
@@ -447,7 +531,7 @@ bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
 {
     checkpoint_writer w;
 
-    const saved_header header = { s->n, s->next_id };
+    const saved_header header = { s->n, s->next_id, s->reduction, s->state->recent_share };
 
     checkpoint_begin(&w, out, s->backend->kind, s->definition);
     checkpoint_write(&w, &header, sizeof header);
@@ -468,6 +552,9 @@ static int compare_ids(const void *left, const void *right)
 
 static bool is_header_sound(const micro_solver *s, const saved_header *h)
 {
+    if (!(h->reduction >= 1.0) || !isfinite(h->reduction) || !(h->recent_share >= 0.0) ||
+        (!s->hardens && h->reduction != s->reduction))
+        return false;
     if (!s->admits)
         return h->n == s->n_defined && h->next_id == h->n;
     return h->n >= s->n_defined && h->n <= SCENE_PARTS_MAX && h->next_id >= h->n;
@@ -527,6 +614,8 @@ bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err
     s->n = header.n;
     s->capacity = header.n + 1;
     s->next_id = header.next_id;
+    s->state->recent_share = header.recent_share;
+    set_reduction(s, header.reduction);
     s->first_free = 0;
     s->places.is_sorted = false;
     return BF_OK;

@@ -111,6 +111,8 @@ static const field end_fields[] = { { COPY(end.stopped) },
                                     { COPY(end.kinetic_energy) },
                                     { COPY(end.largest_overlap) },
                                     { COPY(end.overlap_share) },
+                                    { COPY(end.reduction_start) },
+                                    { COPY(end.reduction) },
                                     { END } };
 static const field error_fields[] = {
     { COPY(error.error.code) }, { COPY(error.error.pointer) }, { COPY(error.error.text) }, { END }

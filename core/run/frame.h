@@ -203,6 +203,9 @@ typedef struct frame_end {
     double kinetic_energy;  ///< of the parts in the domain at the end, J
     double largest_overlap; ///< of any contact since t = 0, m
     double overlap_share;   ///< largest overlap divided by the smaller part's radius, since t = 0
+    // Where modulus_reduction is "auto", else 0:
+    double reduction_start; ///< the one chosen
+    double reduction;       ///< the one in use at the end
 } frame_end;
 
 /// Why a run failed.

@@ -37,7 +37,8 @@ typedef struct micro_run {
     size_t n_poses_max;
     part_row *rows; // of the parts in the domain then, where parts may enter
     size_t n_rows, n_rows_max;
-    size_t n_start; // parts at the start
+    size_t n_start;         // parts at the start
+    double reduction_start; // of the moduli
     micro_feeds feeds;
     shape_footprint footprints[SCENE_KINDS_MAX];
     double bounding_radius; // no part extends farther from its centre, m
@@ -94,6 +95,7 @@ static bf_status fill_run(const scene *s, const run__micro_setup *setup, micro_r
     const bf_status status = micro_create(def, &run->solver, err);
     if (status != BF_OK)
         return status;
+    run->reduction_start = micro_reduction(run->solver);
     return micro_feeds_init(&run->feeds, s, run->solver, &setup->placement, err);
 }
 
@@ -189,7 +191,12 @@ static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
 
     if (run->feeds.entry != NULL)
         micro_feeds_count_steps(&run->feeds, n);
-    return micro_advance(run->solver, n, err);
+    const bf_status status = micro_advance(run->solver, n, err);
+    micro_press press;
+    return status == BF_ENUMERIC && micro_press_now(run->solver, &press)
+               ? micro_press_fail(run->scene, &press,
+                                  (double)micro_steps(run->solver) * micro_dt(run->solver), err)
+               : status;
 }
 
 // Where a part counts: one that was pushed back behind a side with a feed, on that side.
@@ -333,6 +340,10 @@ static void fill_end(const void *solver, frame_end *end)
     end->kinetic_energy = totals.kinetic_energy;
     end->largest_overlap = totals.largest_overlap;
     end->overlap_share = totals.overlap_share;
+    if (run->scene->micro.modulus_reduction == 0.0) {
+        end->reduction_start = run->reduction_start;
+        end->reduction = micro_reduction(run->solver);
+    }
 }
 
 static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)

@@ -24,7 +24,9 @@ static void set_kinds(const scene *s, run__micro_setup *setup)
 static void set_parameters(const scene_micro *micro, micro_def *def)
 {
     static const micro_integrator integrators[] = {
-        [SCENE_VERLET] = MICRO_VERLET, [SCENE_IMPLICIT] = MICRO_IMPLICIT
+        [SCENE_VERLET] = MICRO_VERLET,
+        [SCENE_IMPLICIT] = MICRO_IMPLICIT,
+        [SCENE_INTEGRATOR_AUTO] = MICRO_IMPLICIT,
     };
     static const micro_path paths[] = { [SCENE_PATH_AUTO] = MICRO_PATH_AUTO,
                                         [SCENE_PATH_PLANAR] = MICRO_PATH_PLANAR,
@@ -34,7 +36,10 @@ static void set_parameters(const scene_micro *micro, micro_def *def)
     def->wall_friction = micro->wall_friction;
     def->conveyor = micro->conveyor;
     def->handling = micro->handling;
-    def->modulus_reduction = micro->modulus_reduction;
+    def->hardens = micro->modulus_reduction == 0.0;
+    if (!def->hardens)
+        def->modulus_reduction = micro->modulus_reduction;
+    def->overlap_limit = micro->overlap_limit;
     def->damping = micro->damping;
     def->gravity = micro->gravity;
     def->dt = micro->step;
@@ -170,6 +175,8 @@ bf_status run__micro_init_setup(const scene *s, int n_threads, run__micro_setup 
         run__micro_fini_setup(setup);
         return status;
     }
+    if (setup->def.hardens)
+        setup->def.modulus_reduction = micro_reduction_chosen(&setup->def);
     if (setup->def.dt == 0.0)
         setup->def.dt = scene_fit_step(s, choose_step(&setup->def), false);
     return BF_OK;

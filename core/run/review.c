@@ -7,6 +7,7 @@
 #include "core/run/review_closure.h"
 #include "core/run/review_plates.h"
 #include "core/run/run.h"
+#include "core/run/run_priv.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -171,16 +172,20 @@ static void review_step(const scene *s, review_warnings *ret_warnings)
 static void warn_of_items(const validity_item *items, size_t n, review_warnings *ret_warnings)
 {
     for (size_t k = 0; k < n; k++) {
+        if (items[k].figure == VALIDITY_OVERLAP)
+            continue; // review_hardness() says so
         review_warning *item = review_add(ret_warnings, items[k].pointer, items[k].title);
         snprintf(item->meaning, sizeof item->meaning, "%s", items[k].meaning);
         snprintf(item->detail, sizeof item->detail, "%s", items[k].comparison);
     }
 }
 
-static bf_status review_validity(const scene *s, run_model model, run_review *review, bf_error *err)
+static bf_status review_validity(const scene *s, run_model model, double overlap,
+                                 run_review *review, bf_error *err)
 {
-    const bf_status status = model == RUN_MACRO ? validity_of(s, &review->validity, err)
-                                                : validity_of_parts(s, NAN, &review->validity, err);
+    const bf_status status = model == RUN_MACRO
+                                 ? validity_of(s, &review->validity, err)
+                                 : validity_of_parts(s, overlap, &review->validity, err);
 
     if (status != BF_OK)
         return status;
@@ -189,8 +194,42 @@ static bf_status review_validity(const scene *s, run_model model, run_review *re
     return BF_OK;
 }
 
+/// Warn where parts may be pressed far into each other, before they are. The overlap is that to be expected.
+static bf_status review_hardness(const scene *s, review_warnings *ret_warnings, double *ret_overlap,
+                                 bf_error *err)
+{
+    run__micro_setup setup;
+
+    const bf_status status = run__micro_init_setup(s, 1, &setup, err);
+    if (status != BF_OK)
+        return status;
+    const double share = micro_overlap_expected(&setup.def);
+    const double reduction = setup.def.modulus_reduction;
+    run__micro_fini_setup(&setup);
+    *ret_overlap = share;
+    if (share <= run_overlap_trusted)
+        return BF_OK;
+    review_warning *item = review_add(ret_warnings, "/micro/modulus_reduction",
+                                      "Parts are softer than the load of a queue needs");
+    snprintf(item->meaning, sizeof item->meaning,
+             "A queue may press them into each other and into plates: more come through than in "
+             "reality, and beyond %.3g %% of a radius the run fails.",
+             100.0 * s->micro.overlap_limit);
+    snprintf(item->detail, sizeof item->detail,
+             "With moduli divided by %.4g an overlap of %.3g %% of the smallest radius is to be "
+             "expected, more than %.3g %%.%s",
+             reduction, 100.0 * share, 100.0 * run_overlap_trusted,
+             s->micro.modulus_reduction > 0.0
+                 ? " Without modulus_reduction the program chooses what is hard enough."
+                 : " Their materials bear no more: kinds of very different mass or size press on "
+                   "the smallest.");
+    return BF_OK;
+}
+
 bf_status run_review_of(const scene *s, run_model model, run_review *ret_review, bf_error *err)
 {
+    double overlap = NAN;
+
     *ret_review = (run_review){ .model = model };
     bf_status status = review_plates(s, &ret_review->warnings, err);
     if (status == BF_OK)
@@ -202,7 +241,9 @@ bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
         review_step(s, &ret_review->warnings);
         review_closure(s, &ret_review->warnings);
     }
+    if (status == BF_OK && model == RUN_MICRO)
+        status = review_hardness(s, &ret_review->warnings, &overlap, err);
     if (status == BF_OK)
-        status = review_validity(s, model, ret_review, err);
+        status = review_validity(s, model, overlap, ret_review, err);
     return status;
 }

@@ -49,7 +49,7 @@ static const number_rule number_rules[] = {
     RULE("/macro/initial_mollifier_per_m2", scene, macro.initial_mollifier, scene_range_per_area),
     RULE("/macro/packing_density_per_m2", scene, macro.packing, scene_range_per_area),
     RULE("/micro/step_s", scene, micro.step, micro_step),
-    RULE("/micro/modulus_reduction", scene, micro.modulus_reduction, scene_range_modulus_reduction),
+    RULE("/micro/overlap_limit", scene, micro.overlap_limit, scene_range_overlap_limit),
     RULE("/micro/damping_per_s", scene, micro.damping, scene_range_damping_rate),
     RULE("/micro/gravity_m_s2", scene, micro.gravity, scene_range_gravity),
     RULE("/micro/spin_friction_radius_m", scene, micro.spin_friction_radius, scene_range_lever),
@@ -69,6 +69,9 @@ static const number_rule number_rules[] = {
 
 static void check_words(const scene *s, bf_faults *faults)
 {
+    if (s->micro.modulus_reduction != 0.0) // 0 stands for "auto"
+        range_check(&scene_range_modulus_reduction, s->micro.modulus_reduction,
+                    "/micro/modulus_reduction", faults);
     if ((unsigned)s->macro.closure >= SCENE_CLOSURE_COUNT)
         faults_add(faults, "/macro/closure", "is not a closure");
     if ((unsigned)s->macro.scheme >= SCENE_SCHEME_COUNT)

@@ -224,9 +224,9 @@ uint64_t definition_digest(const scene *s)
                          macro->initial_mollifier, macro->packing);
     digest = add_closure(digest, macro);
     digest = add_schedule(add_equipment(add_feeds(digest, s), s), s);
-    digest =
-        ADD_NUMBERS(digest, micro->integrator, micro->path, micro->step, micro->modulus_reduction,
-                    micro->tension, micro->damping, micro->gravity, micro->spin_friction_radius);
+    digest = ADD_NUMBERS(digest, micro->integrator, micro->path, micro->step,
+                         micro->modulus_reduction, micro->overlap_limit, micro->tension,
+                         micro->damping, micro->gravity, micro->spin_friction_radius);
     digest = definition_add_materials(digest, 1, &micro->conveyor);
     digest = definition_add_materials(digest, 1, &micro->handling);
     return add_walls(definition_add_contacts(digest, micro->contact), micro);

@@ -74,8 +74,9 @@ typedef struct scene_macro {
 
 /// Time integration of the microscopic model.
 typedef enum scene_integrator {
-    SCENE_VERLET,   ///< (12)-(13), the paper's
-    SCENE_IMPLICIT, ///< dashpots and frictions implicitly, for steps of 0.2 to 2 ms
+    SCENE_VERLET,          ///< (12)-(13), the paper's
+    SCENE_IMPLICIT,        ///< dashpots and frictions implicitly, for steps of 0.2 to 2 ms
+    SCENE_INTEGRATOR_AUTO, ///< SCENE_IMPLICIT
     SCENE_INTEGRATOR_COUNT
 } scene_integrator;
 
@@ -89,16 +90,19 @@ typedef enum scene_path {
 
 /// Parameters of the microscopic model (1)-(9).
 typedef struct scene_micro {
-    scene_integrator integrator; ///< (default SCENE_VERLET)
+    scene_integrator integrator; ///< (default SCENE_INTEGRATOR_AUTO)
     scene_path path;             ///< (default SCENE_PATH_AUTO)
-    double step;                 ///< dt, s, > 0; 0: "auto" (default 1e-5; 0 if implicit)
-    double modulus_reduction;    ///< all moduli are divided by it, >= 1 (default 1e6)
-    bool tension;                ///< contacts may pull (default false)
-    double damping;              ///< D of (12)-(13), 1/s, >= 0 (default 0.1)
-    double gravity;              ///< m/s2, >= 0 (default 9.81)
-    double spin_friction_radius; ///< m, >= 0 (default that of the first kind)
-    scene_material conveyor;     ///< (default 40e9 Pa, 0.05)
-    scene_material handling;     ///< (default 70e9 Pa, 0.34)
+    double step;                 ///< dt, s, > 0; 0: "auto" (default 0; 1e-5 if verlet)
+    double modulus_reduction;    ///< all moduli are divided by it, >= 1; 0: "auto", from the loads
+                                 ///< that parts may bear (core/micro/hardness.h) (default 0)
+    double
+        overlap_limit; ///< share of the smaller part's radius: beyond it a run fails (default 0.2)
+    bool tension;      ///< contacts may pull (default false)
+    double damping;    ///< D of (12)-(13), 1/s, >= 0 (default 0.1)
+    double gravity;    ///< m/s2, >= 0 (default 9.81)
+    double spin_friction_radius;             ///< m, >= 0 (default that of the first kind)
+    scene_material conveyor;                 ///< (default 40e9 Pa, 0.05)
+    scene_material handling;                 ///< (default 70e9 Pa, 0.34)
     scene_contact contact[SCENE_PAIR_COUNT]; ///< see there
     double wall_friction; ///< mu of SCENE_HANDLING_CARGO at walls of the domain, >= 0 (default that
                           ///< of the contact)

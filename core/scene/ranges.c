@@ -23,6 +23,7 @@ const bf_range scene_range_heaviside_width = { 0.0, INFINITY, true, false, 1e6 }
 const bf_range scene_range_dispersion = { 0.0, INFINITY, false, false, 2.0 * SCENE_SPEED_MAX };
 const bf_range scene_range_jam_density = { 0.0, 1.0, true, false, 0.0 };
 const bf_range scene_range_modulus_reduction = { 1.0, INFINITY, false, false, 1e15 };
+const bf_range scene_range_overlap_limit = { 0.0, 1.0, true, false, 0.0 };
 const bf_range scene_range_damping_rate = { 0.0, INFINITY, false, false, 1e9 };
 const bf_range scene_range_gravity = { 0.0, INFINITY, false, false, 1e6 };
 const bf_range scene_range_young_modulus = { 0.0, INFINITY, true, false, 1e15 };

@@ -24,7 +24,8 @@ extern const bf_range scene_range_per_area;          ///< mollifiers and packing
 extern const bf_range scene_range_heaviside_width;   ///< xi
 extern const bf_range scene_range_dispersion;        ///< epsilon, m/s
 extern const bf_range scene_range_jam_density;       ///< rho_j
-extern const bf_range scene_range_modulus_reduction; ///< divisor of the moduli
+extern const bf_range scene_range_modulus_reduction; ///< divisor of the moduli; 0: "auto"
+extern const bf_range scene_range_overlap_limit;     ///< share of a radius
 extern const bf_range scene_range_damping_rate;      ///< D, 1/s
 extern const bf_range scene_range_gravity;           ///< m/s2
 extern const bf_range scene_range_young_modulus;     ///< E, Pa

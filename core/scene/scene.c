@@ -40,8 +40,9 @@ static scene_macro default_macro(void)
 
 static scene_micro default_micro(void)
 {
-    scene_micro micro = { .step = NAN,
-                          .modulus_reduction = 1e6,
+    scene_micro micro = { .integrator = SCENE_INTEGRATOR_AUTO,
+                          .step = NAN,
+                          .overlap_limit = 0.2,
                           .damping = 0.1,
                           .gravity = 9.81,
                           .spin_friction_radius = NAN,
@@ -322,8 +323,8 @@ static void resolve_derived(scene *s)
 
     resolve_cargo(s);
     goods_resolve(s);
-    fill_in(&s->micro.step, s->micro.integrator == SCENE_IMPLICIT ? 0.0 : SCENE_MICRO_STEP);
     fill_in(&s->micro.wall_friction, fmax(s->micro.contact[SCENE_HANDLING_CARGO].friction, 0.0));
+    fill_in(&s->micro.step, s->micro.integrator == SCENE_VERLET ? SCENE_MICRO_STEP : 0.0);
     // The paper's step belongs to its cells.
     const bool is_papers = s->macro.closure == SCENE_DISPERSIVE && s->macro.cell != 0.0;
     fill_in(&s->macro.step, is_papers ? SCENE_MACRO_STEP : 0.0);

@@ -225,6 +225,22 @@ static bf_status create(const micro_def *def, micro_common **ret_state, bf_error
     return BF_OK;
 }
 
+static void press(const void *state, micro_press *ret_press)
+{
+    const body_state *s = state;
+    const body_report *worst = &s->reports[0];
+
+    for (size_t block = 1; block < s->n_blocks; block++)
+        if (s->reports[block].overlap_share > worst->overlap_share)
+            worst = &s->reports[block];
+    const uint32_t k = worst->pressed[0];
+    *ret_press = (micro_press){
+        .part = k,
+        .other = worst->pressed[1] == UINT32_MAX ? UINT64_MAX : worst->pressed[1],
+        .at = { s->bodies[k].x.x, s->bodies[k].x.y },
+    };
+}
+
 static void pose_plates(void *state)
 {
     body_state *s = state;
@@ -242,6 +258,8 @@ const micro_backend micro__body = {
     .admit = body__admit,
     .forget_gone = body__forget_gone,
     .measure = body__measure,
+    .press = press,
+    .harden = body__harden,
     .pose_plates = pose_plates,
     .save = body__save,
     .load = body__load,

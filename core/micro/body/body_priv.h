@@ -52,21 +52,22 @@ typedef struct body_face {
 
 /// A kind of part, ready for the steps.
 typedef struct body_kind {
-    hull shape;              ///< in the body frame
-    quat turn;               ///< body frame in the frame of the shape
-    vec3 centre;             ///< of mass, in the frame of the shape, m
-    double bottom;           ///< lowest z of the shape in its frame, m
-    bool is_cylinder;        ///< a cylinder, about the body's z axis
-    double radius;           ///< of a cylinder; else of the disk with the footprint's area, m
-    double footprint_radius; ///< of the disk around the footprint, m
-    double half_height;      ///< of a cylinder, m
-    double mass;             ///< kg
-    vec3 inertia;            ///< about the principal axes, kg m2
-    double compliance;       ///< (1 - nu^2)/E with E divided by modulus_reduction, 1/Pa
-    double spin_radius;      ///< r_spin of (8), m
-    double flat_gyration;    ///< g_0, m
-    micro_law belt_law;      ///< on a belt
-    micro_law boundary_law;  ///< against plates and walls
+    hull shape;        ///< in the body frame
+    quat turn;         ///< body frame in the frame of the shape
+    vec3 centre;       ///< of mass, in the frame of the shape, m
+    double bottom;     ///< lowest z of the shape in its frame, m
+    bool is_cylinder;  ///< a cylinder, about the body's z axis
+    double radius;     ///< of a cylinder; else of the disk with the footprint's area, m
+    double half_width; ///< of a cylinder its radius; else half the least width of the footprint, m
+    double footprint_radius;         ///< of the disk around the footprint, m
+    double half_height;              ///< of a cylinder, m
+    double mass;                     ///< kg
+    vec3 inertia;                    ///< about the principal axes, kg m2
+    double compliance;               ///< (1 - nu^2)/E with E divided by modulus_reduction, 1/Pa
+    double spin_radius;              ///< r_spin of (8), m
+    double flat_gyration;            ///< g_0, m
+    micro_law belt_law;              ///< on a belt
+    micro_law boundary_law;          ///< against plates and walls
     body_face faces[HULL_FACES_MAX]; ///< of shape
 } body_kind;
 
@@ -216,7 +217,8 @@ void body__move(body_state *s, size_t k, body_report *report);
 size_t body__first_of(size_t block);
 size_t body__last_of(const body_state *s, size_t block);
 
-/// BF_ENUMERIC: a part moved too far in a step or is not finite; the text names the first one.
+/// BF_ENUMERIC: a part moved too far in a step or is not finite, and the text names the first one; or an overlap is
+/// beyond overlap_limit.
 BF_MUST_CHECK bf_status body__check(const void *state, bf_error *err);
 
 /// The outcome of a step by the reports of its blocks: DRIVER_SUSPECT, DRIVER_STALE or DRIVER_MADE.
@@ -230,6 +232,9 @@ void body__end(void *state, uint64_t n, driver_outcome outcome, const driver_pro
 BF_MUST_CHECK bf_status body__implicit_init(body_state *s, bf_error *err);
 
 void body__implicit_fini(body_state *s); ///< Free it.
+
+/// micro_backend.harden
+void body__harden(void *state, double reduction);
 
 /// MICRO_IMPLICIT for the driver.
 extern const driver_solver body__implicit;

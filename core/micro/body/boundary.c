@@ -56,7 +56,8 @@ static void add_contact_force(void *context, size_t k, const micro_law *law, uin
                             &contact->hull.point[m], forces->load))
             depth = contact->hull.depth;
     if (depth > 0.0)
-        body__note(forces->report, depth, forces->s->kinds[forces->s->bodies[k].kind].radius);
+        body__note(forces->report, (uint32_t)k, UINT32_MAX, depth,
+                   forces->s->kinds[forces->s->bodies[k].kind].half_width);
 }
 
 /// Find the contact with the side of a plate that a body is on. Returns false if the contact is elsewhere.

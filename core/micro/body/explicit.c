@@ -169,7 +169,8 @@ driver_outcome body__find_outcome(const body_state *s)
     driver_outcome outcome = DRIVER_MADE;
 
     for (size_t block = 0; block < s->n_blocks; block++) {
-        if (s->reports[block].bad_part != SIZE_MAX)
+        if (s->reports[block].bad_part != SIZE_MAX ||
+            micro__is_pressed(s->reports[block].overlap_share, &s->def))
             return DRIVER_SUSPECT;
         if (s->reports[block].is_stale)
             outcome = DRIVER_STALE;
@@ -236,6 +237,7 @@ bf_status body__advance(void *state, uint64_t n, bf_error *err)
         const body_report *report = &s->reports[block];
         s->largest_overlap = fmax(s->largest_overlap, report->overlap);
         s->overlap_share = fmax(s->overlap_share, report->overlap_share);
+        s->common.recent_share = fmax(s->common.recent_share, report->overlap_share);
         s->n_contacts += report->n_contacts;
     }
     return status;

@@ -78,6 +78,21 @@ bf_status body__implicit_init(body_state *s, bf_error *err)
     return BF_OK;
 }
 
+void body__harden(void *state, double reduction)
+{
+    body_state *s = state;
+    const double factor = reduction / s->def.modulus_reduction;
+
+    s->def.modulus_reduction = reduction;
+    for (size_t k = 0; k < s->n_kinds; k++) {
+        body_kind *kind = &s->kinds[k];
+        kind->compliance *= factor;
+        kind->belt_law.stiffness /= factor;
+        kind->boundary_law.stiffness /= factor;
+    }
+    s->implicit->iterations = find_iterations(s);
+}
+
 void body__implicit_fini(body_state *s)
 {
     body_solver *z = s->implicit;
@@ -251,12 +266,12 @@ static void sweep(const driver_member *m, batch_work *work)
 
 static void note_constraint(const body_state *s, const body_constraint *p, body_report *report)
 {
-    double radius = s->kinds[s->bodies[p->b].kind].radius;
+    double half_width = s->kinds[s->bodies[p->b].kind].half_width;
 
     if (p->a != BODY_STATIC)
-        radius = fmin(radius, s->kinds[s->bodies[p->a].kind].radius);
+        half_width = fmin(half_width, s->kinds[s->bodies[p->a].kind].half_width);
     if (p->belt_kind == NULL && p->batch->normal_impulse[p->lane] > 0.0 && p->depth > 0.0)
-        body__note(report, p->depth, radius);
+        body__note(report, p->b, p->a, p->depth, half_width);
 }
 
 /// Store the warm starts of a block, and move its parts.

@@ -20,14 +20,17 @@ vec3 body__friction_force(const micro_law *law, double force, vec3 slip)
                       -friction_secant(law->friction, force, law->tanh_linear, vec3_length(slip)));
 }
 
-void body__note(body_report *report, double overlap, double radius)
+void body__note(body_report *report, uint32_t k, uint32_t other, double overlap, double radius)
 {
     double overlap_share = overlap / radius;
 
     report->n_contacts++;
     report->overlap = overlap > report->overlap ? overlap : report->overlap;
-    report->overlap_share =
-        overlap_share > report->overlap_share ? overlap_share : report->overlap_share;
+    if (overlap_share <= report->overlap_share)
+        return;
+    report->overlap_share = overlap_share;
+    report->pressed[0] = k;
+    report->pressed[1] = other;
 }
 
 /// Search for the contact from memory->axis. Returns false if the hulls are farther apart than the margin.
@@ -53,8 +56,8 @@ static bool search(const gjk_pair *pair, double margin, body_memory *memory, man
     return true;
 }
 
-bool body__find_manifold(const gjk_pair *pair, double margin, body_memory *memory,
-                         manifold *ret_manifold)
+static bool find_region(const gjk_pair *pair, double margin, body_memory *memory,
+                        manifold *ret_manifold)
 {
     if (vec3_dot(memory->axis, memory->axis) == 0.0)
         memory->axis = vec3_dot(pair->translation, pair->translation) > 0.0
@@ -67,6 +70,16 @@ bool body__find_manifold(const gjk_pair *pair, double margin, body_memory *memor
             return true;
     }
     return search(pair, margin, memory, ret_manifold);
+}
+
+bool body__find_manifold(const gjk_pair *pair, double margin, body_memory *memory,
+                         manifold *ret_manifold)
+{
+    if (!find_region(pair, margin, memory, ret_manifold))
+        return false;
+    if (margin > 0.0 && ret_manifold->n == 1)
+        manifold_widen(pair, margin, ret_manifold);
+    return true;
 }
 
 bool body__contact_force(const body_state *s, const micro_law *law, vec3 normal,
@@ -300,5 +313,5 @@ void body__find_pair_force(const body_state *s, body_pair *pair, body_report *re
     double depth = add_contact(s, &law, pair, &contact);
     pair->has_force = depth > 0.0;
     if (pair->has_force)
-        body__note(report, depth, fmin(kind_a->radius, kind_b->radius));
+        body__note(report, pair->a, pair->b, depth, fmin(kind_a->half_width, kind_b->half_width));
 }

@@ -92,6 +92,7 @@ typedef struct body_plate {
 typedef struct body_report {
     double overlap;       ///< largest of a part with a part, plate or wall since the start, m
     double overlap_share; ///< same, divided by the smaller part's radius
+    uint32_t pressed[2];  ///< the parts of that; the second is UINT32_MAX if it is a plate or wall
     size_t n_contacts;    ///< such contacts in the last step
     size_t
         bad_part;  ///< the first one that moved too far in a step or is not finite; SIZE_MAX: none
@@ -124,8 +125,8 @@ bool body__find_pair(const body_state *s, double margin, body_pair *pair,
 /// Compute the force between the parts of a pair.
 void body__find_pair_force(const body_state *s, body_pair *pair, body_report *report);
 
-/// Record a contact with a normal force.
-void body__note(body_report *report, double overlap, double radius);
+/// Record a contact of part k with another one, or UINT32_MAX, with a normal force.
+void body__note(body_report *report, uint32_t k, uint32_t other, double overlap, double radius);
 
 /// Find the manifold of two hulls, in the frame of a, starting from their memory. Returns false if they are
 /// farther apart than `margin`, m.

@@ -228,6 +228,20 @@ static bf_status advance(void *state, uint64_t n, bf_error *err)
                                                : disk__advance_explicit(s, n, err);
 }
 
+void disk__harden(void *state, double reduction)
+{
+    disk_state *s = state;
+    const double factor = reduction / s->def.modulus_reduction;
+
+    s->def.modulus_reduction = reduction;
+    s->handling_compliance *= factor;
+    for (size_t k = 0; k < s->n_kinds; k++)
+        s->kinds[k].part.compliance *= factor;
+    for (size_t slot = 0; slot < s->void_slot; slot++)
+        s->now[slot].compliance *= factor;
+    disk__set_iterations(s);
+}
+
 static void pose_plates(void *state)
 {
     disk_state *s = state;
@@ -245,6 +259,8 @@ const micro_backend micro__disk = {
     .admit = disk__admit,
     .forget_gone = disk__forget_gone,
     .measure = disk__measure,
+    .press = disk__press,
+    .harden = disk__harden,
     .pose_plates = pose_plates,
     .save = disk__save,
     .load = disk__load,

@@ -224,8 +224,18 @@ BF_MUST_CHECK bf_status disk__tiling_init(disk_state *s);
 void disk__tiling_fini(disk_state *s); ///< Free it.
 void disk__plan_tiles(disk_state *s);  ///< Compute the tiles of the current list, if in use.
 
-/// driver_solver.check: a part is not finite or moves by more than half the smallest radius in a step.
+/// driver_solver.check: a part is not finite, moves by more than half the smallest radius in a step, or overlaps by
+/// more than overlap_limit.
 BF_MUST_CHECK bf_status disk__check(const void *state, bf_error *err);
+
+/// micro_backend.press
+void disk__press(const void *state, micro_press *ret_press);
+
+/// Take another modulus_reduction, also for the parts that are here.
+void disk__harden(void *state, double reduction);
+
+/// The iterations in an implicit step for the present modulus_reduction.
+void disk__set_iterations(disk_state *s);
 
 /// Make n steps with MICRO_VERLET, or with MICRO_IMPLICIT. Errors as of micro_advance().
 BF_MUST_CHECK bf_status disk__advance_explicit(disk_state *s, uint64_t n, bf_error *err);

@@ -69,7 +69,8 @@ static driver_outcome add_step(const disk_state *s, const driver_extremes *of_st
     driver_join(&progress->largest, of_step);
     progress->last_bound = sqrt(of_step->speed2) * s->def.dt;
     progress->displacement_bound += progress->last_bound + travel;
-    if (!isfinite(of_step->sum) || progress->last_bound > 0.5 * s->radius_min)
+    if (!isfinite(of_step->sum) || progress->last_bound > 0.5 * s->radius_min ||
+        micro__is_pressed(of_step->overlap_share, &s->def))
         return DRIVER_SUSPECT;
     return neighbours_holds(s->skin, progress->displacement_bound) ? DRIVER_MADE : DRIVER_STALE;
 }
@@ -464,7 +465,9 @@ bf_status disk__check(const void *state, bf_error *err)
         if (sqrt(part->vx * part->vx + part->vy * part->vy) * s->def.dt > 0.5 * s->radius_min)
             return fail(s, (uint32_t)k, "moved by more than half a radius", err);
     }
-    return BF_OK;
+    return micro__is_pressed(s->overlap_share, &s->def)
+               ? bf_fail(err, BF_ENUMERIC, "", "parts overlap by more than overlap_limit")
+               : BF_OK;
 }
 
 double disk__dt_stable_explicit(const micro_def *def)

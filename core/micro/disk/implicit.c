@@ -84,6 +84,16 @@ implicit_state *disk_implicit__create(const disk_state *s)
     return z;
 }
 
+void disk__set_iterations(disk_state *s)
+{
+    implicit_state *z = s->implicit;
+
+    if (z != NULL)
+        z->iterations = find_iterations(s);
+    if (z != NULL && z->is_current && s->n_kinds == 1)
+        disk_implicit__set_common_law(s, z);
+}
+
 void disk_implicit__forget_choice(implicit_state *z)
 {
     z->is_chosen = false;
@@ -290,10 +300,10 @@ static driver_outcome step(driver_member *m)
     p->last_bound = s->def.dt * sqrt(e.speed2);
     p->pair_bound += p->last_bound + travel;
     p->displacement_bound += p->last_bound + travel;
-    if (m->index == 0)
-        raise_overlaps(z, &p->largest);
+    raise_overlaps(z, &p->largest);
     driver_wait(m);
-    if (!isfinite(e.sum) || p->last_bound > 0.5 * s->radius_min)
+    if (!isfinite(e.sum) || p->last_bound > 0.5 * s->radius_min ||
+        micro__is_pressed(p->largest.overlap_share, &s->def))
         return DRIVER_SUSPECT;
     const double move = p->last_bound + disk__plates_travel(s, n_before + 1);
     return holds(z->skin, p->pair_bound, move) && holds(s->skin, p->displacement_bound, move)
@@ -324,6 +334,7 @@ static void end(void *state, uint64_t n, driver_outcome outcome, const driver_pr
     z->last_bound = progress->last_bound;
     s->largest_overlap = fmax(s->largest_overlap, progress->largest.overlap);
     s->overlap_share = fmax(s->overlap_share, progress->largest.overlap_share);
+    s->common.recent_share = fmax(s->common.recent_share, progress->largest.overlap_share);
 }
 
 bf_status disk__advance_implicit(disk_state *s, uint64_t n, bf_error *err)

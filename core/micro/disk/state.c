@@ -132,6 +132,42 @@ micro_totals disk__measure(const void *state)
     return totals;
 }
 
+// Take an overlap if it is the largest share so far.
+static void take_press(const disk_state *s, size_t slot, uint64_t other, double share,
+                       micro_press *press)
+{
+    if (share <= press->share)
+        return;
+    *press = (micro_press){ .share = share,
+                            .part = s->id_of[slot],
+                            .other = other,
+                            .at = { s->now[slot].x, s->now[slot].y } };
+}
+
+void disk__press(const void *state, micro_press *ret_press)
+{
+    const disk_state *s = state;
+
+    *ret_press = (micro_press){ .other = UINT64_MAX };
+    for (size_t slot = 0; slot < s->n_live; slot++)
+        for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
+            const uint32_t other = disk__neighbour(s, slot, row);
+            const disk *part = &s->now[slot], *with = &s->now[other];
+            const double gap =
+                hypot(with->x - part->x, with->y - part->y) - part->radius - with->radius;
+            if (other > slot && other < s->n_live)
+                take_press(s, slot, s->id_of[other], -gap / fmin(part->radius, with->radius),
+                           ret_press);
+        }
+    for (size_t k = 0; k < s->n_candidates; k++) {
+        const size_t slot = s->candidates[k].slot;
+        bool counts;
+        const double overlap = disk__overlap(s, &s->now[slot], s->candidates[k].feature, &counts);
+        if (counts)
+            take_press(s, slot, UINT64_MAX, overlap / s->now[slot].radius, ret_press);
+    }
+}
+
 // The header of the pairs.
 typedef struct state_header {
     uint64_t is_chosen;

@@ -58,7 +58,7 @@ bf_buffer document_complete(void)
         "          'heaviside_width': 0.1, 'dispersion_m_s': 0.6, 'mollifier_per_m2': 9000,"
         "          'initial_mollifier_per_m2': 3000, 'packing_density_per_m2': 1999.5},"
         "'micro': {'integrator': 'implicit', 'path': 'spatial', 'step_s': 2e-5, "
-        "'modulus_reduction': 1e4, 'tension': true,"
+        "'modulus_reduction': 1e4, 'overlap_limit': 0.3, 'tension': true,"
         "          'damping_per_s': 0.2, 'gravity_m_s2': 9.8, 'spin_friction_radius_m': 0.01},"
         "'materials': {'conveyor': {'young_modulus_pa': 3e10, 'poisson_ratio': 0.1},"
         "              'handling': {'young_modulus_pa': 6e10, 'poisson_ratio': 0.2}},"

@@ -168,15 +168,18 @@ static void one_kind_is_written_as_one_object(void **unused)
 // The integrator says which step is the default: the paper's, or its own choice.
 static void the_default_step_follows_the_integrator(void **unused)
 {
-    scene verlet = read_text("{" DOCUMENT_NEEDED "}");
+    scene verlet = read_text(DOCUMENT_WITH("'micro': {'integrator': 'verlet'}"));
+    scene none = read_text("{" DOCUMENT_NEEDED "}");
     scene implicit = read_text(DOCUMENT_WITH("'micro': {'integrator': 'implicit'}"));
     scene automatic = read_text(DOCUMENT_WITH("'micro': {'step_s': 'auto'}"));
 
     (void)unused;
     assert_true(verlet.micro.step == 1e-5);
+    assert_true(none.micro.step == 0.0);
     assert_true(implicit.micro.step == 0.0);
     assert_true(automatic.micro.step == 0.0);
     scene_fini(&verlet);
+    scene_fini(&none);
     scene_fini(&implicit);
     scene_fini(&automatic);
 }

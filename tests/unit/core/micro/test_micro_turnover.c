@@ -337,7 +337,7 @@ static void without_memory_nobody_enters_and_nothing_is_lost(void **state)
     }
 }
 
-enum { ENVELOPE = 40, IDS = 16, OWN_IDS = 2 }; // bytes before the payload, before the ids; parts
+enum { ENVELOPE = 40, IDS = 32, OWN_IDS = 2 }; // bytes before the payload, before the ids; parts
 
 // Writes a number into the payload of a checkpoint, and seals it again.
 static bf_buffer forge(const bf_buffer *saved, size_t at, uint64_t value)

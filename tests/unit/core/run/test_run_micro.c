@@ -179,6 +179,8 @@ static void requests_are_asked_for_between_samples(void **state)
     scene s;
     helper_scene_example(&s, 90.0, SCENE_SEALED);
     s.duration = s.output.curve_every = s.output.snapshot_every = 0.1;
+    s.micro.integrator = SCENE_VERLET;
+    s.micro.step = 1e-5;
     helper_run_log *log = run_scene(&s, 1);
     // 10,000 steps of 192 parts, at most 200,000/193 + 1 at once.
     assert_true(log->n_askings >= 10000 / 1037);
@@ -202,7 +204,7 @@ static void an_automatic_step_fits_the_samples(void **state)
         assert_near(steps, round(steps), 1e-9 * steps);
         for (int k = 0; k <= 5; k++)
             assert_near(log->t[k], 0.01 * k, 1e-12);
-        assert_true(integrator == SCENE_IMPLICIT || log->begin.dt <= 1e-5);
+        assert_true(integrator != SCENE_VERLET || log->begin.dt <= 1e-5);
         helper_run_free(log);
         scene_fini(&s);
     }
@@ -216,6 +218,7 @@ static void check_mix(scene_integrator integrator)
     helper_scene_belt(&s, 1.0, 0.6, 0.01, poses, 3);
     s.duration = 0.05;
     s.micro.integrator = integrator;
+    s.micro.modulus_reduction = 1e4;
     s.n_cargo = 2;
     scene_cargo_init(&s.cargo[1]);
     s.cargo[1].shape.type = SCENE_BOX;

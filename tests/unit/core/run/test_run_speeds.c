@@ -43,6 +43,8 @@ static void make_jam(scene *s, int solver)
     s->micro.path = solvers[solver].path;
     s->micro.integrator = solvers[solver].integrator;
     s->micro.step = solvers[solver].step;
+    s->micro.modulus_reduction = 1e6;
+    s->micro.overlap_limit = 1.0;
     s->belts[0].acceleration = 6.0;
     s->belts[0].deceleration = 5.0;
     helper_scene_schedule(&s->belts[0], 4, (double[]){ 0.02, 0.11, 0.17, 0.26 },

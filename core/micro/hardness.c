@@ -1,0 +1,118 @@
+#include "core/micro/hardness.h"
+
+#include "core/micro/backend.h"
+#include "core/micro/contact_law.h"
+#include "core/micro/implicit_step.h"
+#include "core/micro/micro_priv.h"
+#include "core/scene/belt_speeds.h"
+#include "core/scene/shape.h"
+#include "core/scene/surroundings.h"
+
+#include <math.h>
+
+const double hardness_goal = 0.02;
+
+static const double lines = 2.0;   // that one contact may bear
+static const double softest = 1e6; // reduction, the paper's
+static const double corner_weight =
+    0.25; // of the stiffness of a contact of bodies in space: one of its points
+
+// What presses on a contact.
+typedef struct load {
+    double mass;  // M, kg
+    double force; // F, N
+    double speed; // v, m/s
+} load;
+
+// How long a domain is along the velocity of a belt, m.
+static double length_along(const scene_rect *d, vec2 velocity)
+{
+    const double speed = vec2_length(velocity);
+
+    if (speed == 0.0)
+        return 0.0;
+    return (fabs(velocity.x) * (d->x_max - d->x_min) + fabs(velocity.y) * (d->y_max - d->y_min)) /
+           speed;
+}
+
+// Whether anything can stop the cargo of a belt: a plate, a wall across it, another belt, or the belt itself.
+static bool has_stop(const micro_def *def)
+{
+    const surroundings around = { .domain = def->domain };
+    bool stops = def->n_obstacles > 0 || def->n_belts != 1 ||
+                 def->belts[0].speed_schedule.n_times > 0 || def->n_actions > 0;
+
+    for (int side = 0; side < SCENE_SIDE_COUNT && !stops; side++)
+        stops = def->edges[side] == SCENE_EDGE_WALL &&
+                vec2_dot(surroundings_side(&around, (scene_side)side).inward,
+                         def->belts[0].velocity) < 0.0;
+    return stops;
+}
+
+static load find_load(const micro_def *def)
+{
+    const scene_rect *d = &def->domain;
+    double length = 0.0, by_length = 0.0, heaviest = 0.0; // m, kg/m, kg
+    size_t fastest;
+    load l = { .speed = fmax(micro__plate_speed(def, &fastest), vec2_length(def->start_velocity)) };
+
+    for (size_t k = 0; k < def->n_belts; k++) {
+        const scene_belt *belt = &def->belts[k];
+        length += has_stop(def) ? length_along(d, belt->velocity) : 0.0;
+        l.speed = fmax(l.speed, vec2_length(belt->velocity) * belt_speeds_largest(belt));
+    }
+    // Belts follow each other, across a domain or along it.
+    length = fmin(length, d->x_max - d->x_min + d->y_max - d->y_min);
+    for (size_t k = 0; k < def->n_kinds; k++) {
+        const micro_kind *kind = &def->kinds[k];
+        by_length = fmax(by_length, 0.5 * kind->mass / implicit_step_radius_of(&kind->shape));
+        heaviest = fmax(heaviest, kind->mass);
+    }
+    l.mass = fmin(fmax(lines * length * by_length, heaviest),
+                  heaviest * fmax((double)micro__n_expected(def), 1.0));
+    l.force = def->contact[SCENE_CONVEYOR_CARGO].friction * def->gravity * l.mass;
+    return l;
+}
+
+// Stiffness of the softest contact with a reduction of 1, N/m.
+static double find_stiffness(const micro_def *def)
+{
+    const scene_contact *contact = def->contact;
+    double least = HUGE_VAL;
+
+    for (size_t k = 0; k < def->n_kinds; k++) {
+        const scene_material *own = &def->kinds[k].material;
+        least = fmin(least,
+                     contact_law_of_line(&contact[SCENE_HANDLING_CARGO], own, &def->handling, 1.0)
+                         .stiffness);
+        for (size_t m = 0; m <= k; m++)
+            least = fmin(least, contact_law_of_line(&contact[SCENE_CARGO_CARGO], own,
+                                                    &def->kinds[m].material, 1.0)
+                                    .stiffness);
+    }
+    return micro_def_is_planar(def) ? least : corner_weight * least;
+}
+
+double hardness_overlap_share(const micro_def *def)
+{
+    const load l = find_load(def);
+    const double k = find_stiffness(def) / def->modulus_reduction;
+
+    return (l.force + sqrt(l.force * l.force + k * l.mass * l.speed * l.speed)) /
+           (k * implicit_step_radius(def));
+}
+
+double hardness_reduction(const micro_def *def)
+{
+    const load l = find_load(def);
+    const double overlap = hardness_goal * implicit_step_radius(def);
+    const double k = (l.mass * l.speed * l.speed + 2.0 * l.force * overlap) / (overlap * overlap);
+
+    return fmin(fmax(find_stiffness(def) / k, 1.0), softest);
+}
+
+double hardness_harder(double reduction)
+{
+    // By a power of two, so that one division by several steps of it has the same bits as several.
+    return reduction >= 2.0 ? 0.5 * reduction : reduction;
+}

@@ -1,0 +1,29 @@
+/// How hard contacts must be so that parts hardly overlap, from the loads that a definition can have.
+///
+/// A line of parts from a plate or wall up to where its belt begins is pushed by the friction of the belt, and stops with
+/// its first part. A mass M that a force F = mu g M pushes is stopped from a speed v by a spring k within an overlap
+///
+///     delta = (F + sqrt(F^2 + k M v^2)) / k,     k = (M v^2 + 2 F delta) / delta^2,
+///
+/// since k delta^2/2 = M v^2/2 + F delta. M is the mass of the longest line, times 2, as arches gather
+/// several lines in one contact, and at most that of all parts; v is the largest speed of a belt, of a plate or of the
+/// parts at the start; k the stiffness (4b) of the softest pair of materials, in space that of a corner (manifold.h).
+/// Measured on lines of cans, jars, kegs, bottles and cartons before plates (tests/validation/README.md).
+
+#pragma once
+
+#include "core/micro/micro.h"
+
+/// The largest overlap to expect with def->modulus_reduction, as a share of the smallest radius (micro_totals).
+double hardness_overlap_share(const micro_def *def);
+
+/// The largest modulus_reduction, 1 to 10^6, with which that is at most hardness_goal; 1 if none is.
+double hardness_reduction(const micro_def *def);
+
+/// The next one while a run is pressed harder than foreseen: contacts are twice as stiff, at most as materials are.
+double hardness_harder(double reduction);
+
+/// The overlap that hardness_reduction() aims at, as a share of the smallest radius.
+extern const double hardness_goal;
+
+enum { HARDNESS_STEPS = 32 }; ///< after so many steps a run may become harder

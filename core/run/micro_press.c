@@ -1,0 +1,63 @@
+#include "core/run/micro_press.h"
+
+#include "core/base/polygon.h"
+#include "core/scene/shape.h"
+
+#include <math.h>
+#include <stdio.h>
+
+// Whether a part with its centre there may touch an obstacle: its path, or where that may turn to.
+static bool may_touch(const scene_obstacle *o, vec2 at, double range)
+{
+    double nearest = HUGE_VAL, reach = 0.0;
+
+    for (size_t k = 0; k < o->n_points; k++) {
+        if (k > 0)
+            nearest = fmin(nearest, polygon_segment_distance(at, o->path[k - 1], o->path[k]));
+        reach = fmax(reach, vec2_length(vec2_sub(o->path[k], o->pivot)));
+    }
+    if (scene_obstacle_moves(o) && vec2_length(vec2_sub(at, o->pivot)) <= reach + range)
+        return true;
+    return nearest <= range + o->thickness;
+}
+
+static const scene_obstacle *find_plate(const scene *s, vec2 at)
+{
+    double range = 0.0;
+
+    for (size_t k = 0; k < s->n_cargo; k++)
+        range = fmax(range, shape_footprint_of(&s->cargo[k].shape).bounding_radius);
+    for (size_t k = 0; k < s->n_obstacles; k++)
+        if (may_touch(&s->obstacles[k], at, range))
+            return &s->obstacles[k];
+    return NULL;
+}
+
+bf_status micro_press_fail(const scene *s, const micro_press *press, double t, bf_error *err)
+{
+    const scene_obstacle *plate = find_plate(s, press->at);
+    const bool is_between_parts = press->other != UINT64_MAX;
+    const char *change;
+    char into[SCENE_ID_SIZE + 32] = "a wall", pointer[BF_POINTER_SIZE] = "/micro/modulus_reduction";
+
+    if (is_between_parts)
+        snprintf(into, sizeof into, "part %llu", (unsigned long long)press->other);
+    else if (plate != NULL)
+        snprintf(into, sizeof into, "the plate '%s'", plate->id);
+    if (plate != NULL && scene_obstacle_moves(plate)) {
+        snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion", (size_t)(plate - s->obstacles));
+        change = "the plate moves into cargo that has no way out: let it move slower or less far";
+    } else if (s->micro.modulus_reduction > 0.0) {
+        change =
+            "parts are too soft for what presses on them: leave modulus_reduction out, or make "
+            "it smaller";
+    } else {
+        change = "parts are pressed harder than their materials bear: a shorter step_s or a larger "
+                 "young_modulus_pa may help";
+    }
+    return bf_fail(err, BF_ENUMERIC, pointer,
+                   "part %llu is pressed into %s by %.3g %% of a radius at (%.4g, %.4g) m after "
+                   "%.4g s, more than overlap_limit, %.3g %%: %s",
+                   (unsigned long long)press->part, into, 100.0 * press->share, press->at.x,
+                   press->at.y, t, 100.0 * s->micro.overlap_limit, change);
+}
