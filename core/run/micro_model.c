@@ -5,6 +5,7 @@
 #include "core/base/polygon.h"
 #include "core/run/beam.h"
 #include "core/run/micro_feeds.h"
+#include "core/run/micro_press.h"
 #include "core/run/run_priv.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/counter.h"

@@ -1,0 +1,213 @@
+// Goods before a plate at the defaults: parts overlap little, none gets through, harder parts pass as fast; and what
+// happens where a number makes them too soft.
+
+#include "core/base/memory.h"
+#include "core/micro/micro.h"
+#include "core/run/micro_press.h"
+#include "core/run/run.h"
+#include "core/run/run_priv.h"
+#include "tests/unit/core/helper_run.h"
+#include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// Goods, in the plane or in space.
+typedef struct goods {
+    scene_shape shape;
+    double mass;  // kg
+    double width; // across, m
+} goods;
+
+static const goods can = { { .type = SCENE_CYLINDER, .radius = 0.033, .height = 0.115 },
+                           0.35,
+                           0.066 };
+static const goods keg = { { .type = SCENE_CYLINDER, .radius = 0.205, .height = 0.4 }, 12.5, 0.41 };
+static const goods carton = { { .type = SCENE_BOX, .length = 0.24, .width = 0.18, .height = 0.12 },
+                              1.7,
+                              0.24 };
+
+// A belt of 0.4 m/s, 15 by 9 widths, a plate at 60 degrees that leaves 4 of them, and more parts than come through.
+static void make_line(scene *s, const goods *of, double duration)
+{
+    const double w = of->width, tip = 5.0 * w, x = 11.0 * w;
+    const vec2 path[] = { { x - tip / sqrt(3.0), 0.0 }, { x, tip } };
+
+    helper_scene_belt(s, 15.0 * w, 9.0 * w, w / 6.0, NULL, 0);
+    s->initial.type = SCENE_INITIAL_COUNT;
+    helper_scene_add_obstacle(s, path, 2, SCENE_SEALED);
+    s->cargo[0].shape = of->shape;
+    s->cargo[0].mass = of->mass;
+    s->cargo[0].material = (scene_material){ 210e9, 0.28 };
+    s->n_feeds = 1;
+    s->feeds = memory_alloc(1, sizeof *s->feeds);
+    assert_non_null(s->feeds);
+    scene_feed_init(s->feeds);
+    s->feeds[0].is_edge = true;
+    s->feeds[0].edge = SCENE_WEST;
+    s->feeds[0].demand = SCENE_DEMAND_RATE;
+    s->feeds[0].arrivals = SCENE_ARRIVALS_POISSON;
+    s->feeds[0].rate = 6.0 * 0.4 / w;
+    s->duration = duration;
+    s->output.curve_every = 0.1;
+    s->output.snapshot_every = duration;
+    helper_scene_resolve(s);
+}
+
+static helper_run_log *run_line(const scene *s)
+{
+    helper_run_log *log = calloc(1, sizeof *log);
+
+    assert_non_null(log);
+    log->model = RUN_MICRO;
+    assert_int_equal(helper_run(s, 1, 0, log), BF_OK);
+    return log;
+}
+
+static void check_goods(const goods *of, double duration, double most)
+{
+    scene s;
+
+    make_line(&s, of, duration);
+    helper_run_log *log = run_line(&s);
+    assert_true(log->end.n_parts_left > 5);
+    assert_true(log->end.overlap_share > 0.0 && log->end.overlap_share < most);
+    assert_true(log->end.reduction >= 1.0 && log->end.reduction <= log->end.reduction_start);
+    helper_run_free(log);
+    scene_fini(&s);
+}
+
+// 2 % is aimed at; a crowd that stops at once may be heavier than the line that is reckoned with.
+static void goods_overlap_little_at_the_defaults(void **state)
+{
+    (void)state;
+    check_goods(&can, HELPER_AMOUNT(15.0, 8.0), 0.05);
+    check_goods(&keg, HELPER_AMOUNT(60.0, 30.0), 0.05);
+    check_goods(&carton, HELPER_AMOUNT(15.0, 10.0), 0.05);
+}
+
+// 36 cans on the belt before the plate.
+static void make_heap(scene *s)
+{
+    make_line(s, &can, 15.0);
+    s->n_feeds = 0;
+    memory_free(s->feeds);
+    s->feeds = NULL;
+    s->initial.type = SCENE_INITIAL_HEXAGONAL;
+    s->initial.n_rows = s->initial.n_columns = 6;
+    s->initial.first = (vec2){ 0.06, 0.06 };
+    s->initial.spacing = 0.068;
+}
+
+static micro_solver *start(const micro_def *def)
+{
+    micro_solver *s = NULL;
+
+    assert_int_equal(micro_create(def, &s, NULL), BF_OK);
+    return s;
+}
+
+// With the paper's modulus_reduction a can is pressed into the plate by more than 20 % of its radius.
+static void parts_that_are_too_soft_fail_with_part_and_plate(void **state)
+{
+    run__micro_setup setup;
+    run_review review;
+    micro_press press;
+    scene s;
+    bf_error err = { 0 };
+    bool is_warned = false;
+
+    (void)state;
+    make_heap(&s);
+    s.micro.modulus_reduction = 1e6;
+    assert_int_equal(run_review_of(&s, RUN_MICRO, &review, NULL), BF_OK);
+    for (size_t k = 0; k < review.warnings.n; k++)
+        is_warned =
+            is_warned || strcmp(review.warnings.items[k].pointer, "/micro/modulus_reduction") == 0;
+    assert_true(is_warned);
+    assert_int_equal(run__micro_init_setup(&s, 1, &setup, NULL), BF_OK);
+    micro_solver *solver = start(&setup.def);
+    assert_false(micro_press_now(solver, &press));
+    assert_int_equal(micro_advance(solver, 10000, &err), BF_ENUMERIC);
+    assert_true(micro_press_now(solver, &press));
+    assert_true(press.share > 0.2 && press.part < 36);
+    assert_int_equal(micro_press_fail(&s, &press, 1.0, &err), BF_ENUMERIC);
+    assert_string_equal(err.pointer, "/micro/modulus_reduction");
+    press.other = UINT64_MAX;
+    assert_int_equal(micro_press_fail(&s, &press, 1.0, &err), BF_ENUMERIC);
+    assert_non_null(strstr(err.text, "the plate 'obstacle-1'"));
+    micro_destroy(solver);
+    run__micro_fini_setup(&setup);
+    scene_fini(&s);
+}
+
+// The expected overlap d of a line of mass M = 2 L m/2r under F = mu g M, from v, with k of steel on aluminium:
+// k d^2/2 = M v^2/2 + F d.
+static void the_expected_overlap_stops_the_line(void **state)
+{
+    run__micro_setup setup;
+    scene s;
+
+    (void)state;
+    make_line(&s, &can, 15.0);
+    assert_int_equal(run__micro_init_setup(&s, 1, &setup, NULL), BF_OK);
+    const micro_def *def = &setup.def;
+    const double r = can.shape.radius, length = def->domain.x_max - def->domain.x_min;
+    const double mass = 2.0 * length * can.mass / (2.0 * r), v = s.belts[0].velocity.x;
+    const double compliance = (1.0 - 0.28 * 0.28) / 210e9 + (1.0 - 0.34 * 0.34) / 70e9;
+    const double k = 0.25 * M_PI * 0.008 / compliance / def->modulus_reduction;
+    const double overlap = micro_overlap_expected(def) * r;
+    const double energy = 0.5 * mass * v * v + 1.0 * 9.81 * mass * overlap;
+    assert_near(overlap, 0.02 * r, 1e-9 * r);
+    assert_near(0.5 * k * overlap * overlap, energy, 1e-9 * energy);
+    run__micro_fini_setup(&setup);
+    scene_fini(&s);
+}
+
+// Begun too soft, contacts become harder; a solver that takes a state of half the way ends with the same bits.
+static void parts_that_press_harder_than_foreseen_become_harder(void **state)
+{
+    run__micro_setup setup;
+    bf_buffer saved = { 0 };
+    scene s;
+
+    (void)state;
+    make_heap(&s);
+    assert_int_equal(run__micro_init_setup(&s, 1, &setup, NULL), BF_OK);
+    setup.def.modulus_reduction = 3e4;
+    micro_solver *whole = start(&setup.def), *resumed = start(&setup.def);
+    assert_int_equal(micro_advance(whole, 505, NULL), BF_OK);
+    assert_int_equal(micro_save(whole, &saved, NULL), BF_OK);
+    assert_int_equal(micro_advance(whole, 500, NULL), BF_OK);
+    assert_int_equal(micro_load(resumed, saved.bytes, saved.n, NULL), BF_OK);
+    for (int k = 0; k < 100; k++)
+        assert_int_equal(micro_advance(resumed, 5, NULL), BF_OK);
+    assert_true(micro_reduction(whole) < 3e4);
+    assert_true(micro_reduction(resumed) == micro_reduction(whole));
+    assert_true(micro_digest(resumed) == micro_digest(whole));
+    buffer_fini(&saved);
+    micro_destroy(whole);
+    micro_destroy(resumed);
+    run__micro_fini_setup(&setup);
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(goods_overlap_little_at_the_defaults),
+        cmocka_unit_test(parts_that_are_too_soft_fail_with_part_and_plate),
+        cmocka_unit_test(the_expected_overlap_stops_the_line),
+        cmocka_unit_test(parts_that_press_harder_than_foreseen_become_harder),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
