@@ -4,6 +4,7 @@
 
 #include "core/base/checkpoint.h"
 #include "core/micro/micro.h"
+#include "core/micro/press.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/plate_motion.h"
 #include "core/scene/surroundings.h"
@@ -23,7 +24,7 @@ typedef struct micro_common {
     belt_speeds speeds;  ///< of the belts
     plate_motion motion; ///< of the obstacles; pose_plates() must follow what changes it
     uint64_t steps;      ///< made since t = 0
-    double recent_share; ///< largest overlap_share (micro_totals) since micro.c set it to 0
+    double recent_overlap; ///< largest overlap_share (micro_totals) since micro.c set it to 0
 } micro_common;
 
 /// The functions of a path; state is what create() made. Meanings as in micro.h.
@@ -46,7 +47,7 @@ typedef struct micro_backend {
     void (*forget_gone)(void *state);
     /// micro_measure()
     micro_totals (*measure)(const void *state);
-    /// Of the largest overlap of a step that was beyond overlap_limit: the handles as the ids, and where. The share is
+    /// Of the largest overlap of a step that was beyond overlap_limit: the handles as the ids, and where. The overlap is
     /// set by the caller.
     void (*press)(const void *state, micro_press *ret_press);
     /// Compute contacts with this modulus_reduction from now on. MICRO_IMPLICIT only.

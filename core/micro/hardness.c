@@ -93,7 +93,7 @@ static double find_stiffness(const micro_def *def)
     return micro_def_is_planar(def) ? least : corner_weight * least;
 }
 
-double hardness_overlap_share(const micro_def *def)
+double hardness_expected_overlap(const micro_def *def)
 {
     const load l = find_load(def);
     const double k = find_stiffness(def) / def->modulus_reduction;

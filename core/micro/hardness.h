@@ -15,13 +15,16 @@
 #include "core/micro/micro.h"
 
 /// The largest overlap to expect with def->modulus_reduction, as a share of the smallest radius (micro_totals).
-double hardness_overlap_share(const micro_def *def);
+double hardness_expected_overlap(const micro_def *def);
 
 /// The largest modulus_reduction, 1 to 10^6, with which that is at most hardness_goal; 1 if none is.
 double hardness_reduction(const micro_def *def);
 
 /// The next one while a run is pressed harder than foreseen: contacts are twice as stiff, at most as materials are.
 double hardness_harder(double reduction);
+
+/// The modulus_reduction that a solver uses now.
+double micro_reduction(const micro_solver *s);
 
 /// The overlap that hardness_reduction() aims at, as a share of the smallest radius.
 extern const double hardness_goal;

@@ -8,6 +8,7 @@
 #include "core/micro/implicit_step.h"
 #include "core/micro/micro_priv.h"
 #include "core/micro/places.h"
+#include "core/micro/press.h"
 #include "core/scene/definition.h"
 #include "core/scene/goods.h"
 
@@ -49,7 +50,7 @@ typedef struct saved_header {
     uint64_t n;
     uint64_t next_id;
     double reduction;
-    double recent_share;
+    double recent_overlap;
 } saved_header;
 
 micro_def micro_def_default(void)
@@ -96,16 +97,6 @@ double micro_dt_chosen(const micro_def *def)
     return def->integrator == MICRO_IMPLICIT
                ? implicit_step_chosen(def, backend == &micro__disk)
                : fmin(chosen_fraction * backend->dt_stable(def), micro_dt_plates(def));
-}
-
-double micro_reduction_chosen(const micro_def *def)
-{
-    return hardness_reduction(def);
-}
-
-double micro_overlap_expected(const micro_def *def)
-{
-    return hardness_overlap_share(def);
 }
 
 bool micro_def_is_planar(const micro_def *def)
@@ -295,9 +286,9 @@ static void harden_if_pressed(micro_solver *s)
 {
     if (!s->hardens || micro_steps(s) % HARDNESS_STEPS != 0)
         return;
-    if (s->state->recent_share > hardness_goal)
+    if (s->state->recent_overlap > hardness_goal)
         set_reduction(s, hardness_harder(s->reduction));
-    s->state->recent_share = 0.0;
+    s->state->recent_overlap = 0.0;
 }
 
 static bf_status fail_pressed(const micro_solver *s, const micro_press *press, bf_error *err)
@@ -305,8 +296,8 @@ static bf_status fail_pressed(const micro_solver *s, const micro_press *press, b
     return bf_fail(err, BF_ENUMERIC, "/micro/modulus_reduction",
                    "part %llu overlaps by %.3g %% of a radius at (%.4g, %.4g) m after %.6g s, more "
                    "than overlap_limit, %.3g %%",
-                   (unsigned long long)press->part, 100.0 * press->share, press->at.x, press->at.y,
-                   (double)micro_steps(s) * s->dt, 100.0 * s->overlap_limit);
+                   (unsigned long long)press->part, 100.0 * press->overlap, press->at.x,
+                   press->at.y, (double)micro_steps(s) * s->dt, 100.0 * s->overlap_limit);
 }
 
 bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
@@ -327,12 +318,12 @@ bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
 
 bool micro_press_now(const micro_solver *s, micro_press *ret_press)
 {
-    const double share = s->backend->measure(s->state).overlap_share;
+    const double overlap = s->backend->measure(s->state).overlap_share;
 
-    if (share <= s->overlap_limit)
+    if (overlap <= s->overlap_limit)
         return false;
     s->backend->press(s->state, ret_press);
-    ret_press->share = share;
+    ret_press->overlap = overlap;
     ret_press->part = s->ids[ret_press->part];
     if (ret_press->other != UINT64_MAX)
         ret_press->other = s->ids[ret_press->other];
@@ -531,7 +522,7 @@ bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
 {
     checkpoint_writer w;
 
-    const saved_header header = { s->n, s->next_id, s->reduction, s->state->recent_share };
+    const saved_header header = { s->n, s->next_id, s->reduction, s->state->recent_overlap };
 
     checkpoint_begin(&w, out, s->backend->kind, s->definition);
     checkpoint_write(&w, &header, sizeof header);
@@ -552,7 +543,7 @@ static int compare_ids(const void *left, const void *right)
 
 static bool is_header_sound(const micro_solver *s, const saved_header *h)
 {
-    if (!(h->reduction >= 1.0) || !isfinite(h->reduction) || !(h->recent_share >= 0.0) ||
+    if (!(h->reduction >= 1.0) || !isfinite(h->reduction) || !(h->recent_overlap >= 0.0) ||
         (!s->hardens && h->reduction != s->reduction))
         return false;
     if (!s->admits)
@@ -614,7 +605,7 @@ bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err
     s->n = header.n;
     s->capacity = header.n + 1;
     s->next_id = header.next_id;
-    s->state->recent_share = header.recent_share;
+    s->state->recent_overlap = header.recent_overlap;
     set_reduction(s, header.reduction);
     s->first_free = 0;
     s->places.is_sorted = false;

@@ -76,24 +76,19 @@ typedef struct micro_def {
     size_t n_parts;                     ///< (no default)
     const scene_pose *poses;            ///< of the parts' centres at the start; they lie flat
     const uint32_t *part_kinds;         ///< kind of each part; NULL: all of kind 0
-    size_t n_parts_expected; ///< for how many parts steps and iterations are chosen where
-                             ///< parts will be admitted; 0: n_parts, and none will (default)
-    vec2 start_velocity;     ///< of parts off every belt, m/s (default 0, 0); parts on
-                             ///< a belt start with its velocity
+    size_t n_parts_expected; ///< that steps are chosen for; 0: n_parts, none admitted (default)
+    vec2 start_velocity; ///< of parts off every belt, m/s (default 0, 0); others have the belt's
     scene_contact contact[SCENE_PAIR_COUNT]; ///< laws (defaults as in scene_micro)
-    double wall_friction; ///< mu of SCENE_HANDLING_CARGO at walls, >= 0 (default that of the pair's
-                          ///< default)
+    double wall_friction;     ///< mu of SCENE_HANDLING_CARGO at walls, >= 0 (default its default)
     scene_material conveyor;  ///< (default 40e9 Pa, 0.05)
     scene_material handling;  ///< obstacles and walls (default 70e9 Pa, 0.34)
     double modulus_reduction; ///< >= 1 (default 1e6)
-    bool hardens; ///< MICRO_IMPLICIT in the plane: reduced further while parts are pressed harder
-                  ///< than foreseen (hardness.h) (default false)
-    double overlap_limit; ///< share of the smaller part's radius, > 0: beyond it a step fails
-                          ///< (default INFINITY)
-    double damping;       ///< D, 1/s, >= 0 (default 0.1)
-    double gravity;       ///< m/s2, >= 0 (default 9.81)
-    double dt;            ///< s, > 0; 0: chosen (default 1e-5)
-    bool tension;         ///< contacts may pull (default false)
+    bool hardens;             ///< it falls where overlaps are large, see hardness.h (default false)
+    double overlap_limit;     ///< of the smaller radius: more fails, see press.h (default INFINITY)
+    double damping;           ///< D, 1/s, >= 0 (default 0.1)
+    double gravity;           ///< m/s2, >= 0 (default 9.81)
+    double dt;                ///< s, > 0; 0: chosen (default 1e-5)
+    bool tension;             ///< contacts may pull (default false)
     micro_integrator integrator; ///< (default MICRO_VERLET)
     micro_path path;             ///< (default MICRO_PATH_AUTO)
     int n_threads;               ///< >= 1 (default 1)
@@ -161,11 +156,6 @@ double micro_dt_plates(const micro_def *def);
 /// n_parts_expected.
 double micro_dt_chosen(const micro_def *def);
 
-/// The largest modulus_reduction with which parts should overlap by less than 2 % of the smallest radius, from the loads
-/// that they may bear (hardness.h), and the share that is to be expected with that of def; both regardless of dt.
-double micro_reduction_chosen(const micro_def *def);
-double micro_overlap_expected(const micro_def *def);
-
 /// True if the parts are solved in the plane.
 bool micro_def_is_planar(const micro_def *def);
 
@@ -182,9 +172,8 @@ BF_MUST_CHECK bf_status micro_create(const micro_def *def, micro_solver **ret_so
 /// Free a solver and what it owns. NULL is fine. Always returns NULL.
 micro_solver *micro_destroy(micro_solver *s);
 
-/// Make n steps of dt. BF_ENUMERIC: a value is not finite, a part moved impossibly far in a step, or two parts, or a
-/// part and a plate or wall, overlap by more than overlap_limit, long before a centre is behind a plate; the text has
-/// time, part and place (micro_press_now()). BF_ENOMEM: no memory for a longer neighbour list.
+/// Make n steps of dt. BF_ENUMERIC: a value is not finite, a part moved impossibly far in a step, or an overlap is
+/// beyond overlap_limit; the text has time, part and place. BF_ENOMEM: no memory for a longer neighbour list.
 BF_MUST_CHECK bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err);
 
 /// Turn an obstacle that moves (scene_obstacle_moves()) from its present angle to another one, rad, within `over`,
@@ -231,20 +220,6 @@ typedef void micro_visit(void *context, size_t part, const micro_place *place);
 /// not be changed until this returns. Time as of micro_is_free(). BF_ENOMEM: before the first call.
 BF_MUST_CHECK bf_status micro_visit_near(micro_solver *s, vec2 a, vec2 b, double distance,
                                          micro_visit *visit, void *context, bf_error *err);
-
-/// Where parts are pressed into something by more than overlap_limit.
-typedef struct micro_press {
-    double share;   ///< largest overlap of a step divided by the smaller part's radius
-    uint64_t part;  ///< id
-    uint64_t other; ///< id of the other part; UINT64_MAX: it is a plate or a wall
-    vec2 at;        ///< centre of the part, m
-} micro_press;
-
-/// False: no overlap was beyond overlap_limit.
-bool micro_press_now(const micro_solver *s, micro_press *ret_press);
-
-/// The modulus_reduction in use.
-double micro_reduction(const micro_solver *s);
 
 /// True on the planar path.
 bool micro_is_planar(const micro_solver *s);

@@ -8,9 +8,8 @@
 ///     16 + n  0..7   zeros up to a multiple of 8, so that the frame after it is aligned
 ///     ...     8      digest (digest.h) of all bytes of the frame before it
 ///
-/// A reader can distinguish an incomplete frame at the end (wait, or discard it) from
-/// damage (magic, type, length or digest wrong: BF_ECORRUPT). The same bytes serve a pipe, a file and
-/// a shared file system.
+/// A reader can distinguish an incomplete frame at the end (wait, or discard it) from damage (magic, type, length or
+/// digest wrong: BF_ECORRUPT). The same bytes serve a pipe, a file and a shared file system.
 
 #pragma once
 
@@ -203,9 +202,8 @@ typedef struct frame_end {
     double kinetic_energy;  ///< of the parts in the domain at the end, J
     double largest_overlap; ///< of any contact since t = 0, m
     double overlap_share;   ///< largest overlap divided by the smaller part's radius, since t = 0
-    // Where modulus_reduction is "auto", else 0:
-    double reduction_start; ///< the one chosen
-    double reduction;       ///< the one in use at the end
+    double reduction_start; ///< modulus_reduction that was chosen, where the scenario says "auto"
+    double reduction;       ///< the same at the end
 } frame_end;
 
 /// Why a run failed.

@@ -58,6 +58,6 @@ bf_status micro_press_fail(const scene *s, const micro_press *press, double t, b
     return bf_fail(err, BF_ENUMERIC, pointer,
                    "part %llu is pressed into %s by %.3g %% of a radius at (%.4g, %.4g) m after "
                    "%.4g s, more than overlap_limit, %.3g %%: %s",
-                   (unsigned long long)press->part, into, 100.0 * press->share, press->at.x,
+                   (unsigned long long)press->part, into, 100.0 * press->overlap, press->at.x,
                    press->at.y, t, 100.0 * s->micro.overlap_limit, change);
 }

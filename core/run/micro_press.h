@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include "core/micro/micro.h"
+#include "core/micro/press.h"
 #include "core/scene/scene.h"
 
 /// BF_ENUMERIC at the plate, if one is near, else at the hardness of the parts: which part is pressed into what, where,

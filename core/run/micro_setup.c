@@ -3,6 +3,7 @@
 #include "core/base/faults.h"
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
+#include "core/micro/hardness.h"
 #include "core/run/run_priv.h"
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
@@ -176,7 +177,7 @@ bf_status run__micro_init_setup(const scene *s, int n_threads, run__micro_setup 
         return status;
     }
     if (setup->def.hardens)
-        setup->def.modulus_reduction = micro_reduction_chosen(&setup->def);
+        setup->def.modulus_reduction = hardness_reduction(&setup->def);
     if (setup->def.dt == 0.0)
         setup->def.dt = scene_fit_step(s, choose_step(&setup->def), false);
     return BF_OK;

@@ -3,6 +3,7 @@
 #include "core/run/review.h"
 #include "core/feed/arrivals.h"
 #include "core/feed/capacity.h"
+#include "core/micro/hardness.h"
 #include "core/run/review_belts.h"
 #include "core/run/review_closure.h"
 #include "core/run/review_plates.h"
@@ -203,11 +204,11 @@ static bf_status review_hardness(const scene *s, review_warnings *ret_warnings, 
     const bf_status status = run__micro_init_setup(s, 1, &setup, err);
     if (status != BF_OK)
         return status;
-    const double share = micro_overlap_expected(&setup.def);
+    const double overlap = hardness_expected_overlap(&setup.def);
     const double reduction = setup.def.modulus_reduction;
     run__micro_fini_setup(&setup);
-    *ret_overlap = share;
-    if (share <= run_overlap_trusted)
+    *ret_overlap = overlap;
+    if (overlap <= run_overlap_trusted)
         return BF_OK;
     review_warning *item = review_add(ret_warnings, "/micro/modulus_reduction",
                                       "Parts are softer than the load of a queue needs");
@@ -218,7 +219,7 @@ static bf_status review_hardness(const scene *s, review_warnings *ret_warnings, 
     snprintf(item->detail, sizeof item->detail,
              "With moduli divided by %.4g an overlap of %.3g %% of the smallest radius is to be "
              "expected, more than %.3g %%.%s",
-             reduction, 100.0 * share, 100.0 * run_overlap_trusted,
+             reduction, 100.0 * overlap, 100.0 * run_overlap_trusted,
              s->micro.modulus_reduction > 0.0
                  ? " Without modulus_reduction the program chooses what is hard enough."
                  : " Their materials bear no more: kinds of very different mass or size press on "

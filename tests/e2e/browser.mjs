@@ -99,10 +99,22 @@ export async function takePicture(page, name, size) {
   assert.ok(excess <= 0, `${name} is ${excess} pixels too wide`);
 }
 
-// The text of the editor of JSON, while it is short enough to be drawn whole.
+// The text of the editor of JSON.
 export async function editedText(page) {
   await page.locator(".cm-line").first().waitFor();
-  return (await page.locator(".cm-line").allTextContents()).join("\n");
+  // The document itself: of a long one the page has only the lines that can be seen. This is what CodeMirror's
+  // EditorView.findFromDOM() does.
+  return page.locator(".cm-content").evaluate((content) => {
+    const node = content.cmTile ?? content.cmView;
+    return (node.view ?? node.rootView.view).state.doc.toString();
+  });
+}
+
+// Type a text over all that the editor of JSON holds. fill() replaces only the lines that are drawn.
+export async function editText(page, text) {
+  await page.locator(".cm-line").first().waitFor();
+  await page.getByRole("textbox", { name: "Scenario as JSON" }).press("ControlOrMeta+a");
+  await page.keyboard.insertText(text);
 }
 
 // The text of an element, as a number: "173 of 192" is 173.

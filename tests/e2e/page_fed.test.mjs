@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import test, { after } from "node:test";
 
-import { closeBrowser, numberIn, openPage, visit } from "./browser.mjs";
+import { closeBrowser, editText, numberIn, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
 import { fed } from "./scenarios.mjs";
 import { until } from "./setup.mjs";
@@ -49,7 +49,7 @@ test("a fed scenario is started from the form in both models, and its flow is sh
   for (const model of ["Macroscopic", "Microscopic"]) {
     await visit(page, "#/new?tab=json");
     await page.getByText("Ready:").waitFor();
-    await page.getByLabel("Scenario as JSON").fill(JSON.stringify(fed()));
+    await editText(page, JSON.stringify(fed()));
     await page.getByRole("button", { name: model }).click();
     await page.getByRole("button", { name: "Belt and numbers" }).click();
     await page.getByRole("textbox", { name: "Feed" }).fill("10");
@@ -88,7 +88,7 @@ test("both models of a fed run stand in one plot, and in the list with what went
   await visit(page, `#/compare?runs=${ids.join()}&t=3`);
   await page.locator(".plot-legend .group").nth(1).waitFor();
   assert.deepEqual(await page.locator(".plot-legend .group").allInnerTexts(),
-    ["micro", "macro"]);
+    ["micro", "macro, dispersive"]);
   assert.deepEqual(await page.locator(".plot-legend span").allInnerTexts(),
     Array.from({ length: 2 }, () => ["offered", "admitted", "waiting", "exits"]).flat());
   await showsValue(page, "offered", 60);

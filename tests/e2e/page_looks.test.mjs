@@ -3,7 +3,7 @@
 
 import test, { after } from "node:test";
 
-import { assertAccessible, closeBrowser, editedText, openPage, takePicture, visit } from "./browser.mjs";
+import { assertAccessible, closeBrowser, editText, editedText, openPage, takePicture, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
 import { endless, fed, tiny } from "./scenarios.mjs";
 
@@ -87,8 +87,7 @@ const calmViews = (ids) => [
   }],
   ["new-json", "#/new?tab=json", async (page) => {
     await page.getByText("Ready:").waitFor();
-    const area = page.getByLabel("Scenario as JSON");
-    await area.fill((await editedText(page)).replace('"duration_s"', '"duraton_s"'));
+    await editText(page, (await editedText(page)).replace('"duration_s"', '"duraton_s"'));
     await page.locator(".faults button").first().waitFor();
   }],
   ["keys", `#/runs/${ids.macro}?t=2`, async (page) => page.getByRole("button", { name: "Keyboard" }).click()],

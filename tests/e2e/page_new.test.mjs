@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import test, { after } from "node:test";
 
-import { assertAccessible, closeBrowser, editedText, openPage, visit } from "./browser.mjs";
+import { assertAccessible, closeBrowser, editText, editedText, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
 
 after(closeBrowser);
@@ -210,14 +210,14 @@ test("faults of the JSON are marked at their places, and lead there", async (t) 
     assert.equal(await selected(), place);
   };
 
-  await area.fill(good.replace('"duration_s"', '"duraton_s"'));
+  await editText(page, good.replace('"duration_s"', '"duraton_s"'));
   await showsFault("/duraton_s", /line 3[^]*duration_s/, '"duraton_s": 6'); // with what was meant
   assert.equal(await area.getAttribute("aria-invalid"), "true");
   // The whole document lacks a member: of it the first line is marked, as is that of the unknown one.
   assert.equal(await page.locator(".cm-lint-marker-error").count(), 2);
-  await area.fill(good.replace(/("velocity_m_s": \[[^,]*, )[^\]]*/, '$1"a~b"'));
+  await editText(page, good.replace(/("velocity_m_s": \[[^,]*, )[^\]]*/, '$1"a~b"'));
   await showsFault("/belts/0/velocity_m_s/1", /line \d+/, '"a~b"');
-  await area.fill(good.replace('"duration_s": 6', '"duration_s": six'));
+  await editText(page, good.replace('"duration_s": 6', '"duration_s": six'));
   await page.locator(".faults button", { hasText: "line 3" }).waitFor();
   await page.getByText("1 fault to mend").waitFor();
 
@@ -232,7 +232,7 @@ test("faults of the JSON are marked at their places, and lead there", async (t) 
   await assertAccessible(page, "the search of the editor");
   await page.keyboard.press("Escape");
 
-  await area.fill(good);
+  await editText(page, good);
   await page.getByText("Ready:").waitFor();
   assert.equal(await page.locator(".cm-lintRange-error").count(), 0);
   assert.equal(await area.getAttribute("aria-invalid"), "false");

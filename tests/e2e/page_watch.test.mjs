@@ -128,8 +128,10 @@ test("Example 1 in both models from the form, live to its end, scrubbed, and com
 
   // Runs are named by what differs, here the model, and their figures are the server's.
   await page.locator(".plot-legend li").nth(1).waitFor();
-  assert.deepEqual(await page.locator(".plot-legend span").allInnerTexts(), [a.model, b.model]);
-  assert.deepEqual(await page.locator(".panel .chip").allInnerTexts(), [a.model, b.model]);
+  const runs = await Promise.all([first, second].map((id) => d.get(`/v1/runs/${id}`)));
+  const named = runs.map(({ json: { model, closure } }) => [model, closure].filter(Boolean).join(", "));
+  assert.deepEqual(await page.locator(".plot-legend span").allInnerTexts(), named);
+  assert.deepEqual(await page.locator(".panel .chip").allInnerTexts(), named);
   const throughput = page.locator(".key-table tbody tr", { hasText: "Throughput" }).locator("td");
   for (const [k, entry] of [a, b].entries()) {
     const shown = await numberIn(throughput.nth(k));

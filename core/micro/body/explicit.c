@@ -237,7 +237,7 @@ bf_status body__advance(void *state, uint64_t n, bf_error *err)
         const body_report *report = &s->reports[block];
         s->largest_overlap = fmax(s->largest_overlap, report->overlap);
         s->overlap_share = fmax(s->overlap_share, report->overlap_share);
-        s->common.recent_share = fmax(s->common.recent_share, report->overlap_share);
+        s->common.recent_overlap = fmax(s->common.recent_overlap, report->overlap_share);
         s->n_contacts += report->n_contacts;
     }
     return status;

@@ -132,13 +132,13 @@ micro_totals disk__measure(const void *state)
     return totals;
 }
 
-// Take an overlap if it is the largest share so far.
-static void take_press(const disk_state *s, size_t slot, uint64_t other, double share,
+// Take an overlap if it is the largest so far, relative to the radius.
+static void take_press(const disk_state *s, size_t slot, uint64_t other, double overlap,
                        micro_press *press)
 {
-    if (share <= press->share)
+    if (overlap <= press->overlap)
         return;
-    *press = (micro_press){ .share = share,
+    *press = (micro_press){ .overlap = overlap,
                             .part = s->id_of[slot],
                             .other = other,
                             .at = { s->now[slot].x, s->now[slot].y } };

@@ -2,6 +2,7 @@
 // happens where a number makes them too soft.
 
 #include "core/base/memory.h"
+#include "core/micro/hardness.h"
 #include "core/micro/micro.h"
 #include "core/run/micro_press.h"
 #include "core/run/run.h"
@@ -138,7 +139,7 @@ static void parts_that_are_too_soft_fail_with_part_and_plate(void **state)
     assert_false(micro_press_now(solver, &press));
     assert_int_equal(micro_advance(solver, 10000, &err), BF_ENUMERIC);
     assert_true(micro_press_now(solver, &press));
-    assert_true(press.share > 0.2 && press.part < 36);
+    assert_true(press.overlap > 0.2 && press.part < 36);
     assert_int_equal(micro_press_fail(&s, &press, 1.0, &err), BF_ENUMERIC);
     assert_string_equal(err.pointer, "/micro/modulus_reduction");
     press.other = UINT64_MAX;
@@ -164,7 +165,7 @@ static void the_expected_overlap_stops_the_line(void **state)
     const double mass = 2.0 * length * can.mass / (2.0 * r), v = s.belts[0].velocity.x;
     const double compliance = (1.0 - 0.28 * 0.28) / 210e9 + (1.0 - 0.34 * 0.34) / 70e9;
     const double k = 0.25 * M_PI * 0.008 / compliance / def->modulus_reduction;
-    const double overlap = micro_overlap_expected(def) * r;
+    const double overlap = hardness_expected_overlap(def) * r;
     const double energy = 0.5 * mass * v * v + 1.0 * 9.81 * mass * overlap;
     assert_near(overlap, 0.02 * r, 1e-9 * r);
     assert_near(0.5 * k * overlap * overlap, energy, 1e-9 * energy);
