@@ -20,10 +20,10 @@ enum {
 typedef struct micro_common {
     uint8_t *
         presence; ///< by handle: MICRO_HERE etc.; micro.c frees those of parts that have left, then forget_gone()
-    surroundings around; ///< a copy: belts and edges
-    belt_speeds speeds;  ///< of the belts
-    plate_motion motion; ///< of the obstacles; pose_plates() must follow what changes it
-    uint64_t steps;      ///< made since t = 0
+    surroundings around;   ///< a copy: belts and edges
+    belt_speeds speeds;    ///< of the belts
+    plate_motion motion;   ///< of the obstacles; pose_plates() must follow what changes it
+    uint64_t steps;        ///< made since t = 0
     double recent_overlap; ///< largest overlap_share (micro_totals) since micro.c set it to 0
 } micro_common;
 
