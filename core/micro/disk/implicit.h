@@ -148,8 +148,9 @@ void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t
 /// One iteration over the contacts of a piece, with an over-relaxation of 1 + excess.
 void disk_implicit__solve(implicit_state *z, size_t piece, double excess);
 
-/// Add the contacts of all pairs to *totals.
-void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_totals *totals);
+/// Add the contacts of all pairs of parts to *totals, and take the largest overlap of them and *press.
+void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_totals *totals,
+                            micro_press *press);
 
 /// Write what MICRO_IMPLICIT needs beyond parts, headings and steps: the impulses of the last step, and which
 /// pairs are selected; nothing if s->implicit is NULL.

@@ -105,6 +105,7 @@ micro_totals disk__measure(const void *state)
     const implicit_state *pairs = s->implicit;
     micro_totals totals = { .largest_overlap = s->largest_overlap,
                             .overlap_share = s->overlap_share };
+    micro_press unused = { .other = UINT64_MAX };
 
     for (size_t k = 0; k < s->n; k++) {
         const disk *part = &s->now[s->slot_of[k]];
@@ -118,7 +119,7 @@ micro_totals disk__measure(const void *state)
     if (s->displacement_bound == INFINITY)
         return totals;
     if (pairs != NULL && pairs->is_current)
-        disk_implicit__measure(s, pairs, &totals);
+        disk_implicit__measure(s, pairs, &totals, &unused);
     else
         for (size_t slot = 0; slot < s->n_live; slot++)
             count_contacts_of(s, slot, &totals);
@@ -132,9 +133,8 @@ micro_totals disk__measure(const void *state)
     return totals;
 }
 
-// Take an overlap if it is the largest so far, relative to the radius.
-static void take_press(const disk_state *s, size_t slot, uint64_t other, double overlap,
-                       micro_press *press)
+void disk__take_press(const disk_state *s, size_t slot, uint64_t other, double overlap,
+                      micro_press *press)
 {
     if (overlap <= press->overlap)
         return;
@@ -144,27 +144,39 @@ static void take_press(const disk_state *s, size_t slot, uint64_t other, double 
                             .at = { s->now[slot].x, s->now[slot].y } };
 }
 
+// The same for the neighbours of a part, which MICRO_IMPLICIT does not keep.
+static void take_press_of(const disk_state *s, size_t slot, micro_press *press)
+{
+    const disk *part = &s->now[slot];
+
+    for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
+        const uint32_t other = disk__neighbour(s, slot, row);
+        const disk *with = &s->now[other];
+        const double gap =
+            hypot(with->x - part->x, with->y - part->y) - part->radius - with->radius;
+        if (other > slot && other < s->n_live)
+            disk__take_press(s, slot, s->id_of[other], -gap / fmin(part->radius, with->radius),
+                             press);
+    }
+}
+
 void disk__press(const void *state, micro_press *ret_press)
 {
     const disk_state *s = state;
+    const implicit_state *pairs = s->implicit;
+    micro_totals unused = { 0 };
 
     *ret_press = (micro_press){ .other = UINT64_MAX };
-    for (size_t slot = 0; slot < s->n_live; slot++)
-        for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
-            const uint32_t other = disk__neighbour(s, slot, row);
-            const disk *part = &s->now[slot], *with = &s->now[other];
-            const double gap =
-                hypot(with->x - part->x, with->y - part->y) - part->radius - with->radius;
-            if (other > slot && other < s->n_live)
-                take_press(s, slot, s->id_of[other], -gap / fmin(part->radius, with->radius),
-                           ret_press);
-        }
+    if (pairs != NULL && pairs->is_current)
+        disk_implicit__measure(s, pairs, &unused, ret_press);
+    for (size_t slot = 0; pairs == NULL && slot < s->n_live; slot++)
+        take_press_of(s, slot, ret_press);
     for (size_t k = 0; k < s->n_candidates; k++) {
         const size_t slot = s->candidates[k].slot;
         bool counts;
         const double overlap = disk__overlap(s, &s->now[slot], s->candidates[k].feature, &counts);
         if (counts)
-            take_press(s, slot, UINT64_MAX, overlap / s->now[slot].radius, ret_press);
+            disk__take_press(s, slot, UINT64_MAX, overlap / s->now[slot].radius, ret_press);
     }
 }
 
