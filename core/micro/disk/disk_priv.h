@@ -228,11 +228,6 @@ void disk__plan_tiles(disk_state *s);  ///< Compute the tiles of the current lis
 /// more than overlap_limit.
 BF_MUST_CHECK bf_status disk__check(const void *state, bf_error *err);
 
-/// Take an overlap of the part in a slot with another one, UINT64_MAX for the boundary, relative to the smaller radius,
-/// if it is larger than that of *press.
-void disk__take_press(const disk_state *s, size_t slot, uint64_t other, double overlap,
-                      micro_press *press);
-
 /// micro_backend.press
 void disk__press(const void *state, micro_press *ret_press);
 

@@ -2,6 +2,7 @@
 
 #include "core/base/simd_rows.h"
 #include "core/micro/disk/implicit.h"
+#include "core/micro/disk/parts.h"
 
 #include <math.h>
 #include <string.h>

@@ -25,3 +25,8 @@ micro_part disk__part(const void *state, size_t k);
 micro_totals disk__measure(const void *state);
 void disk__save(const void *state, checkpoint_writer *w);
 bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err);
+
+/// Take an overlap of the part in a slot with another one, UINT64_MAX for the boundary, relative to the smaller radius,
+/// if it is larger than that of *press.
+void disk__take_press(const disk_state *s, size_t slot, uint64_t other, double overlap,
+                      micro_press *press);
