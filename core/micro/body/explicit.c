@@ -206,7 +206,9 @@ static driver_outcome step(driver_member *m)
     driver_wait(m);
     driver_split(m, 0, s->n_blocks, move_block);
     driver_wait(m);
-    return body__find_outcome(s);
+    const driver_outcome outcome = body__find_outcome(s);
+    driver_wait(m); // the forces of the next step raise the overlaps that it looks at
+    return outcome;
 }
 
 void body__end(void *state, uint64_t n, driver_outcome outcome, const driver_progress *progress)
