@@ -50,7 +50,7 @@ typedef struct micro_backend {
     /// Of the largest overlap of a step that was beyond overlap_limit: the handles as the ids, and where. The overlap is
     /// set by the caller.
     void (*press)(const void *state, micro_press *ret_press);
-    /// Compute contacts with this modulus_reduction from now on. MICRO_IMPLICIT only.
+    /// Compute contacts with this modulus_reduction from now on. MICRO_IMPLICIT only; NULL: it never does.
     void (*harden)(void *state, double reduction);
     /// Put the plates where their motion says
     void (*pose_plates)(void *state);

@@ -259,7 +259,6 @@ const micro_backend micro__body = {
     .forget_gone = body__forget_gone,
     .measure = body__measure,
     .press = press,
-    .harden = body__harden,
     .pose_plates = pose_plates,
     .save = body__save,
     .load = body__load,

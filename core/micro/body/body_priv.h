@@ -233,9 +233,6 @@ BF_MUST_CHECK bf_status body__implicit_init(body_state *s, bf_error *err);
 
 void body__implicit_fini(body_state *s); ///< Free it.
 
-/// micro_backend.harden
-void body__harden(void *state, double reduction);
-
 /// MICRO_IMPLICIT for the driver.
 extern const driver_solver body__implicit;
 

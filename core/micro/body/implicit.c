@@ -78,21 +78,6 @@ bf_status body__implicit_init(body_state *s, bf_error *err)
     return BF_OK;
 }
 
-void body__harden(void *state, double reduction)
-{
-    body_state *s = state;
-    const double factor = reduction / s->def.modulus_reduction;
-
-    s->def.modulus_reduction = reduction;
-    for (size_t k = 0; k < s->n_kinds; k++) {
-        body_kind *kind = &s->kinds[k];
-        kind->compliance *= factor;
-        kind->belt_law.stiffness /= factor;
-        kind->boundary_law.stiffness /= factor;
-    }
-    s->implicit->iterations = find_iterations(s);
-}
-
 void body__implicit_fini(body_state *s)
 {
     body_solver *z = s->implicit;
