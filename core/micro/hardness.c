@@ -19,9 +19,9 @@ static const double corner_weight =
 
 // What presses on a contact.
 typedef struct load {
-    double mass;  // M, kg
-    double force; // F, N
-    double speed; // v, m/s
+    double mass;   // M, kg
+    double force;  // F, N
+    double square; // M v^2 or m u^2, J
 } load;
 
 // How long a domain is along the velocity of a belt, m.
@@ -54,12 +54,14 @@ static load find_load(const micro_def *def)
     const scene_rect *d = &def->domain;
     double length = 0.0, by_length = 0.0, heaviest = 0.0; // m, kg/m, kg
     size_t fastest;
-    load l = { .speed = fmax(micro__plate_speed(def, &fastest), vec2_length(def->start_velocity)) };
+    const double plate_speed = micro__plate_speed(def, &fastest);
+    double speed = vec2_length(def->start_velocity);
+    load l;
 
     for (size_t k = 0; k < def->n_belts; k++) {
         const scene_belt *belt = &def->belts[k];
         length += has_stop(def) ? length_along(d, belt->velocity) : 0.0;
-        l.speed = fmax(l.speed, vec2_length(belt->velocity) * belt_speeds_largest(belt));
+        speed = fmax(speed, vec2_length(belt->velocity) * belt_speeds_largest(belt));
     }
     // Belts follow each other, across a domain or along it.
     length = fmin(length, d->x_max - d->x_min + d->y_max - d->y_min);
@@ -71,6 +73,7 @@ static load find_load(const micro_def *def)
     l.mass = fmin(fmax(lines * length * by_length, heaviest),
                   heaviest * fmax((double)micro__n_expected(def), 1.0));
     l.force = def->contact[SCENE_CONVEYOR_CARGO].friction * def->gravity * l.mass;
+    l.square = fmax(l.mass * speed * speed, lines * heaviest * plate_speed * plate_speed);
     return l;
 }
 
@@ -98,15 +101,14 @@ double hardness_expected_overlap(const micro_def *def)
     const load l = find_load(def);
     const double k = find_stiffness(def) / def->modulus_reduction;
 
-    return (l.force + sqrt(l.force * l.force + k * l.mass * l.speed * l.speed)) /
-           (k * implicit_step_radius(def));
+    return (l.force + sqrt(l.force * l.force + k * l.square)) / (k * implicit_step_radius(def));
 }
 
 double hardness_reduction(const micro_def *def)
 {
     const load l = find_load(def);
     const double overlap = hardness_goal * implicit_step_radius(def);
-    const double k = (l.mass * l.speed * l.speed + 2.0 * l.force * overlap) / (overlap * overlap);
+    const double k = (l.square + 2.0 * l.force * overlap) / (overlap * overlap);
 
     return fmin(fmax(find_stiffness(def) / k, 1.0), softest);
 }

@@ -6,8 +6,10 @@
 ///     delta = (F + sqrt(F^2 + k M v^2)) / k,     k = (M v^2 + 2 F delta) / delta^2,
 ///
 /// since k delta^2/2 = M v^2/2 + F delta. M is the mass of the longest line, times 2, as arches gather
-/// several lines in one contact, and at most that of all parts; v is the largest speed of a belt, of a plate or of the
-/// parts at the start; k the stiffness (4b) of the softest pair of materials, in space that of a corner (manifold.h).
+/// several lines in one contact, and at most that of all parts; v is the largest speed of a belt or of the parts at the
+/// start. A plate that moves at u strikes a line's first part, of mass m, and the impact goes on from part to part: each
+/// of its contacts takes up m u^2, times 2 as above, which counts instead of M v^2 where it is more. k is the stiffness
+/// (4b) of the softest pair of materials, in space that of a corner (manifold.h).
 /// Measured on lines of cans, jars, kegs, bottles and cartons before plates (tests/validation/README.md).
 
 #pragma once

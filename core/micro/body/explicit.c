@@ -151,11 +151,16 @@ bf_status body__check(const void *state, bf_error *err)
 {
     const body_state *s = state;
     size_t bad = SIZE_MAX;
+    bool is_pressed = false;
 
-    for (size_t block = 0; block < s->n_blocks; block++)
+    for (size_t block = 0; block < s->n_blocks; block++) {
         bad = s->reports[block].bad_part < bad ? s->reports[block].bad_part : bad;
+        is_pressed |= micro__is_pressed(s->reports[block].overlap_share, &s->def);
+    }
     if (bad == SIZE_MAX)
-        return BF_OK;
+        return is_pressed
+                   ? bf_fail(err, BF_ENUMERIC, "", "parts overlap by more than overlap_limit")
+                   : BF_OK;
     const body_body *body = &s->bodies[bad];
     return bf_fail(err, BF_ENUMERIC, "",
                    "part %zu flies off or is not finite after step %llu (t = %.6g s): it is at "
