@@ -12,6 +12,7 @@
 #include "server/base/lock.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
+#include "server/daemon/admission.h"
 #include "server/daemon/config.h"
 #include "server/daemon/executors.h"
 #include "server/daemon/maintenance.h"
@@ -225,7 +226,10 @@ static bf_status start_tokens(parts *p, bf_error *err)
 {
     bf_status status = tickets_draw(&p->service.tickets, err);
 
-    return status == BF_OK ? tokens_open(p->settings.data, &p->service.tokens, err) : status;
+    if (status == BF_OK)
+        status = tokens_open(p->settings.data, &p->service.tokens, err);
+    return status == BF_OK ? admission_check(&p->settings, p->service.store, p->service.tokens, err)
+                           : status;
 }
 
 static bf_status start_supervisor(parts *p, bf_error *err)
@@ -442,6 +446,7 @@ static int attend(parts *p, const sigset_t *signals)
     int64_t interval_ms = notify_watchdog_ms() / 2;
     int64_t beat_ms = interval_ms == 0 ? -1 : clock_monotonic_ms() + interval_ms;
     int64_t save_ms = clock_monotonic_ms() + SAVE_MS;
+    bool has_noted = false;
 
     for (;;) {
         int taken = await_signal(signals, beat_ms >= 0 && beat_ms < save_ms ? beat_ms : save_ms);
@@ -451,6 +456,7 @@ static int attend(parts *p, const sigset_t *signals)
             reload(p);
         if (clock_monotonic_ms() >= save_ms) {
             tokens_save_uses(p->service.tokens);
+            admission_note(p->service.store, p->service.tokens, &has_noted);
             save_ms = clock_monotonic_ms() + SAVE_MS;
         }
         if (beat_ms < 0 || clock_monotonic_ms() < beat_ms)
@@ -468,6 +474,7 @@ static bf_status serve(parts *p, const sigset_t *signals, bf_error *err)
     if (status == BF_OK) {
         announce(p);
         int taken = attend(p, signals);
+        admission_note(p->service.store, p->service.tokens, &(bool){ false });
         log_event(LOG_LEVEL_INFO, "stopping", "signal=%d", taken);
         notify_stopping("handing back what is being solved");
     }

@@ -131,6 +131,9 @@ static bf_status set_text(config *c, size_t i, const char *value, const char *wh
     if (to == c->executor && find_executor(value) == CONFIG_EXECUTOR_COUNT)
         return bf_fail(err, BF_EINPUT, "", "%s: executor must be local, pull or slurm, not '%.40s'",
                        where, value);
+    if (to == c->access && strcmp(value, "tokens") != 0 && strcmp(value, "open") != 0)
+        return bf_fail(err, BF_EINPUT, "", "%s: access must be tokens or open, not '%.40s'", where,
+                       value);
     if (to == c->log_level && log_level_find(value) == LOG_LEVEL_COUNT)
         return bf_fail(err, BF_EINPUT, "", "%s: log_level must be %s, not '%.40s'", where,
                        rows[i].help, value);

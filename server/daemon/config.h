@@ -18,6 +18,9 @@
     X(listen, TEXT, "127.0.0.1:8080", 0, 0, RESTART, "address and port; port 0 picks a free one")  \
     X(plaintext, TEXT, "loopback", 0, 0, RESTART,                                                  \
       "loopback, proxy or open: who may reach the address to listen on without TLS")               \
+    X(access, TEXT, "tokens", 0, 0, RESTART,                                                       \
+      "tokens or open: whether a store that was used with tokens may be served when there are "    \
+      "none")                                                                                      \
     X(data, TEXT, "beltflow-data", 0, 0, RESTART, "directory of the store, created if missing")    \
     X(web, TEXT, "", 0, 0, RELOAD, "directory of the page's files; empty: beside the program")     \
     X(program, TEXT, "", 0, 0, RESTART,                                                            \

@@ -88,11 +88,42 @@ static bool is_safe(const char *method)
            strcmp(method, "OPTIONS") == 0;
 }
 
-bool http_cors_is_forged(const char *origins, const char *method, const char *origin,
-                         const char *fetch_site)
+// The bytes of an authority without the port that its scheme has anyway.
+static size_t skip_port(const char *authority, bool is_https)
 {
-    return fetch_site != NULL && strcmp(fetch_site, "cross-site") == 0 && !is_safe(method) &&
-           !is_allowed(origins, origin);
+    const char *port = is_https ? ":443" : ":80";
+    size_t n = strlen(authority), n_port = strlen(port);
+
+    return n > n_port && strcmp(authority + n - n_port, port) == 0 ? n - n_port : n;
+}
+
+// True if origin is that of a page of this host and port. The scheme of our own page is not known behind a proxy.
+static bool is_own(const char *origin, const char *host)
+{
+    const char *authority = strstr(origin, "://");
+
+    if (authority == NULL || host == NULL)
+        return false;
+    authority += strlen("://");
+    bool is_https = strncmp(origin, "https:", strlen("https:")) == 0;
+    size_t n = skip_port(authority, is_https);
+    return n == skip_port(host, is_https) && strncasecmp(authority, host, n) == 0;
+}
+
+// "none" is what a person does in the browser itself.
+static bool is_of_own_page(const http_cors_sender *sender)
+{
+    const char *site = sender->fetch_site;
+
+    if (site != NULL)
+        return strcmp(site, "same-origin") == 0 || strcmp(site, "none") == 0;
+    return sender->origin == NULL || is_own(sender->origin, sender->host);
+}
+
+bool http_cors_is_forged(const char *origins, const http_cors_sender *sender)
+{
+    return !is_safe(sender->method) && !is_of_own_page(sender) &&
+           !is_allowed(origins, sender->origin);
 }
 
 const char *http_cors_resource_policy(const char *origins)

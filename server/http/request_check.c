@@ -158,11 +158,15 @@ static void check_host(http_request *r)
 
 static void check_origin(http_request *r)
 {
-    if (http_cors_is_forged(r->server->cors_origins, r->method, http__request_header(r, "Origin"),
-                            http__request_header(r, "Sec-Fetch-Site")))
+    const http_cors_sender sender = { .method = r->method,
+                                      .origin = http__request_header(r, "Origin"),
+                                      .fetch_site = http__request_header(r, "Sec-Fetch-Site"),
+                                      .host = http__request_header(r, "Host") };
+
+    if (http_cors_is_forged(r->server->cors_origins, &sender))
         http__request_refuse(
             r, 403, BF_EINPUT,
-            "a page of another site sent this; the setting cors_origins allows pages");
+            "a page of another origin sent this; the setting cors_origins allows pages");
 }
 
 void http__request_check(http_request *r, const char *method, const char *version)

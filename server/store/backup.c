@@ -84,23 +84,50 @@ static bf_status copy(const store__connection *source, const char *temporary, bf
     return status;
 }
 
-bf_status store_backup(const char *directory, const char *file, bf_error *err)
+static bf_status copy_to(const store__connection *source, const char *file, bf_error *err)
 {
     char temporary[TEMPORARY_SIZE];
+
+    bf_status status = make_temporary(file, temporary, err);
+    if (status != BF_OK)
+        return status;
+    status = copy(source, temporary, err);
+    if (status == BF_OK)
+        status = file_io_publish(temporary, file, err);
+    if (status != BF_OK)
+        (void)unlink(temporary);
+    return status;
+}
+
+// A directory of a service that never had tokens may have no file of them.
+static bf_status copy_tokens(const char *directory, const char *file, bf_error *err)
+{
+    char path[STORE__PATH_SIZE + 16], copied[STORE__PATH_SIZE + 16];
+    store__connection source;
+
+    (void)snprintf(path, sizeof path, "%.*s/access.db", STORE__PATH_SIZE - 1, directory);
+    (void)snprintf(copied, sizeof copied, "%.*s.access", STORE__PATH_SIZE - 1, file);
+    if (access(path, F_OK) != 0)
+        return BF_OK;
+    bf_status status = store__connect(path, STORE__READ_ONLY, &source, err);
+    if (status != BF_OK)
+        return status;
+    status = copy_to(&source, copied, err);
+    store__disconnect(&source);
+    return status;
+}
+
+bf_status store_backup(const char *directory, const char *file, bf_error *err)
+{
     store__connection source;
 
     bf_status status = open_source(directory, &source, err);
     if (status != BF_OK)
         return status;
-    status = make_temporary(file, temporary, err);
-    if (status == BF_OK) {
-        status = copy(&source, temporary, err);
-        if (status == BF_OK)
-            status = file_io_publish(temporary, file, err);
-        if (status != BF_OK)
-            (void)unlink(temporary);
-    }
+    status = copy_to(&source, file, err);
     store__disconnect(&source);
+    if (status == BF_OK && (status = copy_tokens(directory, file, err)) != BF_OK)
+        (void)unlink(file);
     return status;
 }
 

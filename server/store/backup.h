@@ -7,9 +7,10 @@
 
 #include <stdbool.h>
 
-/// Copy the store in a data directory to a new file, which gets its name when it is whole and on disk.
-/// It is a store again as beltflow.db of another data directory. BF_EINPUT: there is no store, or the
-/// file is there already; BF_ESYSTEM: it cannot be read or written. Nothing is left of a failure.
+/// Copy the store in a data directory to a new file, and its access tokens, if it has any, to FILE.access; each gets its name
+/// when it is whole and on disk. They are a store again as beltflow.db and access.db of another data directory. BF_EINPUT:
+/// there is no store, or one of the files is there already; BF_ESYSTEM: it cannot be read or written. Nothing is left of
+/// a failure.
 BF_MUST_CHECK bf_status store_backup(const char *directory, const char *file, bf_error *err);
 
 /// Take the outcome of one check: name is "I4" or a word, claim what should hold, finding what was

@@ -338,10 +338,15 @@ static const char schema_12[] =
 // The closure of the macroscopic model; '' of runs from before, and of the microscopic model.
 static const char schema_13[] = "ALTER TABLE runs ADD COLUMN closure TEXT NOT NULL DEFAULT '';";
 
+// What the store remembers of how it was used. Owners are those of tokens.
+static const char schema_14[] =
+    "CREATE TABLE marks (name TEXT PRIMARY KEY) STRICT, WITHOUT ROWID;"
+    "INSERT INTO marks SELECT 'tokens' WHERE EXISTS (SELECT 1 FROM owners WHERE owner <> '');";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1,  schema_2,  schema_3, schema_4, schema_5,
-                                          schema_6,  schema_7,  schema_8, schema_9, schema_10,
-                                          schema_11, schema_12, schema_13 };
+const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4, schema_5,
+                                          schema_6,  schema_7,  schema_8,  schema_9, schema_10,
+                                          schema_11, schema_12, schema_13, schema_14 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -219,6 +219,9 @@
     X(COUNT_PAGES, "PRAGMA page_count")                                                            \
     X(SHRINK_FILE, "PRAGMA incremental_vacuum(512)")                                               \
     X(COUNT_FREE_PAGES, "PRAGMA freelist_count")                                                   \
+    X(NEED_TOKENS, "INSERT OR IGNORE INTO marks (name) VALUES ('tokens')")                         \
+    X(NEEDS_TOKENS, "SELECT EXISTS (SELECT 1 FROM marks WHERE name = 'tokens') OR "                \
+                    "EXISTS (SELECT 1 FROM owners WHERE owner <> '')")                             \
     X(PROBE, "INSERT OR REPLACE INTO probe (id, at_ms) VALUES (1, ?1)")                            \
     STORE__SQL_LISTS(X)                                                                            \
     STORE__SQL_STUDIES(X)

@@ -215,6 +215,12 @@ void store_set_quotas(store *s, const store_quotas *quotas);
 BF_MUST_CHECK bf_status store_read_quotas(store *s, const char *owner, api_quotas *ret_quotas,
                                           bf_error *err);
 
+/// Remember for ever that the store was used with access tokens. Copies of it remember it, too.
+BF_MUST_CHECK bf_status store_need_tokens(store *s, bf_error *err);
+
+/// Whether that is remembered, or some owner of tokens has runs here.
+BF_MUST_CHECK bf_status store_needs_tokens(store *s, bool *ret_needs, bf_error *err);
+
 /// How many transactions the store has committed. What was read after this number was n is what the store holds as
 /// long as it is n: it rises before anybody hears of a commit.
 uint64_t store_count_commits(const store *s);

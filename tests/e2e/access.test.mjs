@@ -1,6 +1,7 @@
 // Access by tokens: a real daemon with tokens that `beltflowd token` made, and what it answers to whom.
 
 import assert from "node:assert/strict";
+import { copyFileSync, mkdirSync, rmSync, statSync } from "node:fs";
 import path from "node:path";
 import test from "node:test";
 
@@ -118,6 +119,45 @@ test("beyond this machine a daemon wants a word of its operator, and a token", (
   for (const words of [["--listen", "[::]:8080", "--plaintext", "proxy"], ["--listen", "[::1]:8080"], ["--listen", "127.0.0.2:8080"]]) {
     assert.deepEqual(check(...words), { status: 0, stdout: "", stderr: "" });
   }
+});
+
+test("a store that was used with tokens is not served to everybody when they are lost", async (t) => {
+  const data = path.join(temporaryFolder(t), "data");
+  const alice = addToken(data, "alice");
+  const d = await daemon(t, { data });
+  const { json: run } = await d.post("/v1/runs", submission(), alice);
+  const file = path.join(d.folder, "copy");
+  assert.equal(beltflowd(data, "backup", file).status, 0);
+  await d.stop();
+
+  const restored = path.join(temporaryFolder(t), "data");
+  mkdirSync(restored, { mode: 0o700 });
+  copyFileSync(file, path.join(restored, "beltflow.db"));
+  for (const folder of [restored, data]) {
+    rmSync(path.join(data, "access.db"), { force: true });
+    const refused = beltflowd(folder, "--listen", "127.0.0.1:0");
+    assert.equal(refused.status, 2, refused.stderr);
+    assert.match(refused.stderr, /was used with access tokens.* access\.db .*access = open/);
+  }
+  const open = await daemon(t, { data, access: "open" });
+  assert.equal((await open.get(`/v1/runs/${run.id}`)).status, 200);
+  assert.match(open.log, /level=warn event=open_to_everybody why=access /);
+
+  copyFileSync(`${file}.access`, path.join(restored, "access.db"));
+  assert.equal(statSync(`${file}.access`).mode & 0o777, 0o600);
+  const whole = await daemon(t, { data: restored });
+  assert.equal((await whole.get(`/v1/runs/${run.id}`)).status, 401);
+  assert.equal((await whole.request("DELETE", `/v1/runs/${run.id}`)).status, 401);
+  assert.equal((await whole.get(`/v1/runs/${run.id}`, alice)).status, 200);
+});
+
+test("a token that was made beside a running daemon is remembered, too", async (t) => {
+  const d = await daemon(t);
+  addToken(d.data, "alice");
+  await until(async () => (await d.get("/v1/runs")).status === 401, "the daemon to see the token");
+  await d.stop();
+  rmSync(path.join(d.data, "access.db"));
+  assert.match(beltflowd(d.data, "--listen", "127.0.0.1:0").stderr, /was used with access tokens/);
 });
 
 test("with both it listens, and without a warning that everybody may come", async (t) => {

@@ -14,6 +14,7 @@ import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { endless, tiny } from "./scenarios.mjs";
+import { addToken, beltflowd } from "./tokens.mjs";
 import { root, temporaryFolder, until, within } from "./setup.mjs";
 
 const host = "beltflow.example.org";
@@ -94,8 +95,20 @@ const statuses = async (p, n, more) => {
   return all;
 };
 
+test("the pair as it is shipped does not let everybody in: it wants a token, or to be told", async (t) => {
+  const data = path.join(temporaryFolder(t), "data");
+  const refused = beltflowd(data, "--config", settings, "--listen", "127.0.0.1:0");
+  assert.equal(refused.status, 2, refused.stderr);
+  assert.match(refused.stderr, /trusted_proxies says .* token add NAME.* plaintext = open/);
+  const open = await daemon(t, { config: settings, plaintext: "open" });
+  assert.match(open.log, /level=warn event=open_to_everybody why=plaintext /);
+  addToken(data, "alice");
+  const closed = await daemon(t, { config: settings, data });
+  assert.equal((await closed.get("/v1/runs", { host })).status, 401);
+});
+
 test("the pair answers by HTTPS, HTTP/2 and under its name only", async (t) => {
-  const p = await proxy(t, await daemon(t, { config: settings }));
+  const p = await proxy(t, await daemon(t, { config: settings, plaintext: "open" }));
   assert.equal((await ask(p, "/version")).status, 200);
   assert.equal((await ask(p, "/version", { headers: { host: "evil.example" } })).status, 421);
   const plain = http.get({ host: "127.0.0.1", port: p.ports.http, path: "/version", headers: { host } });
@@ -116,7 +129,7 @@ function elements(xml, name) {
 }
 
 test("the pair's TLS has no weakness that sslscan knows", async (t) => {
-  const p = await proxy(t, await daemon(t, { config: settings }));
+  const p = await proxy(t, await daemon(t, { config: settings, plaintext: "open" }));
   const scan = spawn("sslscan", ["--xml=-", "--no-colour", `--sni-name=${host}`, `127.0.0.1:${p.ports.https}`],
     { stdio: ["ignore", "pipe", "inherit"] });
   scan.stdout.setEncoding("utf8");
@@ -140,7 +153,7 @@ test("the pair's TLS has no weakness that sslscan knows", async (t) => {
 });
 
 test("a run is submitted and its events come while it is solved", async (t) => {
-  const d = await daemon(t, { config: settings });
+  const d = await daemon(t, { config: settings, plaintext: "open" });
   const p = await proxy(t, d);
   const submit = (scenario) =>
     ask(p, "/v1/runs", {
@@ -166,7 +179,7 @@ test("a run is submitted and its events come while it is solved", async (t) => {
 });
 
 test("limits hold for each client behind the proxy", { skip: outside === undefined && "no network" }, async (t) => {
-  const d = await daemon(t, { config: settings, requests_per_minute: 3 });
+  const d = await daemon(t, { config: settings, plaintext: "open", requests_per_minute: 3 });
   const p = await proxy(t, d);
   const forged = { address: outside, headers: { "x-forwarded-for": "127.0.0.1" } };
   assert.deepEqual(await statuses(p, 4, forged), [200, 200, 200, 429]);
@@ -177,7 +190,7 @@ test("limits hold for each client behind the proxy", { skip: outside === undefin
 });
 
 test("a daemon that does not know its proxy counts all its clients as one, and warns", async (t) => {
-  const d = await daemon(t, { hosts: host, requests_per_minute: 3 });
+  const d = await daemon(t, { hosts: host, plaintext: "open", requests_per_minute: 3 });
   const p = await proxy(t, d);
   const seen = await statuses(p, 4);
   assert.equal(seen.at(-1), 429, `${seen}`);

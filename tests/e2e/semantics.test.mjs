@@ -158,6 +158,7 @@ test("those who wait are answered when the daemon stops, and when their run is r
 test("a client has its share of the queue, and its rate", async (t) => {
   const d = await daemon(t, {
     trusted_proxies: "127.0.0.1",
+    plaintext: "open",
     queue_share: 2,
     queue_limit: 4,
     work_per_minute: 6,
@@ -182,7 +183,7 @@ test("a client has its share of the queue, and its rate", async (t) => {
 });
 
 test("a replay gets its first answer, also when the share and the queue are full", async (t) => {
-  const d = await daemon(t, { trusted_proxies: "127.0.0.1", queue_share: 1, queue_limit: 2 });
+  const d = await daemon(t, { trusted_proxies: "127.0.0.1", plaintext: "open", queue_share: 1, queue_limit: 2 });
   const keyed = { ...someone, "idempotency-key": '"once"' };
   await d.reached((await d.submit(endless(), { priority: 1 })).id, "running");
   const first = await post(d, tiny(), keyed);

@@ -10,6 +10,7 @@ import { binaries } from "./setup.mjs";
 export function beltflowd(data, ...words) {
   const { status, stdout, stderr, error } = spawnSync(path.join(binaries, "beltflowd"), ["--data", data, ...words], {
     encoding: "utf8",
+    timeout: 60000, // of a daemon that starts where it should not
   });
   assert.equal(error, undefined);
   return { status, stdout, stderr };

@@ -97,34 +97,54 @@ static void settings_are_origins_and_nothing_else(void **state)
         assert_int_equal(http_cors_check(bad[i], &err), BF_EINPUT);
 }
 
-// Fetch Metadata: what a page of another site may not make a browser do.
-static void a_change_that_another_site_asks_for_is_forged(void **state)
+// Fetch Metadata, and Origin where a browser has none: what a page of another origin may not make a browser do.
+static void a_change_that_another_page_asks_for_is_forged(void **state)
 {
     static const struct {
-        const char *origins, *method, *origin, *site;
+        const char *origins, *method, *origin, *site, *host;
         bool is_forged;
     } cases[] = {
-        { "", "POST", ONE, "cross-site", true },
-        { "", "DELETE", ONE, "cross-site", true },
-        { "", "POST", NULL, "cross-site", true },
-        { "", "POST", "null", "cross-site", true },
-        { LIST, "POST", "https://evil.example", "cross-site", true },
-        { LIST, "POST", NULL, "cross-site", true },
-        { LIST, "POST", ONE, "cross-site", false },
-        { "*", "POST", ONE, "cross-site", false },
-        { "", "POST", ONE, "same-origin", false },
-        { "", "POST", ONE, "none", false },
-        { "", "POST", ONE, NULL, false }, // no browser
-        { "", "GET", NULL, "cross-site", false },
-        { "", "HEAD", NULL, "cross-site", false },
-        { "", "OPTIONS", ONE, "cross-site", false },
+        { "", "POST", ONE, "cross-site", "here", true },
+        { "", "DELETE", ONE, "cross-site", "here", true },
+        { "", "POST", NULL, "cross-site", "here", true },
+        { "", "POST", "null", "cross-site", "here", true },
+        { LIST, "POST", "https://evil.example", "cross-site", "here", true },
+        { LIST, "POST", NULL, "cross-site", "here", true },
+        { LIST, "POST", ONE, "cross-site", "here", false },
+        { "*", "POST", ONE, "cross-site", "here", false },
+        { "", "POST", ONE, "same-origin", "here", false },
+        { "", "POST", ONE, "none", "here", false },
+        { "", "GET", NULL, "cross-site", "here", false },
+        { "", "HEAD", NULL, "cross-site", "here", false },
+        { "", "OPTIONS", ONE, "cross-site", "here", false },
+        // Another port of the same host, which a browser with Fetch Metadata calls the same site.
+        { "", "POST", "http://here:9000", "same-site", "here:8080", true },
+        { "", "POST", NULL, "same-site", "here:8080", true },
+        { "http://here:9000", "POST", "http://here:9000", "same-site", "here:8080", false },
+        // Browsers without Fetch Metadata; also those of today where there is no TLS.
+        { "", "POST", ONE, NULL, "here", true },
+        { "", "DELETE", "null", NULL, "here", true },
+        { "", "POST", "http://here:9000", NULL, "here:8080", true },
+        { "", "POST", "http://here.example", NULL, "here", true },
+        { "", "POST", "http://here", NULL, NULL, true },
+        { "", "POST", "http://here:8080", NULL, "here:8080", false },
+        { "", "POST", "http://Here:8080", NULL, "here:8080", false },
+        { "", "POST", "https://here", NULL, "here:443", false },
+        { "", "POST", "http://here", NULL, "here", false },
+        { "", "POST", "http://[::1]:8080", NULL, "[::1]:8080", false },
+        { LIST, "POST", ONE, NULL, "here", false },
+        { "", "GET", ONE, NULL, "here", false },
+        { "", "POST", NULL, NULL, "here", false }, // no browser
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        assert_int_equal(
-            http_cors_is_forged(cases[i].origins, cases[i].method, cases[i].origin, cases[i].site),
-            cases[i].is_forged);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const http_cors_sender sender = { .method = cases[i].method,
+                                          .origin = cases[i].origin,
+                                          .fetch_site = cases[i].site,
+                                          .host = cases[i].host };
+        assert_int_equal(http_cors_is_forged(cases[i].origins, &sender), cases[i].is_forged);
+    }
 }
 
 int main(void)
@@ -135,7 +155,7 @@ int main(void)
         cmocka_unit_test(others_get_nothing_but_vary),
         cmocka_unit_test(anybody_is_answered_by_a_star),
         cmocka_unit_test(a_preflight_tells_methods_headers_and_for_how_long),
-        cmocka_unit_test(a_change_that_another_site_asks_for_is_forged),
+        cmocka_unit_test(a_change_that_another_page_asks_for_is_forged),
         cmocka_unit_test(settings_are_origins_and_nothing_else),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

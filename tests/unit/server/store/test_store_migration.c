@@ -174,6 +174,25 @@ static void a_run_begins_again_in_a_store_that_was_brought_up_to_date(void **sta
     assert_int_equal(helper_finish(h->store, run_b, RUN_SUCCEEDED).n_snapshots, 2);
 }
 
+// A store from before marks was used with tokens if somebody owns something in it.
+static void an_older_store_with_owners_needs_tokens(void **state)
+{
+    helper_store *h = *state;
+
+    for (int k = 0; k < 2; k++) {
+        bool needs = k == 0;
+        make_old(h, 13);
+        if (k == 1)
+            helper_store_sql(h, "INSERT INTO owners (owner) VALUES ('alice')");
+        helper_store_open(h);
+        assert_int_equal(store_needs_tokens(h->store, &needs, NULL), BF_OK);
+        assert_int_equal(needs, k == 1);
+        assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM marks"), k);
+    }
+    assert_int_equal(store_need_tokens(h->store, NULL), BF_OK);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM marks"), 1);
+}
+
 // I9: what referred to runs and refers to results now goes with them.
 static void a_run_of_an_older_store_is_removed_with_all_it_has(void **state)
 {
@@ -354,6 +373,7 @@ int main(void)
         STORE_TEST(an_older_store_is_brought_up_to_date_with_all_it_has),
         STORE_TEST(a_run_begins_again_in_a_store_that_was_brought_up_to_date),
         STORE_TEST(a_store_of_version_4_is_there_with_all_it_had),
+        STORE_TEST(an_older_store_with_owners_needs_tokens),
         STORE_TEST(a_run_of_an_older_store_is_removed_with_all_it_has),
         STORE_TEST(a_store_that_cannot_be_brought_up_to_date_stays_as_it_was),
     };
