@@ -66,17 +66,12 @@ static const field job_fields[] = { { COPY(job.model) },
 static const field bytes_fields[] = { { COPY(bytes.step) },
                                       { REST(bytes.bytes, bytes.n) },
                                       { END } };
-static const field begin_fields[] = { { COPY(begin.model) },
-                                      { COPY(begin.n_columns) },
-                                      { COPY(begin.n_steps) },
-                                      { COPY(begin.dt) },
-                                      { COPY(begin.duration) },
-                                      { COPY(begin.n_parts) },
-                                      { COPY(begin.first_step) },
-                                      { COPY(begin.n_values) },
-                                      { ZEROS(4) },
-                                      { COPY(begin.grid) },
-                                      { END } };
+static const field begin_fields[] = {
+    { COPY(begin.model) },      { COPY(begin.n_columns) },  { COPY(begin.n_steps) },
+    { COPY(begin.dt) },         { COPY(begin.duration) },   { COPY(begin.n_parts) },
+    { COPY(begin.first_step) }, { COPY(begin.n_values) },   { ZEROS(4) },
+    { COPY(begin.grid) },       { COPY(begin.definition) }, { END }
+};
 static const field curve_fields[] = { { COPY(curve.first) },
                                       { COPY(curve.n) },
                                       { COPY(curve.n_columns) },
@@ -317,7 +312,7 @@ static bf_status read_header(const char *bytes, frame_type *ret_type, uint64_t *
     if (type < FRAME_JOB || type >= FRAME_TYPE_COUNT)
         return bf_fail(err, BF_ECORRUPT, "", "a frame of unknown type %u", type);
     if (n > FRAME_PAYLOAD_MAX)
-        return bf_fail(err, BF_ELIMIT, "", "a frame of %llu bytes is longer than %llu",
+        return bf_fail(err, BF_ECORRUPT, "", "a frame of %llu bytes is longer than %llu",
                        (unsigned long long)n, (unsigned long long)FRAME_PAYLOAD_MAX);
     *ret_type = (frame_type)type;
     *ret_n_payload = n;

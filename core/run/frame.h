@@ -74,6 +74,8 @@ typedef struct frame_begin {
     uint64_t first_step; ///< 0, or the step of the checkpoint that the run resumes from
     uint32_t n_values;   ///< values of a part in FRAME_PARTS; 0: the model has no parts
     bf_grid grid;        ///< of the snapshots
+    uint64_t
+        definition; ///< digest of scenario and model: whose results these are, run_definition()
 } frame_begin;
 
 /// Samples first .. first + n - 1 of the curve.
@@ -243,8 +245,7 @@ BF_MUST_CHECK bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *e
 /// Bytes of the whole frame that the n bytes begin with, as its header says; 0: the header is not complete, or of no frame.
 uint64_t frame_length(const void *bytes, size_t n);
 
-/// Decode the frame at the start of the n bytes. *ret_used = 0: they end inside the frame, more
-/// are needed; else its length. Pointers in *ret_frame point into bytes, which must be aligned to 8.
-/// BF_ECORRUPT: not a frame, or damaged; BF_ELIMIT: longer than FRAME_PAYLOAD_MAX.
+/// Decode the frame at the start of the n bytes. *ret_used = 0: they end inside the frame, more are needed; else its length.
+/// Pointers in *ret_frame point into bytes, which must be aligned to 8. BF_ECORRUPT: not a frame, damaged, or too long.
 BF_MUST_CHECK bf_status frame_decode(const void *bytes, size_t n, frame *ret_frame,
                                      size_t *ret_used, bf_error *err);

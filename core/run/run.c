@@ -96,6 +96,11 @@ void run_check(const scene *s, run_model model, bf_faults *faults)
     backends[model]->check_scenario(s, faults);
 }
 
+uint64_t run_definition(const scene *s, run_model model)
+{
+    return digest_add(definition_digest(s), &model, sizeof model);
+}
+
 static int reserve_parts(run *r, uint64_t n_rows)
 {
     return memory_reserve(&r->parts, &r->n_parts_max, n_rows * r->plan.n_values, sizeof *r->parts);
@@ -121,7 +126,7 @@ bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_r
         return bf_fail(err, BF_ENOMEM, "", "no memory for a run");
     r->scene = s;
     r->model = model;
-    r->definition = digest_add(definition_digest(s), &model, sizeof model);
+    r->definition = run_definition(s, model);
     r->backend = backends[model];
     r->n_columns = (uint32_t)columns_count(s);
     r->samples.of = SCHEDULE_CURVE;
@@ -228,7 +233,8 @@ static bf_status emit_begin(run *r, const run_sink *sink, bf_error *err)
                                  .n_parts = r->plan.n_parts,
                                  .first_step = r->first_step,
                                  .n_values = r->plan.n_values,
-                                 .grid = r->plan.grid } };
+                                 .grid = r->plan.grid,
+                                 .definition = r->definition } };
 
     return sink->take(sink->context, &f, err);
 }

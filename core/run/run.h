@@ -78,6 +78,9 @@ typedef struct run_review {
 BF_MUST_CHECK bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
                                       bf_error *err);
 
+/// Digest of everything that the results of a resolved scenario depend on, with a model.
+uint64_t run_definition(const scene *s, run_model model);
+
 /// Prepare a run of a resolved and checked scenario, which must outlive it.
 /// BF_EINPUT, BF_ELIMIT: the scenario is at fault, see run_check(); BF_ENOMEM.
 BF_MUST_CHECK bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_run,

@@ -40,7 +40,7 @@
     X(run_wall_s, NUMBER, "604800", 0, 1e9, RELOAD,                                                \
       "seconds that a run may take, all attempts together; 0: unlimited")                          \
     X(run_attempts, NUMBER, "5", 0, 1000, RESTART,                                                 \
-      "at a run that end with the daemon, until it fails; 0: any number")                          \
+      "at a run that fail or end with the daemon, until it fails; 0: any number")                  \
     X(checkpoint_ms, NUMBER, "5000", 10, 3600000, RELOAD, "between checkpoints of a run")          \
     X(queue_limit, NUMBER, "1000", 1, 1000000, RELOAD, "runs that may wait")                       \
     X(idempotency_hours, NUMBER, "24", 1, 8760, RESTART,                                           \

@@ -363,7 +363,7 @@ bf_status pull_executor_create(executor **ret_executor, bf_error *err)
 
     if (e == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the jobs of workers");
-    e->base = (executor){ .functions = &functions, .outlives_daemon = true };
+    e->base = (executor){ .functions = &functions, .is_elsewhere = true, .outlives_daemon = true };
     lock_init(&e->lock);
     e->last_attempt = (uint64_t)clock_unix_ms(); // no job of a daemon before has it
     if (!open_parts(e)) {

@@ -141,6 +141,8 @@ struct executor {
     const executor_functions *functions; ///< never NULL
     int wake_fd;                         ///< readable when poll() may find something new
     bool
+        is_elsewhere; ///< who solves its jobs may be wrong or lie: what they say is compared with the scenario
+    bool
         outlives_daemon; ///< its jobs, but for those of trials, go on when the daemon ends: attach() may find them
 };
 

@@ -217,6 +217,9 @@ static bf_status take_begin(supervisor__task *task, const frame_begin *begin, bf
                        begin->n_columns, task->n_columns);
     task->begin = *begin;
     task->has_begun = true;
+    bf_status status = supervisor__check_claims(task, false, err);
+    if (status != BF_OK)
+        return status;
     task->moved_ms = clock_monotonic_ms();
     supervisor__forget_trouble(task->supervisor);
     task->progress = (frame_progress){ .step = begin->first_step, .n_steps = begin->n_steps };

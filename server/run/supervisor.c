@@ -90,7 +90,7 @@ static bool allow_claim(supervisor *s)
     return is_news;
 }
 
-// Of a job that ended before its run: what it sent ends inside a frame, or nothing could be started.
+// Of a job that ended before its run: its frames end too early, or nothing could be started.
 static void blame_for_end(supervisor__task *task)
 {
     const executor_cause cause = task->exit.cause;
@@ -100,6 +100,8 @@ static void blame_for_end(supervisor__task *task)
         return;
     if ((cause == EXECUTOR_EXITED || cause == EXECUTOR_FAILED) && task->output.n > 0)
         (void)bf_fail(&why, BF_ECORRUPT, "", "the solver's output ends inside a frame");
+    else if (cause == EXECUTOR_EXITED)
+        (void)bf_fail(&why, BF_ECORRUPT, "", "the solver's output ends before the run");
     else if (cause != EXECUTOR_UNSTARTED)
         return;
     (void)supervisor__blame(task, &why);
@@ -132,6 +134,10 @@ static void finish_end(supervisor *s, supervisor__task *task)
     // Another worker takes the run.
     bool is_of_worker = supervisor__has_workers(s) && !task->is_trouble;
 
+    // What the store would not take, or cannot be of the scenario.
+    if (task->ending.state == RUN_QUEUED && task->ending.error.code == BF_ECORRUPT &&
+        !task->is_blamed && task->job != NULL)
+        (void)supervisor__blame(task, &task->ending.error);
     if (task->write.status != BF_OK)
         supervisor__defer(s, task->claimed.run.id,
                           task->requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED,
@@ -207,9 +213,10 @@ static void leave_jobs(supervisor *s)
         supervisor__task *task = s->tasks[i - 1];
         if (task->phase != SUPERVISOR_SOLVING || task->write.is_pending)
             continue;
-        if (task->claimed.run.study[0] != '\0')
+        if (task->claimed.run.study[0] != '\0') {
+            task->requested = task->signalled = SUPERVISOR_STOP_HAND_BACK;
             task->state = EXECUTOR_LOST;
-        else
+        } else
             supervisor__task_destroy(task);
     }
 }

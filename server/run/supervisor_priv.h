@@ -185,6 +185,11 @@ metrics_reason supervisor__exit_reason(const supervisor__task *task);
 /// means that even that was refused. On a writing thread.
 BF_MUST_CHECK bf_status supervisor__store_ending(supervisor__task *task, bf_error *err);
 
+/// Compare what a solver elsewhere says of a run with its scenario: its begin, and with is_end also its end. BF_ECORRUPT.
+/// On any thread that has the task.
+BF_MUST_CHECK bf_status supervisor__check_claims(const supervisor__task *task, bool is_end,
+                                                 bf_error *err);
+
 /// Ask the executor whether who solves the task is at fault, and note it. Returns what it says.
 bool supervisor__blame(supervisor__task *task, const bf_error *why);
 

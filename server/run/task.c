@@ -1,8 +1,10 @@
 #include "server/run/supervisor_priv.h"
 
 #include "api/results/results.h"
+#include "api/scenario/scenario.h"
 #include "core/base/check.h"
 #include "core/base/memory.h"
+#include "core/run/plausible.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 
@@ -153,9 +155,57 @@ bool supervisor__blame(supervisor__task *task, const bf_error *why)
     return true;
 }
 
+bf_status supervisor__check_claims(const supervisor__task *task, bool is_end, bf_error *err)
+{
+    const bf_buffer *text = &task->claimed.scenario;
+    const run_model model = task->claimed.run.model;
+    scene s;
+
+    if (!task->supervisor->executor->is_elsewhere)
+        return BF_OK;
+    if (!task->has_begun)
+        return bf_fail(err, BF_ECORRUPT, "", "the run ended without a begin");
+    bf_status status = scenario_read_resolved(text->bytes, text->n, &s, err);
+    if (status != BF_OK)
+        return status;
+    status = is_end ? plausible_end(&s, model, &task->begin, &task->end, err)
+                    : plausible_begin(&s, model, &task->begin, err);
+    scene_fini(&s);
+    return status;
+}
+
 static run_state state_for(supervisor__stop requested)
 {
     return requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED;
+}
+
+// Who solves the run elsewhere may have been stopped by others, or fail where another would not.
+static store_ending end_of_worker(const supervisor__task *task)
+{
+    const executor_cause cause = task->exit.cause;
+    store_ending ending = { .run_id = task->claimed.run.id,
+                            .state = state_for(task->requested),
+                            .attempt = STORE_ATTEMPT_FAILED,
+                            .error = task->is_blamed ? task->error : task->exit.error };
+
+    if (task->state == EXECUTOR_LOST)
+        (void)bf_fail(&ending.error, BF_ESYSTEM, "", "whoever solved the run is gone");
+    else if (cause == EXECUTOR_UNSTARTED ||
+             (!task->is_blamed && (cause == EXECUTOR_STOPPED || task->has_ended)))
+        ending.attempt = STORE_ATTEMPT_HAND_BACK;
+    return ending;
+}
+
+// The job came back without having been asked to, and another worker may do better. Faults of the program are the run's.
+static bool may_be_workers(const supervisor__task *task)
+{
+    const executor_cause cause = task->exit.cause;
+
+    if (!supervisor__has_workers(task->supervisor))
+        return false;
+    return task->is_blamed || task->has_ended || task->state == EXECUTOR_LOST ||
+           cause == EXECUTOR_STOPPED || cause == EXECUTOR_KILLED || cause == EXECUTOR_UNSTARTED ||
+           cause == EXECUTOR_EXITED;
 }
 
 // The executor or the store is at fault, not the run.
@@ -172,7 +222,15 @@ static store_ending end_failed(const supervisor__task *task)
                                    .state = RUN_FAILED,
                                    .error = task->error };
 
-    return task->is_trouble || task->is_blamed ? end_elsewhere(task, &task->error) : failure;
+    return task->is_trouble ? end_elsewhere(task, &task->error) : failure;
+}
+
+static store_ending end_done(const supervisor__task *task)
+{
+    return (store_ending){ .run_id = task->claimed.run.id,
+                           .state = RUN_SUCCEEDED,
+                           .whole = task->supervisor->executor->is_elsewhere ? &task->end : NULL,
+                           .is_without_snapshots = task->claimed.run.study[0] != '\0' };
 }
 
 store_ending supervisor__classify_exit(const supervisor__task *task)
@@ -184,16 +242,23 @@ store_ending supervisor__classify_exit(const supervisor__task *task)
 
     if (task->requested == SUPERVISOR_STOP_KILL)
         ending.state = RUN_CANCELLED;
-    else if (task->failed || task->is_blamed)
+    else if (task->failed && !task->is_blamed)
         ending = end_failed(task);
-    else if (task->has_ended && !task->end.stopped)
-        ending.state = RUN_SUCCEEDED;
+    else if (!task->is_blamed && task->has_ended && !task->end.stopped)
+        ending = end_done(task);
+    else if (!is_requested && may_be_workers(task))
+        ending = end_of_worker(task);
+    else if (task->is_blamed)
+        ending = end_elsewhere(task, &task->error);
     else if (task->has_ended && (is_requested || has_moved))
         ending.state = state_for(task->requested);
     else if (task->has_ended)
         (void)bf_fail(&ending.error, BF_ESYSTEM, "", "the solver stopped without being asked to");
     else if (task->state == EXECUTOR_LOST)
-        ending.state = state_for(task->requested);
+        ending =
+            (store_ending){ .run_id = ending.run_id,
+                            .state = state_for(task->requested),
+                            .attempt = is_requested ? STORE_ATTEMPT_NONE : STORE_ATTEMPT_FAILED };
     else if (cause == EXECUTOR_STOPPED || (cause == EXECUTOR_KILLED && is_requested))
         ending.state = state_for(task->requested); // it could not answer the stop, or did not
     else if (cause == EXECUTOR_UNSTARTED)
@@ -265,29 +330,37 @@ bf_status supervisor__store_ending(supervisor__task *task, bf_error *err)
     char quoted[LOG_QUOTED_SIZE];
     bf_status status = BF_OK;
 
-    if (ending->state == RUN_SUCCEEDED || ending->state == RUN_CANCELLED)
+    if (ending->state == RUN_SUCCEEDED)
+        status = supervisor__check_claims(task, true, err);
+    if (status == BF_OK && (ending->state == RUN_SUCCEEDED || ending->state == RUN_CANCELLED))
         status = write_summary(task, &summary, err);
     ending->summary = summary.n == 0 ? NULL : summary.bytes;
     ending->n_summary = summary.n;
     if (status == BF_OK)
         status = store_finish(s, ending, &after, err);
     // Only the supervisor's thread may ask who is at fault for what is damaged.
-    const bool may_be_workers =
+    const bool is_workers =
         status == BF_ECORRUPT && task->supervisor->executor->functions->blame != NULL;
-    if (status != BF_OK && !supervisor__may_work_later(status) && !may_be_workers) {
+    if (status != BF_OK && !supervisor__may_work_later(status) && !is_workers) {
         *ending = (store_ending){
             .run_id = ending->run_id, .state = RUN_FAILED, .error = *err, .cpu_s = ending->cpu_s
         };
         status = store_finish(s, ending, &after, err);
     }
     if (status != BF_OK) {
-        *ending = (store_ending){
-            .run_id = ending->run_id, .state = RUN_QUEUED, .error = *err, .cpu_s = ending->cpu_s
-        };
+        *ending = (store_ending){ .run_id = ending->run_id,
+                                  .state = RUN_QUEUED,
+                                  .attempt = is_workers ? STORE_ATTEMPT_FAILED : STORE_ATTEMPT_NONE,
+                                  .error = *err,
+                                  .cpu_s = ending->cpu_s };
         status = store_finish(s, ending, &after, err);
     }
     buffer_fini(&summary);
     ending->summary = NULL;
+    if (status == BF_OK && ending->state != after.state) { // it was the last attempt
+        ending->state = after.state;
+        ending->error = after.error;
+    }
     if (status == BF_OK)
         log_end(task);
     else

@@ -353,7 +353,7 @@ bf_status store__apply_batch(store__connection *writer, store__appending *contex
         return BF_OK;
     note_progress(batch, row);
     if (has_grown(row, &before))
-        row->attempts = 0;
+        row->attempts = row->hand_backs = 0;
     return store__charge(writer, row, batch->cpu_s, err);
 }
 

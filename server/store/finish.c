@@ -3,11 +3,13 @@
 #include "server/store/finish.h"
 #include "server/store/quotas.h"
 
+#include <inttypes.h>
 #include <string.h>
 
 /// An end, and what became of it.
 typedef struct finish_context {
     const store_ending *ending;
+    uint64_t attempts_max;  ///< see store_options
     store__appending *last; ///< of ending->last; NULL: nothing
     store__row row;
 } finish_context;
@@ -30,6 +32,54 @@ static bf_status put_summary(store__connection *writer, const store_ending *endi
                            ending->n_summary, err);
 }
 
+static bf_status check_whole(const store__row *row, const store_ending *ending, bf_error *err)
+{
+    const frame_end *whole = ending->state == RUN_SUCCEEDED ? ending->whole : NULL;
+
+    if (whole == NULL ||
+        (row->run.n_samples == whole->n_samples &&
+         (ending->is_without_snapshots || row->run.n_snapshots == whole->n_snapshots)))
+        return BF_OK;
+    return bf_fail(err, BF_ECORRUPT, "",
+                   "the run ended with %" PRIu64 " samples and %" PRIu64 " snapshots, of which "
+                   "%" PRIu64 " and %" PRIu64 " came",
+                   whole->n_samples, whole->n_snapshots, row->run.n_samples, row->run.n_snapshots);
+}
+
+static const char *reason_of(const store_ending *ending)
+{
+    return ending->error.code == BF_OK ? "nobody knows why" : ending->error.text;
+}
+
+// A run that goes back to the queue counts its attempt. False: it was the last.
+static bool may_go_back(const finish_context *context, store__row *row)
+{
+    const store_ending *ending = context->ending;
+
+    switch (ending->attempt) {
+    case STORE_ATTEMPT_FAILED:
+        if (context->attempts_max == 0 || row->attempts < context->attempts_max)
+            return true;
+        (void)bf_fail(&row->run.error, BF_ELIMIT, "",
+                      "%" PRIu64 " attempts at this run failed, one after the other, the limit "
+                      "(run_attempts); the last one: %.300s",
+                      row->attempts, reason_of(ending));
+        return false;
+    case STORE_ATTEMPT_HAND_BACK:
+        row->attempts -= row->attempts > 0;
+        if (++row->hand_backs < STORE_HAND_BACKS_MAX)
+            return true;
+        (void)bf_fail(&row->run.error, BF_ELIMIT, "",
+                      "workers gave this run back %" PRIu64 " times, one after the other; the last "
+                      "one: %.300s",
+                      row->hand_backs, reason_of(ending));
+        return false;
+    default:
+        row->attempts -= row->attempts > 0;
+        return true;
+    }
+}
+
 static bf_status apply_finish(store__connection *writer, store__operation *operation, bf_error *err)
 {
     finish_context *context = operation->context;
@@ -41,17 +91,20 @@ static bf_status apply_finish(store__connection *writer, store__operation *opera
         status = store__check_running(row, err);
     if (status == BF_OK && context->last != NULL)
         status = store__apply_batch(writer, context->last, row, err);
+    if (status == BF_OK)
+        status = check_whole(row, ending, err);
     if (status != BF_OK)
         return status;
     memcpy(operation->changed, row->run.id, API_ID_SIZE);
-    if (ending->state == RUN_QUEUED && row->attempts > 0)
-        row->attempts--;
+    const bool is_last = ending->state == RUN_QUEUED && !may_go_back(context, row);
     if (ending->state == RUN_FAILED)
         row->run.error = ending->error;
     status = store__charge(writer, row, ending->cpu_s, err);
     if (status == BF_OK)
         status = put_summary(writer, ending, row, err);
-    return status == BF_OK ? store__transition(writer, row, ending->state, err) : status;
+    if (status != BF_OK)
+        return status;
+    return store__transition(writer, row, is_last ? RUN_FAILED : ending->state, err);
 }
 
 static bf_status prepare_last(finish_context *context, bf_error *err)
@@ -97,7 +150,7 @@ static bf_status write(store *s, finish_context *context, bf_error *err)
 
 bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run, bf_error *err)
 {
-    finish_context context = { .ending = ending };
+    finish_context context = { .ending = ending, .attempts_max = s->attempts_max };
 
     bf_status status = prepare_last(&context, err);
     if (status == BF_OK)

@@ -343,10 +343,14 @@ static const char schema_14[] =
     "CREATE TABLE marks (name TEXT PRIMARY KEY) STRICT, WITHOUT ROWID;"
     "INSERT INTO marks SELECT 'tokens' WHERE EXISTS (SELECT 1 FROM owners WHERE owner <> '');";
 
+// How often workers gave a run back unsolved, one after the other.
+static const char schema_15[] =
+    "ALTER TABLE runs ADD COLUMN hand_backs INTEGER NOT NULL DEFAULT 0;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4, schema_5,
-                                          schema_6,  schema_7,  schema_8,  schema_9, schema_10,
-                                          schema_11, schema_12, schema_13, schema_14 };
+const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
+                                          schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
+                                          schema_11, schema_12, schema_13, schema_14, schema_15 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -48,6 +48,7 @@
     X(INTEGER, n_values, run.parts.n_values)                                                       \
     X(INTEGER, stop_request, stop_request)                                                         \
     X(INTEGER, attempts, attempts)                                                                 \
+    X(INTEGER, hand_backs, hand_backs)                                                             \
     X(TEXT, external_id, external_id)                                                              \
     X(TEXT, figures, run.figures)                                                                  \
     X(REAL, cpu_s, cpu_s)                                                                          \

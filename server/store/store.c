@@ -264,6 +264,7 @@ static store *create(const store_options *options)
     s->client_quota = options->client_quota;
     store_set_quotas(s, &options->quotas);
     s->idempotency_ms = options->idempotency_ms == 0 ? KEYS_MS : options->idempotency_ms;
+    s->attempts_max = options->attempts_max;
     s->retention = options->retention;
     s->turn.every_ms =
         options->retention_interval_ms == 0 ? RETENTION_MS : options->retention_interval_ms;

@@ -94,6 +94,7 @@ struct store {
     _Atomic size_t client_quota;      ///< see store_options
     store__quota_settings quotas;     ///< see store_options
     int64_t idempotency_ms;           ///< see store_options
+    uint64_t attempts_max;            ///< see store_options
     _Atomic uint64_t n_stop_requests; ///< see store_count_stop_requests()
     store_listener *listener;         ///< NULL: none
     void *listener_context;           ///< given to it
@@ -125,6 +126,7 @@ typedef struct store__row {
     double cpu_s;                 ///< CPU time of all attempts that was charged, s
     uint64_t n_bytes;             ///< of its scenario and its events, which no other run has
     uint64_t attempts;       ///< that were begun since the run last went on, and not handed back
+    uint64_t hand_backs;     ///< since the run last went on, of those who gave it back unsolved
     store_stop stop_request; ///< of a running run
     char external_id[STORE_EXTERNAL_ID_SIZE]; ///< of a running run; "": none
 } store__row;

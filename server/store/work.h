@@ -97,21 +97,37 @@ typedef struct store_next {
     store_job job;  ///< of BF_OK: the caller's
 } store_next;
 
+/// What an attempt that ends with RUN_QUEUED counts as.
+typedef enum store_attempt {
+    STORE_ATTEMPT_NONE,      ///< nothing: this service asked for the run, or could not store it
+    STORE_ATTEMPT_HAND_BACK, ///< who had the run gave it back: STORE_HAND_BACKS_MAX of them are too many
+    STORE_ATTEMPT_FAILED, ///< it failed, be it not by the run's fault: attempts_max of them are too many
+} store_attempt;
+
+/// Hand-backs of a run, one after the other, that brought nothing new.
+enum { STORE_HAND_BACKS_MAX = 1000 };
+
 /// How a run ends or goes back to the queue.
 typedef struct store_ending {
     const char *run_id; ///< whose
     run_state state;    ///< an end, or RUN_QUEUED to hand it back
     bf_error error; ///< of RUN_FAILED; of another state why the store took no other, for the log
-    const char *summary;     ///< summary.json, n_summary bytes; NULL: none
-    size_t n_summary;        ///< bytes
-    const store_batch *last; ///< what it sent last, stored in the same transaction; NULL: nothing
+    store_attempt
+        attempt; ///< of RUN_QUEUED: after too many the run has failed, with error as the last reason
+    const frame_end
+        *whole; ///< of RUN_SUCCEEDED: as many results as this says must be stored; NULL: any number
+    bool is_without_snapshots; ///< of whole: its snapshots were not sent
+    const char *summary;       ///< summary.json, n_summary bytes; NULL: none
+    size_t n_summary;          ///< bytes
+    const store_batch *last;   ///< what it sent last, stored in the same transaction; NULL: nothing
     double cpu_s; ///< CPU time of all attempts; less than was charged (0) charges nothing
     store_next
         *next; ///< claim a run in the same commit, whatever becomes of this one; NULL: do not
 } store_ending;
 
 /// Move a running run on: an end (with its status and end events; the checkpoint is dropped) or
-/// back to the queue. BF_ECONFLICT: not running; of `last` BF_ECORRUPT as of a batch.
+/// back to the queue. *ret_run is what it has become. BF_ECONFLICT: not running; BF_ECORRUPT: of `last` as of a batch, or
+/// there are not as many results as `whole` says.
 BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run,
                                      bf_error *err);
 

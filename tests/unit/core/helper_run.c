@@ -2,6 +2,7 @@
 
 #include "core/base/check.h"
 #include "core/base/digest.h"
+#include "core/run/plausible.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -102,6 +103,9 @@ bf_status helper_run(const scene *s, int n_threads, int resume, helper_run_log *
         status = run_resume(r, log->checkpoint.bytes, log->checkpoint.n, NULL);
     if (status == BF_OK)
         status = run_execute(r, &sink, NULL);
+    // What every run that is done says of itself is what its scenario lets expect.
+    if (status == BF_OK && log->end.stopped == 0)
+        BF_CHECK(plausible_end(s, log->model, &log->begin, &log->end, NULL) == BF_OK);
     run_destroy(r);
     return status;
 }

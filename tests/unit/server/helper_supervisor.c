@@ -61,6 +61,7 @@ static void open_store(helper_world *w)
         .listener_context = w,
         .still_runs = w->options.executor == NULL ? NULL : supervisor_still_runs,
         .still_runs_context = w->options.executor,
+        .attempts_max = w->attempts_max,
     };
     bf_error err = { 0 };
 

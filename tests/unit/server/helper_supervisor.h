@@ -29,6 +29,7 @@ typedef struct helper_world {
     supervisor_options options;       ///< for helper_supervise()
     run_model model;                  ///< of what is submitted (RUN_MACRO)
     store *store;                     ///< open
+    uint64_t attempts_max;            ///< for helper_world_reopen(); at first any number
     supervisor *supervisor;           ///< NULL: not started
     executor *local;                  ///< of helper_supervise(), if options name no executor
     lock lock;                        ///< of n_commits, and of supervisor for the listener

@@ -234,7 +234,7 @@ static void an_endless_frame_is_refused_before_it_comes(void **state)
                                         0,   0,   0,   1 };
     frame f;
     size_t used = 1;
-    assert_int_equal(frame_decode(head, sizeof head, &f, &used, NULL), BF_ELIMIT);
+    assert_int_equal(frame_decode(head, sizeof head, &f, &used, NULL), BF_ECORRUPT);
 }
 
 static void out_of_memory_leaves_the_buffer_as_it_was(void **state)

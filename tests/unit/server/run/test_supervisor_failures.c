@@ -147,7 +147,7 @@ static void a_torn_or_damaged_frame_fails_the_run(void **state)
     snprintf(lines, sizeof lines, "head -c %zu '%s'", n - 1, path);
     bf_error err = fail_with(w, lines);
     assert_says(&err, BF_ECORRUPT, "inside a frame");
-    snprintf(lines, sizeof lines, "head -c %zu '%s'; printf X; sleep 1000", n - 1, path);
+    snprintf(lines, sizeof lines, "head -c %zu '%s'; printf Y; sleep 1000", n - 1, path);
     err = fail_with(w, lines);
     assert_says(&err, BF_ECORRUPT, "damaged");
 }

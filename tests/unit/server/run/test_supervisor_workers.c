@@ -3,6 +3,10 @@
 
 #include "tests/unit/server/helper_jobs.h"
 
+#include "api/scenario/scenario.h"
+#include "core/run/plausible.h"
+
+#include <math.h>
 #include <string.h>
 
 static int setup(void **state)
@@ -117,6 +121,142 @@ static void a_lost_job_holds_nobody_up(void **state)
     helper_await_state(f->world, solved.id, RUN_SUCCEEDED);
 }
 
+// A solver that was stopped before its first step, as when its worker is drained while a large run is set up.
+static void stop_at_once(helper_jobs *f, size_t index)
+{
+    const frame end = { .type = FRAME_END, .end = { .stopped = 1 } };
+
+    helper_executor_begin(f->executor, index);
+    helper_executor_send(f->executor, index, &end);
+    helper_executor_end(f->executor, index, EXECUTOR_EXITED);
+}
+
+static api_run start_with_attempts(helper_jobs *f, uint64_t attempts_max)
+{
+    f->world->attempts_max = attempts_max;
+    helper_world_reopen(f->world);
+    helper_executor_employ(f->executor, 16);
+    return helper_jobs_start(f);
+}
+
+// More often than a run may fail.
+static void a_worker_that_is_drained_fails_no_run(void **state)
+{
+    helper_jobs *f = *state;
+    const api_run solved = start_with_attempts(f, 2);
+
+    for (size_t i = 0; i < 8; i++) {
+        helper_executor_await(f->executor, i + 1);
+        if (i % 2 == 0)
+            stop_at_once(f, i);
+        else
+            helper_executor_end(f->executor, i, EXECUTOR_STOPPED); // it had not begun
+    }
+    helper_executor_await(f->executor, 9);
+    assert_int_equal(helper_executor_job(f->executor, 0).n_blamed, 0);
+    helper_executor_begin(f->executor, 8);
+    helper_executor_finish(f->executor, 8, false);
+    helper_await_state(f->world, solved.id, RUN_SUCCEEDED);
+}
+
+// A frame whose length has one wrong bit, and a stream that ends between two frames.
+static void ends_of_a_workers_own_are_an_attempt_each(void **state)
+{
+    helper_jobs *f = *state;
+    const frame progress = { .type = FRAME_PROGRESS, .progress = { .step = 5, .n_steps = 10 } };
+    bf_buffer bytes = { 0 };
+    const api_run solved = start_with_attempts(f, 4);
+
+    helper_executor_begin(f->executor, 0);
+    helper_encode(&progress, &bytes);
+    bytes.bytes[15] ^= 1; // the highest byte of the length
+    helper_executor_send_bytes(f->executor, 0, bytes.bytes, bytes.n);
+    buffer_fini(&bytes);
+    helper_executor_await(f->executor, 2);
+    assert_int_equal(helper_executor_job(f->executor, 0).n_blamed, 1);
+    helper_executor_begin(f->executor, 1);
+    helper_executor_end(f->executor, 1, EXECUTOR_EXITED);
+    helper_executor_await(f->executor, 3);
+    assert_int_equal(helper_executor_job(f->executor, 1).n_blamed, 1);
+    helper_executor_begin(f->executor, 2);
+    helper_executor_end(f->executor, 2, EXECUTOR_KILLED); // by the kernel, for memory
+    helper_executor_await(f->executor, 4);
+    helper_executor_begin(f->executor, 3);
+    helper_executor_lose(f->executor, 3);
+    const api_run failed = helper_await_state(f->world, solved.id, RUN_FAILED);
+    assert_int_equal(failed.error.code, BF_ELIMIT);
+    assert_non_null(strstr(failed.error.text, "4 attempts at this run failed"));
+    assert_non_null(strstr(failed.error.text, "the last one: whoever solved the run is gone"));
+}
+
+static void a_run_that_brings_something_new_has_all_its_attempts_again(void **state)
+{
+    helper_jobs *f = *state;
+    const api_run solved = start_with_attempts(f, 2);
+
+    for (size_t i = 0; i < 4; i++) {
+        helper_executor_await(f->executor, i + 1);
+        helper_executor_begin(f->executor, i);
+        helper_executor_samples(f->executor, i, i, 1, 0);
+        helper_await_samples(f->world, solved.id, i + 1);
+        helper_executor_lose(f->executor, i);
+    }
+    helper_executor_await(f->executor, 5);
+    helper_executor_lose(f->executor, 4);
+    helper_executor_await(f->executor, 6);
+    helper_executor_lose(f->executor, 5);
+    helper_await_state(f->world, solved.id, RUN_FAILED);
+}
+
+// What a solver elsewhere says of a run is compared with the scenario, and with what came: not even one who knows the
+// forms of both ends gets a run done without results.
+static void an_end_without_results_is_no_success(void **state)
+{
+    helper_jobs *f = *state;
+    frame begin = { .type = FRAME_BEGIN, .begin = { .model = RUN_MACRO } };
+    frame end = { .type = FRAME_END };
+    scene s;
+
+    helper_executor_base(f->executor)->is_elsewhere = true;
+    const api_run solved = start_with_attempts(f, 3);
+    helper_executor_begin(f->executor, 0); // of ten steps, which the scenario has not
+    helper_executor_finish(f->executor, 0, false);
+    helper_executor_await(f->executor, 2);
+    assert_int_equal(helper_executor_job(f->executor, 0).n_blamed, 1);
+
+    bf_buffer text = { 0 };
+    assert_int_equal(store_read_text(f->world->store, solved.id, API_TEXT_SCENARIO, &text, NULL),
+                     BF_OK);
+    assert_int_equal(scenario_read_resolved(text.bytes, text.n, &s, NULL), BF_OK);
+    buffer_fini(&text);
+    const double dt = scene_macro_step(&s);
+    begin.begin.n_columns = 2;
+    begin.begin.dt = dt;
+    begin.begin.n_steps = (uint64_t)ceil(s.duration / dt - 1e-9);
+    begin.begin.duration = (double)begin.begin.n_steps * dt;
+    begin.begin.grid = scene_grid(&s);
+    begin.begin.definition = run_definition(&s, RUN_MACRO);
+    end.end = (frame_end){ .n_steps = begin.begin.n_steps,
+                           .t = begin.begin.duration,
+                           .n_cells = grid_cells(&begin.begin.grid),
+                           .n_samples = 41,
+                           .n_snapshots = 11 };
+    bf_error why = { 0 };
+    if (plausible_end(&s, RUN_MACRO, &begin.begin, &end.end, &why) != BF_OK)
+        fail_msg("%s", why.text);
+    scene_fini(&s);
+    for (size_t i = 1; i < 3; i++) {
+        helper_executor_await(f->executor, i + 1);
+        helper_executor_send(f->executor, i, &begin);
+        if (i == 2) // all samples, no snapshot
+            helper_executor_samples(f->executor, i, 0, 41, 0);
+        helper_executor_send(f->executor, i, &end);
+        helper_executor_end(f->executor, i, EXECUTOR_EXITED);
+    }
+    const api_run failed = helper_await_state(f->world, solved.id, RUN_FAILED);
+    assert_non_null(strstr(failed.error.text, "41 samples and 11 snapshots, of which"));
+}
+
 static void jobs_are_left_to_the_daemon_after_this_one(void **state)
 {
     helper_jobs *f = *state;
@@ -147,6 +287,10 @@ int main(void)
         TEST(a_gap_is_the_workers),
         TEST(a_frame_without_measure_takes_no_memory),
         TEST(a_lost_job_holds_nobody_up),
+        TEST(a_worker_that_is_drained_fails_no_run),
+        TEST(ends_of_a_workers_own_are_an_attempt_each),
+        TEST(a_run_that_brings_something_new_has_all_its_attempts_again),
+        TEST(an_end_without_results_is_no_success),
         TEST(jobs_are_left_to_the_daemon_after_this_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -207,6 +207,47 @@ static void only_attempts_in_vain_count(void **state)
     expect_failure_at_last(h, record.id);
 }
 
+static api_run hand_back(helper_store *h, const char *id, store_attempt attempt)
+{
+    const store_ending ending = {
+        .run_id = id, .state = RUN_QUEUED, .attempt = attempt, .error = { BF_ESYSTEM, "", "why" }
+    };
+    api_run after;
+
+    helper_claim(h->store);
+    assert_int_equal(store_finish(h->store, &ending, &after, NULL), BF_OK);
+    return after;
+}
+
+// What was not the run's fault is none of its attempts, but cannot go on for ever.
+static void hand_backs_have_a_limit_of_their_own(void **state)
+{
+    helper_store *h = *state;
+    const api_run record = helper_submit(h->store, "", 0);
+
+    (void)die(h, record.id);
+    for (int i = 1; i < STORE_HAND_BACKS_MAX; i++)
+        assert_int_equal(hand_back(h, record.id, STORE_ATTEMPT_HAND_BACK).state, RUN_QUEUED);
+    const api_run failed = hand_back(h, record.id, STORE_ATTEMPT_HAND_BACK);
+    assert_int_equal(failed.state, RUN_FAILED);
+    assert_non_null(strstr(failed.error.text, "gave this run back 1000 times"));
+}
+
+static void attempts_that_failed_count_with_those_that_ended_the_daemon(void **state)
+{
+    helper_store *h = *state;
+    const api_run record = helper_submit(h->store, "", 0);
+
+    (void)die(h, record.id);
+    assert_int_equal(hand_back(h, record.id, STORE_ATTEMPT_FAILED).state, RUN_QUEUED);
+    helper_claim(h->store);
+    assert_int_equal(die(h, record.id).state, RUN_QUEUED);
+    assert_int_equal(hand_back(h, record.id, STORE_ATTEMPT_NONE).state, RUN_QUEUED);
+    const api_run failed = hand_back(h, record.id, STORE_ATTEMPT_FAILED);
+    assert_int_equal(failed.state, RUN_FAILED);
+    assert_int_equal(failed.error.code, BF_ELIMIT);
+}
+
 static void a_run_that_is_to_be_stopped_is_cancelled_after_its_last_attempt(void **state)
 {
     helper_store *h = *state;
@@ -252,6 +293,8 @@ int main(void)
         STORE_TEST(what_the_executor_still_has_stays_running),
         STORE_TEST(a_run_that_ends_the_daemon_each_time_fails),
         STORE_TEST(only_attempts_in_vain_count),
+        STORE_TEST(hand_backs_have_a_limit_of_their_own),
+        STORE_TEST(attempts_that_failed_count_with_those_that_ended_the_daemon),
         STORE_TEST(a_run_that_is_to_be_stopped_is_cancelled_after_its_last_attempt),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
