@@ -8,11 +8,17 @@ const figure figure_table[FIGURE_COUNT] = {
                             OF(RUN, BOTH) },
     [FIGURE_THROUGHPUT_ERROR] = { "throughput_error_per_h", NULL, "parts/h",
                                   "Half the width of the 95 % confidence interval of the "
-                                  "throughput, by batch means (Student)",
-                                  OF(RUN, BOTH) },
+                                  "throughput in the long run, by batch means; absent where "
+                                  "nothing is left to chance, or nothing can be said",
+                                  OF(RUN, PARTS) },
+    [FIGURE_THROUGHPUT_NEEDS] = { "throughput_needs_s", NULL, "s",
+                                  "Where the run, or its warm-up, is too short for such an "
+                                  "interval: about how long it has to be",
+                                  OF(RUN, PARTS) },
     [FIGURE_STEADY_AT] = { "steady_at_s", NULL, "s",
-                           "First time at which that half width was at most `steady_precision` of "
-                           "the throughput and successive batches were not correlated",
+                           "First time at which the throughput was known to `steady_precision` of "
+                           "itself: by half the width of its interval, or where nothing is left "
+                           "to chance, by what it differed in the later half of the time",
                            OF(RUN, BOTH) },
     [FIGURE_SUSTAINED] = { "sustained_throughput_per_h", NULL, "parts/h",
                            "How fast parts came through while they did: with feeds "
@@ -26,7 +32,8 @@ const figure figure_table[FIGURE_COUNT] = {
                                 "distance in time of the cumulative curves of entries and exits, "
                                 "first in, first out (macroscopic)",
                                 OF(RUN, BOTH) },
-    [FIGURE_RESIDENCE_P50] = { "residence_s", "p50", "s", "Median of the same times",
+    [FIGURE_RESIDENCE_P50] = { "residence_s", "p50", "s",
+                               "Median of the same times; of a density that is fed there is none",
                                OF(RUN, BOTH) },
     [FIGURE_RESIDENCE_P90] = { "residence_s", "p90", "s", "90 % of these times are not longer",
                                OF(RUN, BOTH) },
@@ -41,17 +48,17 @@ const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_JAM_FIRST] = { "jam", "first_s", "s", "When the first jam began", OF(RUN, BOTH) },
     [FIGURE_JAM_TOTAL] = { "jam", "total_s", "s", "Length of all jams together", OF(RUN, BOTH) },
     [FIGURE_QUEUE_END] = { "queue_end_m", NULL, "m",
-                           "Largest distance, against the belt's direction, from the upstream end "
-                           "of the most upstream plate to a part slower than 0.8 of its belt; 0 "
-                           "where there was none upstream of it",
+                           "Longest queue: the largest distance, against the belt's direction, "
+                           "from the downstream end of a plate to a part before it that is queued "
+                           "or blocked, slower than 0.8 of its belt; 0 where there was none",
                            OF(RUN, PARTS) },
     [FIGURE_PEAK] = { "peak_density", NULL, NULL,
                       "Largest density after the warm-up, 1 being close packing, of all samples "
                       "(macroscopic) or snapshots (microscopic)",
                       OF(RUN, BOTH) },
     [FIGURE_DRAINED_AT] = { "drained_at_s", NULL, "s",
-                            "Since when the domain has been empty until the end: less than half a "
-                            "part inside and waiting at all feeds",
+                            "Since when the domain has been empty again until the end: less than "
+                            "half a part inside and waiting at all feeds",
                             OF(RUN, BOTH) },
     [FIGURE_ENTERED] = { "parts", "entered", "parts",
                          "Parts in the domain at the start and those of feeds that entered since",

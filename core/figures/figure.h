@@ -4,7 +4,7 @@
 /// feed, of its second feed, and so on, then of its counters, then of its photo eyes, each in the order of the
 /// table. NAN: the run cannot say; never 0 instead.
 ///
-/// Every figure but offered, admitted, discarded, entered, left, steady_at_s and drained_at_s leaves out what was before
+/// Every figure but offered, admitted, discarded, entered, left, throughput_needs_s, steady_at_s and drained_at_s leaves out what was before
 /// the first sample at or after the scenario's warmup_s, the warm-up. Samples are those of the curve.
 
 #pragma once
@@ -26,6 +26,7 @@ typedef enum figure_scope {
 typedef enum figure_id {
     FIGURE_THROUGHPUT,
     FIGURE_THROUGHPUT_ERROR,
+    FIGURE_THROUGHPUT_NEEDS,
     FIGURE_STEADY_AT,
     FIGURE_SUSTAINED,
     FIGURE_RESIDENCE_MEAN,

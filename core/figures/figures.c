@@ -18,7 +18,7 @@ static const double empty_domain = 0.5;
 // A piece of a plate that is less inclined to its belt than this, rad, guides cargo and does not hold it back.
 static const double guide_angle = 0.01;
 
-static void find_piece(figures *f, const surroundings_piece *piece, vec2 belt)
+static void find_piece(figures *f, size_t obstacle, const surroundings_piece *piece, vec2 belt)
 {
     const double speed = hypot(belt.x, belt.y);
     const double sine = (belt.x * piece->along.y - belt.y * piece->along.x) / speed;
@@ -28,26 +28,38 @@ static void find_piece(figures *f, const surroundings_piece *piece, vec2 belt)
     if (!f->has_plate) {
         f->has_plate = true;
         f->upstream = (vec2){ -belt.x / speed, -belt.y / speed };
-        f->plate_end = -(double)INFINITY;
     }
-    f->plate_end =
-        fmax(f->plate_end, f->upstream.x * piece->start.x + f->upstream.y * piece->start.y);
-    f->plate_end = fmax(f->plate_end, f->upstream.x * piece->end.x + f->upstream.y * piece->end.y);
+    const double start = f->upstream.x * piece->start.x + f->upstream.y * piece->start.y;
+    const double end = f->upstream.x * piece->end.x + f->upstream.y * piece->end.y;
+    f->plate_ends[obstacle] = fmin(f->plate_ends[obstacle], fmin(start, end));
 }
 
-// The most upstream point of all plates, along the belt under the first one.
-static void find_plate(figures *f)
+// The most downstream point of each plate, along the belt under the first one.
+static void find_plates(figures *f)
 {
     const surroundings around = surroundings_of(f->s);
 
-    for (size_t k = 0; k < f->s->n_obstacles; k++)
+    for (size_t k = 0; k < f->s->n_obstacles; k++) {
+        f->plate_ends[k] = (double)INFINITY;
         for (size_t p = 0; p + 1 < f->s->obstacles[k].n_points; p++) {
             const surroundings_piece piece = surroundings_piece_of(&around, &f->s->obstacles[k], p);
             const vec2 middle = { 0.5 * (piece.start.x + piece.end.x),
                                   0.5 * (piece.start.y + piece.end.y) };
             const size_t belt = surroundings_belt_at(&around, middle);
-            find_piece(f, &piece, surroundings_velocity_of(&around, belt));
+            find_piece(f, k, &piece, surroundings_velocity_of(&around, belt));
         }
+    }
+}
+
+// How far a place is upstream of the end of the next plate; 0 behind all of them.
+static double queue_until(const figures *f, double upstream)
+{
+    double length = (double)INFINITY;
+
+    for (size_t k = 0; k < f->s->n_obstacles; k++)
+        if (upstream >= f->plate_ends[k])
+            length = fmin(length, upstream - f->plate_ends[k]);
+    return isinf(length) ? 0.0 : length;
 }
 
 static bf_status init_items(figures *f, bf_error *err)
@@ -75,7 +87,10 @@ static void begin(figures *f, const figures_now *now)
     f->run.exited_start = now->exited;
     f->run.jam.since = now->t;
     f->run.jam.since_exited = now->exited;
-    f->run.batches = steady_from(f->s->steady_precision, now->t, now->exited);
+    scene_regime regime = scene_regime_of(f->s);
+    regime.has_chance = regime.has_chance && f->has_parts;
+    f->run.batches = steady_from(&regime, f->s->steady_precision,
+                                 &(steady_levels){ now->t, now->entered, now->exited });
 }
 
 bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, bf_error *err)
@@ -90,7 +105,7 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
     f->run.drained_at = f->run.jam.first = f->run.peak = (double)NAN;
     for (size_t k = 0; k < s->n_eyes; k++)
         f->eyes[k].last_end = (double)NAN;
-    find_plate(f);
+    find_plates(f);
     if (s->warmup <= 0.0)
         begin(f, &(figures_now){ .t = 0.0 });
     const bf_status status = init_items(f, err);
@@ -135,7 +150,7 @@ void figures_add_cargo(figures *f, const figures_cargo *cargo)
         if (counter_holds(&f->s->counters[k], cargo->at))
             f->counters[k].states[state] += cargo->parts;
     if (state != STATE_FREE)
-        f->run.queue_end_now = fmax(f->run.queue_end_now, upstream - f->plate_end);
+        f->run.queue_end_now = fmax(f->run.queue_end_now, queue_until(f, upstream));
 }
 
 // The mean height of a trapezoid times its width.
@@ -191,6 +206,8 @@ static bool is_drained(const figures *f, const figures_now *now)
 {
     double waiting = 0.0;
 
+    if (now->entered < empty_domain) // a feed that begins later
+        return false;
     for (size_t k = 0; k < f->s->n_feeds; k++)
         waiting += now->feeds[k].waiting;
     return now->inside < empty_domain && waiting < empty_domain;
@@ -216,7 +233,8 @@ void figures_sample(figures *f, const figures_now *now)
         thinned_add(&f->outflow, now->t, now->counters[0]);
     if (was_warm) {
         sample_jam(&f->run.jam, f->s->jam_time, now);
-        steady_sample(&f->run.batches, now->t, now->exited);
+        steady_sample(&f->run.batches,
+                      &(steady_levels){ now->t, now->entered, now->exited });
     }
     if (!is_drained(f, now))
         f->run.drained_at = (double)NAN;

@@ -59,7 +59,7 @@ typedef struct run_sums {
     double entered;       ///< parts until then
     double exited;        ///< parts until then
     double peak;          ///< largest density; NAN: none yet
-    double queue_end;     ///< largest distance from the plate, m
+    double queue_end;     ///< longest queue, m
     double queue_end_now; ///< same of the sample that is being taken
     double drained_at;    ///< s; NAN: it is not empty
     jam_sums jam;         ///< see there
@@ -73,7 +73,7 @@ struct figures {
     bool has_exits;   ///< figures_exit() is called; else all entered at the start, or have no id
     bool has_plate;   ///< one that holds cargo back
     vec2 upstream;    ///< against the belt's direction
-    double plate_end; ///< of the most upstream plate, along that direction, m
+    double plate_ends[SCENE_OBSTACLES_MAX];    ///< along that direction, m; INFINITY: a guide
     run_sums run;     ///< see there
     feed_sums feeds[SCENE_FEEDS_MAX];          ///< of each feed
     counter_sums counters[SCENE_COUNTERS_MAX]; ///< of each counter

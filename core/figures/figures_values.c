@@ -6,6 +6,9 @@
 
 static const double s_per_h = 3600.0;
 
+// Of divisible parts, what rounding may take from a whole one.
+static const double whole_part = 1.0 - 1e-6;
+
 static double ratio(double a, double b)
 {
     return b > 0.0 ? a / b : (double)NAN;
@@ -36,16 +39,21 @@ static void fill_run(const figures *f, double *ret_values)
     const run_sums *run = &f->run;
     const jam_sums *jam = &run->jam;
 
-    fill_quantiles(f, &f->residence, 0, FIGURE_RESIDENCE_MEAN, p, sizeof p / sizeof *p, ret_values);
+    // Fed cargo without parts leaves first in, first out: its percentiles would be copies of its mean.
+    if (f->residence.weight >= whole_part)
+        fill_quantiles(f, &f->residence, 0, FIGURE_RESIDENCE_MEAN, p,
+                       f->has_exits || f->s->n_feeds == 0 ? sizeof p / sizeof *p : 0, ret_values);
     ret_values[FIGURE_DRAINED_AT] = run->drained_at;
     ret_values[FIGURE_ENTERED] = run->entered;
     ret_values[FIGURE_LEFT] = run->exited;
     ret_values[FIGURE_PEAK] = run->peak;
     if (!run->is_warm)
         return;
+    const steady_estimate known = steady_estimate_of(&run->batches);
     const double throughput = ratio(run->exited - run->exited_start, run->t - run->t_start);
     ret_values[FIGURE_THROUGHPUT] = s_per_h * throughput;
-    ret_values[FIGURE_THROUGHPUT_ERROR] = s_per_h * run->batches.estimate.half_width;
+    ret_values[FIGURE_THROUGHPUT_ERROR] = s_per_h * known.half_width;
+    ret_values[FIGURE_THROUGHPUT_NEEDS] = run->t_start + known.needs;
     ret_values[FIGURE_STEADY_AT] = run->batches.reached_at;
     ret_values[FIGURE_SUSTAINED] = s_per_h * (f->s->n_feeds > 0 ? throughput : outflow_rate(f));
     ret_values[FIGURE_JAM_COUNT] = jam->count;
@@ -96,6 +104,17 @@ static void fill_eye(const figures *f, size_t k, double *ret_values)
     ret_values[figure_at(f->s, FIGURE_DOUBLES, k)] = ratio(f->eyes[k].n_doubles, f->eyes[k].n);
 }
 
+// 12 significant digits: what is behind them is the rounding of sums and products.
+static double rounded(double x)
+{
+    const double magnitude = fabs(x);
+
+    if (!(magnitude >= 1e-9 && magnitude < 1e11))
+        return x;
+    const double scale = pow(10.0, 11.0 - floor(log10(magnitude)));
+    return nearbyint(x * scale) / scale;
+}
+
 void figures_fill(const figures *f, double *ret_values)
 {
     const size_t n = figure_values(f->s);
@@ -109,6 +128,8 @@ void figures_fill(const figures *f, double *ret_values)
         fill_counter(f, k, ret_values);
     for (size_t k = 0; k < f->s->n_eyes; k++)
         fill_eye(f, k, ret_values);
+    for (size_t k = 0; k < n; k++)
+        ret_values[k] = rounded(ret_values[k]);
 }
 
 void figures_save(const figures *f, checkpoint_writer *w)

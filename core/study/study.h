@@ -22,7 +22,7 @@
 #pragma once
 
 #include "core/base/status.h"
-#include "core/study/statistics.h"
+#include "core/base/statistics.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -127,7 +127,7 @@ test("key figures are the daemon's, with their units and definitions, and the li
   for (const name of ["Feed “infeed”", "Counter “upstream”"]) await panel.getByRole("heading", { name }).waitFor();
 
   await visit(page, "#/");
-  const cells = page.locator('td[data-label="Throughput"]');
+  const cells = page.locator('td[data-label="Sustained throughput"]');
   await cells.nth(1).getByText("/h").waitFor();
   const listed = await Promise.all([cells.first(), cells.nth(1)].map(numberIn));
   assert.ok(listed.some((value) => Math.abs(value - figures.throughput_per_h) <= 0.5), String(listed));

@@ -26,7 +26,7 @@ test("a run that is submitted elsewhere appears, makes progress and can be cance
   await row.locator(".pill", { hasText: "cancelled" }).waitFor();
   assert.match(await row.innerText(), /stopped at \d+ %/);
   // A closed gate lets nothing pass: no billionths of a part.
-  assert.match(await row.locator('td[data-label="Throughput"]').innerText(), /^0\s\/h$/);
+  assert.match(await row.locator('td[data-label="Sustained throughput"]').innerText(), /^0\s\/h$/);
   assert.equal((await d.run(run.id)).status, "cancelled");
 });
 
@@ -224,7 +224,7 @@ test("a study stands between the runs of its time and opens to the runs of its t
   const trials = (await d.get(`/v1/runs?study=${study.json.id}`)).json.runs;
   const rates = trials.map((run) => Math.round(run.key_figures.sustained_throughput_per_h));
   assert.ok(rates.every((rate) => rate > 0), String(rates));
-  const shown = await page.locator(".of-study td[data-label=Throughput]").allInnerTexts();
+  const shown = await page.locator('.of-study td[data-label="Sustained throughput"]').allInnerTexts();
   assert.deepEqual(shown.map((text) => Number(text.replaceAll(/[^\d.]/g, ""))), rates);
   // Which studies are open stands in the address.
   await page.reload();

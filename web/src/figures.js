@@ -12,7 +12,7 @@ export const studied = [
 ];
 
 const words = {
-  sustained_throughput_per_h: "Throughput", throughput_per_h: "Throughput", drained_at_s: "Drained at",
+  sustained_throughput_per_h: "Sustained throughput", throughput_per_h: "Throughput", drained_at_s: "Drained at",
   "residence_s.p95": "Residence, 95 %", "residence_s.mean": "Residence, mean",
   peak_density: "Peak density", "jam.total_s": "Time in jams", "content.mean": "Parts inside, mean", "content.max": "Parts inside, most",
 };

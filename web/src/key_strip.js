@@ -3,7 +3,7 @@
 
 import { isOver } from "./api.js";
 import { h } from "./dom.js";
-import { fixed, number, parts } from "./format.js";
+import { fixed, number, parts, quantity } from "./format.js";
 import { residenceOf } from "./key_figures.js";
 import { isFed } from "./series.js";
 
@@ -13,50 +13,57 @@ function entered({ figures: known, summary, snapshots }) {
   return summary ? summary.parts_start + (summary.parts_entered ?? 0) : snapshots[0]?.mass ?? 0;
 }
 
-// value(data): a number, or null: not known; text(value, data): without its unit; sentence(data).
+// What an interval lacks, of a run of parts that are fed by chance.
+function lackOf({ run, figures: known }) {
+  if (!known || known.throughput_error_per_h > 0 || run.model === "macro") return "";
+  return known.throughput_needs_s > 0 ? ` Too short for an interval: it needs about ${quantity(known.throughput_needs_s, "s", 2)}.` : "";
+}
+
+// name(data); value(data): a number, or null: not known; text(value, data): without its unit; sentence(data).
 const figures = [
   {
-    name: "Drained at",
+    name: () => "Drained at",
     unit: "s",
     value: ({ figures: known }) => known?.drained_at_s ?? null,
     text: (value, { run, figures: known }) => (value === null && known && isOver(run) ? "not drained" : number(value, 4)),
     sentence: () => "Since then the belt has been empty.",
   },
   {
-    name: "Throughput",
+    name: ({ scenario }) => (isFed(scenario) ? "Throughput" : "Sustained throughput"),
     unit: "parts/h",
     value: ({ figures: known }) => known?.sustained_throughput_per_h ?? null,
-    text: (value, { figures: known, scenario }) => {
-      const error = isFed(scenario) ? known?.throughput_error_per_h : undefined;
-      return `${number(value === null ? null : Number(value.toPrecision(3)), 6)}${error > 0 ? ` ± ${parts(error, 2)}` : ""}`;
+    text: (value, { figures: known }) => {
+      const error = known?.throughput_error_per_h;
+      return `${number(value, 6)}${error > 0 ? ` ± ${parts(error, 2)}` : ""}`;
     },
-    sentence: ({ scenario }) => (isFed(scenario) ? "Parts that left the belt, after the warm-up."
-      : `While the middle 80 % of the parts passed counter “${scenario.counters[0].id}”.`),
+    sentence: (data) => (isFed(data.scenario) ? `Parts that left the belt, after the warm-up.${lackOf(data)}`
+      : `While the middle 80 % of the parts passed counter “${data.scenario.counters[0].id}”.`),
   },
   {
-    name: "Longest queue",
+    name: () => "Longest queue",
     unit: "m",
     value: ({ figures: known }) => known?.queue_end_m ?? null,
     text: (value) => number(value),
     sentence: ({ run, scenario }) => (run.model === "macro" ? "Only the microscopic model knows it."
-      : scenario.obstacles.length === 0 ? "There is no deflector to queue at." : "From the deflector upstream to the last slow part."),
+      : scenario.obstacles.length === 0 ? "There is no deflector to queue at." : "From the end of a plate upstream to the last slow part before it."),
   },
   {
-    name: "Residence, 95 %",
+    name: () => "Residence, 95 %",
     unit: "s",
     value: ({ figures: known }) => (known && residenceOf(known)) ?? null,
     text: (value) => number(value),
-    sentence: () => "95 % of the parts that left stayed no longer.",
+    sentence: ({ run, scenario }) => (run.model === "macro" && isFed(scenario) ? "Only the microscopic model knows it of a fed belt."
+      : "95 % of the parts that left stayed no longer."),
   },
   {
-    name: "Peak density",
+    name: () => "Peak density",
     unit: "%",
     value: ({ figures: known }) => known?.peak_density ?? null,
     text: (value) => (value === null ? "–" : fixed(100 * value, 0)),
     sentence: () => "100 % is close packing.",
   },
   {
-    name: "Parts left on the belt",
+    name: () => "Parts left on the belt",
     unit: "",
     value: ({ summary, snapshots }) => summary?.parts_end ?? snapshots.at(-1)?.mass ?? null,
     text: (value, data) => (value === null ? "–" : `${parts(value, 3)} of ${parts(entered(data), 6)}`),
@@ -74,7 +81,7 @@ export class KeyStrip {
 
   show(data) {
     this.list.replaceChildren(...figures.map(({ name, unit, value, text, sentence }) => h("div", {},
-      h("dt", {}, name), h("dd", {}, withUnit(text(value(data), data), unit)), h("dd", { class: "hint" }, sentence(data)))));
+      h("dt", {}, name(data)), h("dd", {}, withUnit(text(value(data), data), unit)), h("dd", { class: "hint" }, sentence(data)))));
   }
 }
 
@@ -102,7 +109,7 @@ export class KeyTable {
     this.body.replaceChildren(...figures.map(({ name, unit, value, text, sentence }) => {
       const values = runs.map(value);
       const words = [...new Set(runs.map(sentence))].join(" ");
-      return h("tr", {}, h("th", { scope: "row" }, name, h("small", {}, unit), h("small", { class: "sentence" }, words)), values.map((one, k) =>
+      return h("tr", {}, h("th", { scope: "row" }, [...new Set(runs.map(name))].join(", "), h("small", {}, unit), h("small", { class: "sentence" }, words)), values.map((one, k) =>
         h("td", {}, text(one, runs[k]), h("small", {}, k === reference ? "" : moreThan(one, values[reference])))));
     }));
   }

@@ -38,7 +38,7 @@ export const columns = [
   { name: "Progress", kind: "progress", text: progressText },
   figure("Parts through", null, "Parts that left the belt, of those at the start and those that entered",
     ({ parts }) => (parts ? `${count(parts.left)} of ${count(parts.entered)}` : "–")),
-  { ...figure("Throughput", "sustained_throughput_per_h", "Parts per hour while parts came through",
+  { ...figure("Sustained throughput", "sustained_throughput_per_h", "Parts per hour while parts came through",
     (figures) => quantity(whole(figures.sustained_throughput_per_h), "/h", 4)), begins: "-" },
   figure("Drained at", "drained_at_s", "Since when the belt has been empty", (figures) => quantity(figures.drained_at_s, "s")),
   { ...figure("Residence", "residence_s.p95", "95 % of the parts stayed no longer on the belt", (figures) => quantity(residenceOf(figures), "s")),

@@ -164,7 +164,7 @@ static void parts_are_counted_from_the_start(void **state)
 }
 
 // 1 part leaves in each of 20 s: the error is 0, and the throughput steady at 20 s.
-static void a_constant_throughput_is_steady_after_twenty_batches(void **state)
+static void a_constant_throughput_is_steady_after_32_batches(void **state)
 {
     (void)state;
     fixture x;
@@ -172,8 +172,8 @@ static void a_constant_throughput_is_steady_after_twenty_batches(void **state)
     for (int k = 0; k <= 20; k++)
         sample(&x, k, 20.0, k);
     assert_true(figures_is_steady(x.f));
-    assert_near(value(&x, FIGURE_STEADY_AT, 0), 20.0, 0.0);
-    assert_near(value(&x, FIGURE_THROUGHPUT_ERROR, 0), 0.0, 1e-9);
+    assert_near(value(&x, FIGURE_STEADY_AT, 0), 8.0, 0.0);
+    assert_true(isnan(value(&x, FIGURE_THROUGHPUT_ERROR, 0)));
     end(&x);
 }
 
@@ -203,12 +203,44 @@ static void residence_of_a_density_is_the_distance_of_the_curves(void **state)
 {
     (void)state;
     fixture x;
-    begin(&x, 0.0, false);
+    begin_with(&x, 0.0, false, 0);
     sample(&x, 0.0, 10.0, 0.0);
     sample(&x, 1.0, 10.0, 0.0);
     sample(&x, 3.0, 0.0, 10.0);
     assert_near(value(&x, FIGURE_RESIDENCE_MEAN, 0), 2.0, 1e-12);
     assert_near(value(&x, FIGURE_RESIDENCE_P90, 0), 2.8, 1e-9);
+    end(&x);
+}
+
+// 10 parts/s enter and leave 2 s later; a tenth of a part says nothing of residence.
+static void a_density_that_is_fed_has_no_percentiles(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, false);
+    for (int k = 0; k <= 8; k++) {
+        const double entered = 5.0 * k, exited = k <= 4 ? 0.0 : k == 5 ? 0.1 : 5.0 * (k - 4);
+        sample_feed(&x, 0.5 * k, entered - exited, exited, (feed_balance){ .offered = entered });
+        if (k == 0)
+            assert_true(isnan(value(&x, FIGURE_DRAINED_AT, 0))); // nothing has come yet
+        if (k == 5)
+            assert_true(isnan(value(&x, FIGURE_RESIDENCE_MEAN, 0)));
+    }
+    assert_near(value(&x, FIGURE_RESIDENCE_MEAN, 0), 2.1, 0.1);
+    assert_true(isnan(value(&x, FIGURE_RESIDENCE_P50, 0)));
+    assert_true(isnan(value(&x, FIGURE_RESIDENCE_P99, 0)));
+    end(&x);
+}
+
+// 233640 parts/h by sums and products of doubles.
+static void figures_have_the_digits_that_they_have(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    sample(&x, 0.0, 649.0, 0.0);
+    sample(&x, 10.0 + 1e-15 * 3.0, 0.0, 649.0 * (1.0 + 2e-16));
+    assert_true(value(&x, FIGURE_THROUGHPUT, 0) == 233640.0);
     end(&x);
 }
 
@@ -268,9 +300,9 @@ static void content_is_a_mean_over_time(void **state)
     sample(&x, 0.0, 0.0, 0.0);
     sample(&x, 2.0, 8.0, 0.0);
     sample(&x, 3.0, 8.0, 0.0);
-    assert_near(value(&x, FIGURE_CONTENT_MEAN, 0), 16.0 / 3.0, 1e-14);
+    assert_near(value(&x, FIGURE_CONTENT_MEAN, 0), 5.33333333333, 1e-14); // 16/3, 12 digits
     assert_near(value(&x, FIGURE_CONTENT_MAX, 0), 8.0, 0.0);
-    assert_near(value(&x, FIGURE_CONTENT_MEAN, 1), 8.0 / 3.0, 1e-14);
+    assert_near(value(&x, FIGURE_CONTENT_MEAN, 1), 2.66666666667, 1e-14);
     assert_near(value(&x, FIGURE_CONTENT_MAX, 1), 4.0, 0.0);
     end(&x);
 }
@@ -301,21 +333,25 @@ static void states_go_by_the_speed_of_the_belt(void **state)
     end(&x);
 }
 
-// A rail along the belt at y = 0.1 guides; the plate from (0.9, 0.1) to (0.7, 0.5) begins at x = 0.7. A slow part
-// at x = 0.45 is 0.25 m upstream of it; a fast one at 0.1 and a slow one downstream do not count.
-static void the_queue_ends_at_the_most_upstream_slow_part(void **state)
+// A rail along the belt at y = 0.1 guides; the plate from (0.9, 0.1) to (0.7, 0.5) ends at x = 0.9, a gate stands
+// at x = 0.3. A slow part at x = 0.45 is 0.45 m upstream of the plate's end, one at 0.25 is 0.05 m before the gate; a
+// fast one at 0.1 and a slow one behind both do not count.
+static void a_queue_reaches_from_the_next_plate_to_its_last_slow_part(void **state)
 {
     (void)state;
     static const vec2 rail[] = { { 0.0, 0.1 }, { 1.0, 0.1 } },
-                      plate[] = { { 0.9, 0.1 }, { 0.7, 0.5 } };
+                      plate[] = { { 0.9, 0.1 }, { 0.7, 0.5 } },
+                      gate[] = { { 0.3, 0.1 }, { 0.3, 0.5 } };
     static const figures_cargo cargo[] = { { { 0.45, 0.3 }, 0.2, 0.4, 1.0 },
+                                           { { 0.25, 0.3 }, 0.2, 0.4, 1.0 },
                                            { { 0.1, 0.3 }, 0.4, 0.4, 1.0 },
-                                           { { 0.8, 0.3 }, 0.0, 0.4, 1.0 } };
+                                           { { 0.95, 0.3 }, 0.0, 0.4, 1.0 } };
     fixture x;
     begin(&x, 0.0, true);
     figures_destroy(x.f);
     helper_scene_add_obstacle(&x.s, rail, 2, SCENE_SEALED);
     helper_scene_add_obstacle(&x.s, plate, 2, SCENE_SEALED);
+    helper_scene_add_obstacle(&x.s, gate, 2, SCENE_SEALED);
     assert_int_equal(figures_create(&x.s, true, &x.f, NULL), BF_OK);
     sample(&x, 0.0, 3.0, 0.0);
     assert_true(isnan(value(&x, FIGURE_QUEUE_END, 0))); // of cargo nothing was said
@@ -323,7 +359,7 @@ static void the_queue_ends_at_the_most_upstream_slow_part(void **state)
         figures_add_cargo(x.f, &cargo[k]);
     sample(&x, 1.0, 3.0, 0.0);
     sample(&x, 2.0, 3.0, 0.0); // the queue has gone; the largest counts
-    assert_near(value(&x, FIGURE_QUEUE_END, 0), 0.25, 1e-15);
+    assert_near(value(&x, FIGURE_QUEUE_END, 0), 0.45, 1e-12);
     end(&x);
 }
 
@@ -563,15 +599,17 @@ int main(void)
         cmocka_unit_test(throughput_with_feeds_is_sustained),
         cmocka_unit_test(where_nothing_passes_throughput_is_0),
         cmocka_unit_test(parts_are_counted_from_the_start),
-        cmocka_unit_test(a_constant_throughput_is_steady_after_twenty_batches),
+        cmocka_unit_test(a_constant_throughput_is_steady_after_32_batches),
         cmocka_unit_test(residence_is_that_of_each_part_that_left),
         cmocka_unit_test(residence_of_a_density_is_the_distance_of_the_curves),
+        cmocka_unit_test(a_density_that_is_fed_has_no_percentiles),
+        cmocka_unit_test(figures_have_the_digits_that_they_have),
         cmocka_unit_test(a_jam_is_a_long_time_without_an_exit),
         cmocka_unit_test(less_than_a_part_is_no_exit),
         cmocka_unit_test(an_empty_belt_is_no_jam),
         cmocka_unit_test(content_is_a_mean_over_time),
         cmocka_unit_test(states_go_by_the_speed_of_the_belt),
-        cmocka_unit_test(the_queue_ends_at_the_most_upstream_slow_part),
+        cmocka_unit_test(a_queue_reaches_from_the_next_plate_to_its_last_slow_part),
         cmocka_unit_test(the_peak_leaves_out_the_warm_up),
         cmocka_unit_test(drained_is_since_when_the_belt_is_empty),
         cmocka_unit_test(a_feed_has_its_balance_and_the_waits_of_its_parts),

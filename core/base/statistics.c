@@ -1,4 +1,4 @@
-#include "core/study/statistics.h"
+#include "core/base/statistics.h"
 
 #include <float.h>
 #include <math.h>

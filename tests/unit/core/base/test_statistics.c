@@ -1,6 +1,6 @@
 // Unit tests of intervals of replications.
 
-#include "core/study/statistics.h"
+#include "core/base/statistics.h"
 
 #include "core/study/variates.h"
 #include "tests/unit/core/helper_scene.h"

@@ -1,0 +1,91 @@
+#include "core/scene/regime.h"
+
+#include <math.h>
+
+// Multiples of the longest period that are tried for a common one.
+enum { MULTIPLES = 64 };
+
+static bool are_drawn(const double *values, size_t n)
+{
+    if (values == NULL)
+        return true;
+    for (size_t k = 0; k < n; k++)
+        if (isnan(values[k]))
+            return true;
+    return false;
+}
+
+static bool has_draws(const scene_feed *f)
+{
+    const bool is_list = f->demand == SCENE_DEMAND_SCHEDULE;
+    const scene_arrival_list *list = &f->schedule;
+    const bool has_places = f->line[0].x != f->line[1].x || f->line[0].y != f->line[1].y;
+
+    if (!is_list &&
+        (f->arrivals == SCENE_ARRIVALS_POISSON || f->arrivals == SCENE_ARRIVALS_ERLANG))
+        return true;
+    return (has_places && (!is_list || are_drawn(list->places, list->n))) ||
+           (f->has_random_heading && (!is_list || are_drawn(list->headings, list->n))) ||
+           (f->n_cargo > 1 && (!is_list || list->kinds == NULL));
+}
+
+bool scene_has_chance(const scene *s)
+{
+    for (size_t k = 0; k < s->n_feeds; k++)
+        if (has_draws(&s->feeds[k]))
+            return true;
+    return false;
+}
+
+// Take a function of time into account whose times count from t0.
+static void add_series(scene_regime *r, const scene *s, double t0, size_t n, const double *times,
+                       double repeat)
+{
+    if (n == 0)
+        return;
+    if (isfinite(repeat)) {
+        double common = fmax(r->cycle, repeat), other = fmin(r->cycle, repeat);
+        const double longest = common;
+        for (int k = 1; other > 0.0 && k <= MULTIPLES; k++) {
+            const double ratio = k * longest / other;
+            if (fabs(ratio - nearbyint(ratio)) < 1e-9 * ratio) {
+                common = k * longest;
+                other = 0.0;
+            }
+        }
+        r->is_constant = r->is_constant && (other == 0.0);
+        r->cycle = common;
+        return;
+    }
+    // Before its first time and after its last one it is constant.
+    for (size_t k = 0; k < n; k++)
+        if (t0 + times[k] > s->warmup && t0 + times[k] < s->duration)
+            r->is_constant = false;
+}
+
+scene_regime scene_regime_of(const scene *s)
+{
+    scene_regime r = { .has_chance = scene_has_chance(s), .is_constant = s->n_feeds > 0 };
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        add_series(&r, s, 0.0, s->belts[k].speed_schedule.n_times, s->belts[k].speed_schedule.times,
+                   (double)INFINITY);
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_series *turn = &s->obstacles[k].turn, *presence = &s->obstacles[k].presence;
+        add_series(&r, s, 0.0, turn->n_times, turn->times, turn->repeat);
+        add_series(&r, s, 0.0, presence->n_times, presence->times, presence->repeat);
+    }
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        const scene_feed *f = &s->feeds[k];
+        if (f->start > s->warmup || f->end < s->duration || isfinite(f->count) ||
+            f->demand == SCENE_DEMAND_SCHEDULE)
+            r.is_constant = false;
+        if (f->demand == SCENE_DEMAND_PROFILE)
+            add_series(&r, s, f->start, f->profile.n_times, f->profile.times, f->profile.repeat);
+        if (f->demand == SCENE_DEMAND_RATE && f->arrivals == SCENE_ARRIVALS_BATCH) {
+            const double period = (double)f->batch_size / f->rate;
+            add_series(&r, s, f->start, 1, &f->start, period);
+        }
+    }
+    return r;
+}

@@ -1,0 +1,133 @@
+// Unit tests of what a scene leaves to chance, and of its cycle.
+
+#include "core/scene/regime.h"
+
+#include "core/base/memory.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+// One feed of one kind at one place, regular.
+static void make(scene *s)
+{
+    helper_scene_belt(s, 1.0, 0.5, 0.01, NULL, 0);
+    s->duration = 100.0;
+    s->warmup = 10.0;
+    s->n_feeds = 1;
+    s->feeds = memory_alloc(1, sizeof *s->feeds);
+    scene_feed_init(s->feeds);
+    s->feeds[0].line[0] = s->feeds[0].line[1] = (vec2){ 0.0, 0.25 };
+    s->feeds[0].demand = SCENE_DEMAND_RATE;
+    s->feeds[0].arrivals = SCENE_ARRIVALS_REGULAR;
+    s->feeds[0].rate = 4.0;
+    s->feeds[0].n_cargo = 1;
+}
+
+static void what_feeds_draw_is_chance(void **state)
+{
+    (void)state;
+    scene s;
+    make(&s);
+    scene_feed *f = s.feeds;
+    assert_false(scene_has_chance(&s));
+    f->arrivals = SCENE_ARRIVALS_POISSON;
+    assert_true(scene_has_chance(&s));
+    f->arrivals = SCENE_ARRIVALS_ERLANG;
+    assert_true(scene_has_chance(&s));
+    f->arrivals = SCENE_ARRIVALS_BATCH;
+    assert_false(scene_has_chance(&s));
+    f->line[1].y = 0.3;
+    assert_true(scene_has_chance(&s));
+    f->line[1].y = 0.25;
+    f->has_random_heading = true;
+    assert_true(scene_has_chance(&s));
+    f->has_random_heading = false;
+    f->n_cargo = 2;
+    assert_true(scene_has_chance(&s));
+    scene_fini(&s);
+}
+
+// Poisson belongs to a rate, not to a list; of a list what is not given is drawn.
+static void a_list_draws_what_it_does_not_give(void **state)
+{
+    (void)state;
+    scene s;
+    make(&s);
+    scene_feed *f = s.feeds;
+    f->demand = SCENE_DEMAND_SCHEDULE;
+    f->arrivals = SCENE_ARRIVALS_POISSON;
+    f->line[1].y = 0.3;
+    f->schedule.n = 2;
+    assert_true(scene_has_chance(&s));
+    f->schedule.places = memory_alloc(2, sizeof *f->schedule.places);
+    assert_false(scene_has_chance(&s));
+    f->schedule.places[1] = (double)NAN;
+    assert_true(scene_has_chance(&s));
+    scene_fini(&s);
+}
+
+static void set_presence(scene *s, double t0, double t1, double repeat)
+{
+    static double times[2], values[2] = { 1.0, 0.0 };
+
+    times[0] = t0;
+    times[1] = t1;
+    s->n_obstacles = 1;
+    s->obstacles[0].presence =
+        (scene_series){ .n_times = 2, .times = times, .n_values = 2, .values = values, .repeat = repeat };
+}
+
+static void a_gate_that_repeats_is_a_cycle(void **state)
+{
+    (void)state;
+    static scene_obstacle plate;
+    scene s;
+    make(&s);
+    assert_true(scene_regime_of(&s).is_constant && scene_regime_of(&s).cycle == 0.0);
+    s.obstacles = &plate;
+    set_presence(&s, 0.0, 6.0, 12.0);
+    assert_true(scene_regime_of(&s).is_constant);
+    assert_near(scene_regime_of(&s).cycle, 12.0, 0.0);
+    s.feeds[0].arrivals = SCENE_ARRIVALS_BATCH; // of 10 by 4 parts/s: 2.5 s; 24 times are 5 cycles
+    assert_near(scene_regime_of(&s).cycle, 60.0, 1e-12);
+    s.obstacles = NULL;
+    s.n_obstacles = 0;
+    scene_fini(&s);
+}
+
+static void what_changes_once_does_so_before_the_warm_up_or_is_not_constant(void **state)
+{
+    (void)state;
+    static scene_obstacle plate;
+    scene s;
+    make(&s);
+    s.obstacles = &plate;
+    set_presence(&s, 2.0, 10.0, (double)INFINITY);
+    assert_true(scene_regime_of(&s).is_constant);
+    set_presence(&s, 2.0, 11.0, (double)INFINITY);
+    assert_false(scene_regime_of(&s).is_constant);
+    s.obstacles = NULL;
+    s.n_obstacles = 0;
+    s.feeds[0].end = 90.0;
+    assert_false(scene_regime_of(&s).is_constant);
+    s.feeds[0].end = (double)INFINITY;
+    s.feeds[0].count = 1e6;
+    assert_false(scene_regime_of(&s).is_constant);
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_feeds_draw_is_chance),
+        cmocka_unit_test(a_list_draws_what_it_does_not_give),
+        cmocka_unit_test(a_gate_that_repeats_is_a_cycle),
+        cmocka_unit_test(what_changes_once_does_so_before_the_warm_up_or_is_not_constant),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
