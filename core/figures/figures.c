@@ -233,8 +233,7 @@ void figures_sample(figures *f, const figures_now *now)
         thinned_add(&f->outflow, now->t, now->counters[0]);
     if (was_warm) {
         sample_jam(&f->run.jam, f->s->jam_time, now);
-        steady_sample(&f->run.batches,
-                      &(steady_levels){ now->t, now->entered, now->exited });
+        steady_sample(&f->run.batches, &(steady_levels){ now->t, now->entered, now->exited });
     }
     if (!is_drained(f, now))
         f->run.drained_at = (double)NAN;

@@ -68,13 +68,13 @@ typedef struct run_sums {
 
 /// The accumulators.
 struct figures {
-    const scene *s;   ///< borrowed
-    bool has_parts;   ///< the model is that of parts
-    bool has_exits;   ///< figures_exit() is called; else all entered at the start, or have no id
-    bool has_plate;   ///< one that holds cargo back
-    vec2 upstream;    ///< against the belt's direction
+    const scene *s; ///< borrowed
+    bool has_parts; ///< the model is that of parts
+    bool has_exits; ///< figures_exit() is called; else all entered at the start, or have no id
+    bool has_plate; ///< one that holds cargo back
+    vec2 upstream;  ///< against the belt's direction
     double plate_ends[SCENE_OBSTACLES_MAX];    ///< along that direction, m; INFINITY: a guide
-    run_sums run;     ///< see there
+    run_sums run;                              ///< see there
     feed_sums feeds[SCENE_FEEDS_MAX];          ///< of each feed
     counter_sums counters[SCENE_COUNTERS_MAX]; ///< of each counter
     eye_sums eyes[SCENE_EYES_MAX];             ///< of each photo eye

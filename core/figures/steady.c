@@ -85,12 +85,12 @@ static double half_width_of(const double *means, size_t n)
            sqrt(squares_of(means, n) / (k - 1.0) / k);
 }
 
-// What one flow says.
+// What one flow says, by its shortest batches that are independent.
 typedef struct flow_estimate {
-    double independent; // half width of independent batches; NAN: they are at no length
-    double half_width;  // same; else that of the longest ones, whose r is too negative, which is too wide; NAN: r is too
-                        // large
-    double needs;       // where there is no half width: batches that will be enough
+    double independent; // their half width; NAN: there are none
+    double
+        half_width; // same; NAN: r is too large. Where r is too negative at all lengths: too wide
+    double needs;   // where r is too large: batches that will be enough
 } flow_estimate;
 
 // How many times longer batches of an AR(1) process are to be so that the test passes, their correlation being r now:

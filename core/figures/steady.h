@@ -62,18 +62,18 @@ typedef struct steady_flow {
 
 /// The batches; plain numbers without padding, to be copied, saved and restored. Begin with steady_from().
 typedef struct steady {
-    double precision;    ///< half width of the interval relative to the mean, at most
-    uint64_t has_chance; ///< see scene_regime
+    double precision;     ///< half width of the interval relative to the mean, at most
+    uint64_t has_chance;  ///< see scene_regime
     uint64_t is_constant; ///< same
-    double length;     ///< of a batch, s
-    double t_start;    ///< end of the warm-up, s
-    double inside;     ///< parts inside then
-    double start;      ///< of the batch that is not full, s
-    double t;          ///< last sample, s
-    steady_flow in;    ///< what entered
-    steady_flow out;   ///< what left
-    uint64_t n;        ///< full batches, fewer than STEADY_BATCHES_MAX
-    double reached_at; ///< the first test that found it steady; NAN: none yet, s
+    double length;        ///< of a batch, s
+    double t_start;       ///< end of the warm-up, s
+    double inside;        ///< parts inside then
+    double start;         ///< of the batch that is not full, s
+    double t;             ///< last sample, s
+    steady_flow in;       ///< what entered
+    steady_flow out;      ///< what left
+    uint64_t n;           ///< full batches, fewer than STEADY_BATCHES_MAX
+    double reached_at;    ///< the first test that found it steady; NAN: none yet, s
 } steady;
 
 /// Parts that had entered and left until a time.

@@ -21,8 +21,7 @@ static bool has_draws(const scene_feed *f)
     const scene_arrival_list *list = &f->schedule;
     const bool has_places = f->line[0].x != f->line[1].x || f->line[0].y != f->line[1].y;
 
-    if (!is_list &&
-        (f->arrivals == SCENE_ARRIVALS_POISSON || f->arrivals == SCENE_ARRIVALS_ERLANG))
+    if (!is_list && (f->arrivals == SCENE_ARRIVALS_POISSON || f->arrivals == SCENE_ARRIVALS_ERLANG))
         return true;
     return (has_places && (!is_list || are_drawn(list->places, list->n))) ||
            (f->has_random_heading && (!is_list || are_drawn(list->headings, list->n))) ||

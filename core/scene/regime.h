@@ -15,9 +15,10 @@
 
 /// What there is.
 typedef struct scene_regime {
-    bool has_chance;  ///< of parts
-    bool is_constant; ///< after the warm-up nothing changes but by cycles and by photo eyes, and feeds deliver until the end
-    double cycle;     ///< s; 0: nothing repeats
+    bool has_chance; ///< of parts
+    bool
+        is_constant; ///< after the warm-up nothing changes but by cycles and by photo eyes, and feeds deliver until the end
+    double cycle;    ///< s; 0: nothing repeats
 } scene_regime;
 
 /// True if runs of parts with other substreams are other runs.

@@ -79,7 +79,8 @@ static void without_chance_there_is_no_interval(void **state)
 {
     (void)state;
     const scene_regime changing = { .has_chance = true };
-    steady s = begin(&without_chance, 0.05), t = begin(&changing, 0.05), u = begin(&by_chance, 0.05);
+    steady s = begin(&without_chance, 0.05), t = begin(&changing, 0.05),
+           u = begin(&by_chance, 0.05);
     for (int k = 0; k < 400; k++) {
         const double parts = 10.0 + k * 17 % 5;
         add(&s, 0.25, parts);
@@ -161,8 +162,8 @@ static void what_stays_inside_takes_the_interval_away(void **state)
     random_init(&random, 5);
     for (int k = 0; k < 400; k++) {
         const double parts = 2.0 + random_unit(&random);
-        steady_sample(&s, &(steady_levels){ s.t + 0.25, s.in.level + parts + 0.5,
-                                            s.out.level + parts });
+        steady_sample(
+            &s, &(steady_levels){ s.t + 0.25, s.in.level + parts + 0.5, s.out.level + parts });
     }
     const steady_estimate e = steady_estimate_of(&s);
     assert_true(isnan(e.half_width));
@@ -242,8 +243,8 @@ static outcome count(const process *p, double duration, int n_runs, uint64_t see
 
     random_init(&random, seed);
     for (int k = 0; k < n_runs; k++) {
-        const steady s = isnan(p->rho) ? run_queue(p, duration, &random)
-                                       : run_rates(p, duration, &random);
+        const steady s =
+            isnan(p->rho) ? run_queue(p, duration, &random) : run_rates(p, duration, &random);
         const steady_estimate e = steady_estimate_of(&s);
         all.n_given += !isnan(e.half_width);
         all.n_missed += fabs(e.mean - p->arrival) > e.half_width;
@@ -252,10 +253,8 @@ static outcome count(const process *p, double duration, int n_runs, uint64_t see
 }
 
 static const process processes[] = {
-    { .rho = 0.0, .arrival = 10.0 },
-    { .rho = 0.6, .arrival = 10.0 },
-    { .rho = 0.9, .arrival = 10.0 },
-    { (double)NAN, 5.0, 0.0, 3.0, 10.0 },  // a free belt
+    { .rho = 0.0, .arrival = 10.0 },       { .rho = 0.6, .arrival = 10.0 },
+    { .rho = 0.9, .arrival = 10.0 },       { (double)NAN, 5.0, 0.0, 3.0, 10.0 }, // a free belt
     { (double)NAN, 5.0, 0.0, 3.0, 0.0 },   // without a warm-up
     { (double)NAN, 3.0, 0.2, 2.0, 50.0 },  // a queue, busy for 0.6 of the time
     { (double)NAN, 4.0, 0.2, 2.0, 50.0 },  // 0.8

@@ -99,7 +99,7 @@ static void parts_side_by_side_are_doubles(void **state)
     see(&x, 0.2, 0.5, 1, (const passages_part[]){ { 2, 0.12, 0.0 } });
     see(&x, 0.3, 0.5, 0, NULL);
     see(&x, 0.4, 0.5, 1, (const passages_part[]){ { 3, 0.0, 0.1 } });
-    assert_near(value(&x, FIGURE_DOUBLES), 2.0 / 3.0, 1e-15);
+    assert_near(value(&x, FIGURE_DOUBLES), 0.666666666667, 1e-15);
     end(&x);
 }
 

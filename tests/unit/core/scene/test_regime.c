@@ -78,8 +78,9 @@ static void set_presence(scene *s, double t0, double t1, double repeat)
     times[0] = t0;
     times[1] = t1;
     s->n_obstacles = 1;
-    s->obstacles[0].presence =
-        (scene_series){ .n_times = 2, .times = times, .n_values = 2, .values = values, .repeat = repeat };
+    s->obstacles[0].presence = (scene_series){
+        .n_times = 2, .times = times, .n_values = 2, .values = values, .repeat = repeat
+    };
 }
 
 static void a_gate_that_repeats_is_a_cycle(void **state)
