@@ -26,6 +26,9 @@ enum {
     API_LEASE_EXPIRES_S = 60,  ///< from the last sign of life of a worker
 };
 
+/// Of a list: the workers of all tokens.
+#define API_ANY_TOKEN UINT64_MAX
+
 /// How a worker says that a job has ended, X(cause, word), with the causes of server/run/executor.h.
 #define API_JOB_CAUSE_LIST(X)                                                                      \
     X(API_JOB_EXITED, "exited")                                                                    \
@@ -59,8 +62,9 @@ typedef enum api_job_stop {
         API_JOB_STOPS
 } api_job_stop;
 
-/// A worker, as it describes itself.
+/// A worker, as it describes itself. Who it is says its name together with the token that it presents.
 typedef struct api_worker {
+    uint64_t token;                ///< number of its access token; 0: there are none
     char name[API_WORKER_SIZE];    ///< letters, digits, '.', '_' and '-'
     char solver[API_VERSION_SIZE]; ///< version of its solver
     uint32_t cores;                ///< 1 .. API_WORKER_CORES
@@ -119,6 +123,7 @@ typedef struct api_job_end {
 
 /// A renewal: all jobs of the lease, those that have ended apart. api_renewal_fini().
 typedef struct api_renewal {
+    uint64_t token;                ///< as of api_worker
     char worker[API_WORKER_SIZE];  ///< whose lease it is
     char solver[API_VERSION_SIZE]; ///< version of its solver
     size_t n_jobs;                 ///< that have not ended
@@ -163,7 +168,7 @@ typedef struct api_worker_list {
     api_lease_view *leases;   ///< of all of them
 } api_worker_list;
 
-/// The services for workers. Thread-safe, and none of them waits.
+/// The services for workers. Thread-safe, and none of them waits. A lease is there for the token alone that took it.
 typedef struct api_leases {
     void *context; ///< first argument of every function
     /// Lease jobs, as many as the worker should have. BF_ECONFLICT: its solver is another version than the service's;
@@ -171,17 +176,19 @@ typedef struct api_leases {
     bf_status (*lease)(void *context, const api_worker *who, api_lease *ret_lease, bf_error *err);
     /// Append the input of a lease's jobs: of each FRAME_JOB and, where it resumes, FRAME_RESUME. BF_ENOTFOUND;
     /// BF_ECONFLICT: some of them have begun.
-    bf_status (*read_jobs)(void *context, const char *id, bf_buffer *out, bf_error *err);
+    bf_status (*read_jobs)(void *context, uint64_t token, const char *id, bf_buffer *out,
+                           bf_error *err);
     /// Take bytes of jobs: what came before is ignored, what leaves a gap or has no place now is not taken. BF_ENOTFOUND.
-    bf_status (*deliver)(void *context, const char *id, const api_lease_section *sections, size_t n,
-                         api_job_states *ret_states, bf_error *err);
+    bf_status (*deliver)(void *context, uint64_t token, const char *id,
+                         const api_lease_section *sections, size_t n, api_job_states *ret_states,
+                         bf_error *err);
     /// Renew a lease; one that is not known becomes one where jobs wait for it. BF_ECONFLICT as of lease().
     bf_status (*renew)(void *context, const char *id, const api_renewal *renewal,
                        api_job_states *ret_states, bf_error *err);
     /// End a lease: what has not ended is for others. BF_ENOTFOUND.
-    bf_status (*leave)(void *context, const char *id, bf_error *err);
-    /// The workers.
-    bf_status (*list)(void *context, api_worker_list *ret_list, bf_error *err);
+    bf_status (*leave)(void *context, uint64_t token, const char *id, bf_error *err);
+    /// The workers of a token, or of API_ANY_TOKEN.
+    bf_status (*list)(void *context, uint64_t token, api_worker_list *ret_list, bf_error *err);
 } api_leases;
 
 /// Free what they own and zero them.

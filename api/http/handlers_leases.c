@@ -53,6 +53,8 @@ bf_status handlers_leases_take(exchange *x, bf_error *err)
     if (status == BF_OK)
         status = lease_json_read_worker(body_of(x), x->request->n_body, &who, &x->faults, err);
     if (status == BF_OK)
+        who.token = x->who.token;
+    if (status == BF_OK)
         status = leases->lease(leases->context, &who, &lease, err);
     if (status == BF_OK)
         status = lease_json_write(&lease, &x->response->body, err);
@@ -67,7 +69,7 @@ bf_status handlers_leases_jobs(exchange *x, bf_error *err)
 
     bf_status status = find_lease(x, &leases, &id, err);
     if (status == BF_OK)
-        status = leases->read_jobs(leases->context, id, &x->response->body, err);
+        status = leases->read_jobs(leases->context, x->who.token, id, &x->response->body, err);
     return status == BF_OK ? exchange__reserve(x, (double)x->response->body.n, err) : status;
 }
 
@@ -88,7 +90,7 @@ static bf_status deliver(exchange *x, const api_leases *leases, const char *id,
     bf_status status = lease_json_read_sections(body_of(x), x->request->n_body, sections, &n, err);
     if (status != BF_OK)
         return exchange__refuse(x, 422, "", err, "%s", err->text);
-    status = leases->deliver(leases->context, id, sections, n, &states, err);
+    status = leases->deliver(leases->context, x->who.token, id, sections, n, &states, err);
     return status == BF_OK ? answer_states(x, &states, err) : status;
 }
 
@@ -121,6 +123,7 @@ bf_status handlers_leases_renew(exchange *x, bf_error *err)
         status = check_body(x, json_types, err);
     if (status == BF_OK)
         status = lease_json_read_renewal(body_of(x), x->request->n_body, &renewal, &x->faults, err);
+    renewal.token = x->who.token;
     if (status == BF_OK)
         status = leases->renew(leases->context, id, &renewal, &states, err);
     api_renewal_fini(&renewal);
@@ -134,7 +137,7 @@ bf_status handlers_leases_leave(exchange *x, bf_error *err)
 
     bf_status status = find_lease(x, &leases, &id, err);
     if (status == BF_OK)
-        status = leases->leave(leases->context, id, err);
+        status = leases->leave(leases->context, x->who.token, id, err);
     if (status == BF_OK)
         x->response->status = 204;
     return status;
@@ -145,9 +148,11 @@ bf_status handlers_leases_list(exchange *x, bf_error *err)
     api_worker_list list = { .n = 0 };
     const api_leases *leases = NULL;
 
+    const bool sees_all = x->credential != API_CREDENTIAL_VALID ||
+                          api_access_includes(x->who.scopes, API_SCOPE_ADMIN);
     bf_status status = find_services(x, &leases, err);
     if (status == BF_OK)
-        status = leases->list(leases->context, &list, err);
+        status = leases->list(leases->context, sees_all ? API_ANY_TOKEN : x->who.token, &list, err);
     if (status == BF_OK)
         status = lease_json_write_workers(&list, &x->response->body, err);
     api_worker_list_fini(&list);

@@ -49,7 +49,8 @@ static const member_kind member_error_or_null = { .text = "object or null",
     MEMBER("worker", text, offset_, "the worker's name: letters, digits, '.', '_' and '-'",        \
            .least = 1, .limit = API_WORKER_SIZE)
 #define SOLVER(offset_)                                                                            \
-    MEMBER("solver", text, offset_, "version of its solver, that of the service", .least = 1,      \
+    MEMBER("solver", text, offset_,                                                                \
+           "version of its solver, as beltflow worker says it: that of the service", .least = 1,   \
            .limit = API_VERSION_SIZE)
 static const bf_range cores_range = { .minimum = 1, .maximum = API_WORKER_CORES };
 static const member worker_members[] = {

@@ -8,8 +8,7 @@
 ///     16 + n  0..7   zeros up to a multiple of 8, so that the frame after it is aligned
 ///     ...     8      digest (digest.h) of all bytes of the frame before it
 ///
-/// A reader can distinguish an incomplete frame at the end (wait, or discard it) from damage (magic, type, length or
-/// digest wrong: BF_ECORRUPT). The same bytes serve a pipe, a file and a shared file system.
+/// A reader can tell an incomplete frame at the end (wait, or discard it) from damage (BF_ECORRUPT).
 
 #pragma once
 

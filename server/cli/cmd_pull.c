@@ -1,6 +1,7 @@
 #include "core/base/memory.h"
 #include "server/base/cores.h"
 #include "server/base/file_io.h"
+#include "server/base/solver.h"
 #include "server/cli/cmd.h"
 #include "server/worker/pull_worker.h"
 
@@ -129,7 +130,7 @@ static pull_arguments find_defaults(void)
     pull_arguments a = { .cores = cores < API_WORKER_CORES ? cores : API_WORKER_CORES };
 
     make_name(a.options.who.name);
-    snprintf(a.options.who.solver, sizeof a.options.who.solver, "%s", BELTFLOW_VERSION);
+    (void)solver_name(a.options.who.solver);
     a.options.who.memory_bytes = find_memory();
     a.options.spool = folder == NULL || folder[0] == '\0' ? "/tmp" : folder;
     a.options.spool_bytes = UINT64_C(16) << 30;

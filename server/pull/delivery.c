@@ -3,6 +3,7 @@
 #include "server/pull/pull_priv.h"
 
 #include "core/base/memory.h"
+#include "server/base/clock.h"
 
 #include <math.h>
 #include <string.h>
@@ -67,11 +68,12 @@ static void take_section(pull_executor *e, pull__lease *lease, executor_job *job
     lease->n_bytes += n;
 }
 
-bf_status pull__deliver(void *context, const char *id, const api_lease_section *sections, size_t n,
-                        api_job_states *ret_states, bf_error *err)
+bf_status pull__deliver(void *context, uint64_t token, const char *id,
+                        const api_lease_section *sections, size_t n, api_job_states *ret_states,
+                        bf_error *err)
 {
     pull_executor *e = pull__enter(context);
-    pull__lease *lease = pull__hear(e, id);
+    pull__lease *lease = pull__hear(e, token, id);
     answer a;
 
     bf_status status = lease == NULL ? bf_fail(err, BF_ENOTFOUND, "", "there is no lease '%s'", id)
@@ -101,6 +103,20 @@ static executor_job *find_reported(const pull__lease *lease, const api_job_repor
     return is_it ? job : NULL;
 }
 
+// The most CPU time that a job can have used: that of its threads since it was leased. One of the daemon before was
+// leased behind the time that its attempt is counted from, by a worker of any size.
+static double most_cpu_s(const executor_job *job)
+{
+    const double slack_s = 1.0;
+
+    if (!job->is_adopted)
+        return job->about.n_threads *
+               (slack_s + 1e-3 * (double)(clock_monotonic_ms() - job->leased_ms));
+    const int64_t since_ms = (int64_t)(job->about.attempt % INT64_MAX);
+    const int64_t passed_ms = clock_unix_ms() - since_ms;
+    return passed_ms > 0 ? API_WORKER_CORES * (slack_s + 1e-3 * (double)passed_ms) : 0.0;
+}
+
 static executor_job *take_report(answer *a, const pull__lease *lease, const api_job_report *report)
 {
     executor_job *job = find_reported(lease, report);
@@ -108,7 +124,7 @@ static executor_job *take_report(answer *a, const pull__lease *lease, const api_
     a->is_named[report->job] = true;
     if (job == NULL)
         return NULL;
-    job->used_s = fmax(job->used_s, report->cpu_s);
+    job->used_s = fmax(job->used_s, fmin(report->cpu_s, most_cpu_s(job)));
     if (report->cpu_s > 0.0)
         note_begin(job);
     return job;
@@ -181,9 +197,12 @@ static bf_status adopt_job(pull_executor *e, const char *id, const api_renewal *
     if (job == NULL)
         return BF_OK;
     if (*lease == NULL)
-        status = pull__begin_lease(e, id, renewal->worker, count_places(renewal), lease, err);
-    if (status == BF_OK && (*lease)->jobs[report->job] == NULL)
+        status = pull__begin_lease(e, id, renewal->token, renewal->worker, count_places(renewal),
+                                   lease, err);
+    if (status == BF_OK && (*lease)->jobs[report->job] == NULL) {
         pull__put(e, *lease, report->job, job);
+        job->is_adopted = true;
+    }
     return status;
 }
 
@@ -203,7 +222,7 @@ static bf_status adopt(pull_executor *e, const char *id, const api_renewal *rene
 static bf_status renew(pull_executor *e, const char *id, const api_renewal *renewal, answer *a,
                        bf_error *err)
 {
-    pull__lease *lease = pull__hear(e, id);
+    pull__lease *lease = pull__hear(e, renewal->token, id);
     const bool is_known = lease != NULL;
 
     bf_status status = is_known ? BF_OK : adopt(e, id, renewal, &lease, err);

@@ -285,21 +285,27 @@ static executor_state poll_job(executor *base, executor_job *job, void *bytes, s
     return state;
 }
 
-static bool blame(executor *base, executor_job *job, const bf_error *why)
+void pull__blame(pull_executor *e, const executor_job *job, const char *why)
 {
-    pull_executor *e = pull__enter(base);
-    pull__worker *worker = pull__find_worker(e, job->worker);
+    pull__worker *worker = pull__find_worker(e, job->token, job->worker);
     char quoted[LOG_QUOTED_SIZE];
 
     metrics_add(METRICS_PULL_FAULTS, 0, 1);
     log_event(LOG_LEVEL_ERROR, "worker_at_fault", "run=%s worker=%s error=%s", job->about.run,
-              job->worker, log_quote(why->text, quoted));
-    if (worker != NULL && ++worker->n_faults >= PULL_FAULTS_MAX) {
-        worker->n_faults = 0;
-        worker->barred_until_ms = clock_monotonic_ms() + PULL_BARRED_MS;
-        log_event(LOG_LEVEL_ERROR, "worker_barred", "worker=%s s=%d", job->worker,
-                  PULL_BARRED_MS / 1000);
-    }
+              job->worker, log_quote(why, quoted));
+    if (worker == NULL || ++worker->n_faults < PULL_FAULTS_MAX)
+        return;
+    worker->n_faults = 0;
+    worker->barred_until_ms = clock_monotonic_ms() + PULL_BARRED_MS;
+    log_event(LOG_LEVEL_ERROR, "worker_barred", "worker=%s s=%d", job->worker,
+              PULL_BARRED_MS / 1000);
+}
+
+static bool blame(executor *base, executor_job *job, const bf_error *why)
+{
+    pull_executor *e = pull__enter(base);
+
+    pull__blame(e, job, why->text);
     lock_release(&e->lock);
     return true;
 }
@@ -401,7 +407,10 @@ uint32_t pull_executor_count_cores(executor *base)
 bool pull_executor_knows(executor *base, const char *worker)
 {
     pull_executor *e = pull__enter(base);
-    const bool is_known = pull__find_worker(e, worker) != NULL;
+    bool is_known = false;
+
+    for (size_t k = 0; k < e->n_workers; k++)
+        is_known = is_known || strcmp(e->workers[k].about.name, worker) == 0;
 
     lock_release(&e->lock);
     return is_known;
@@ -430,10 +439,10 @@ executor *pull_executor_destroy(executor *base)
     return NULL;
 }
 
-static bf_status list(void *context, api_worker_list *ret_list, bf_error *err)
+static bf_status list(void *context, uint64_t token, api_worker_list *ret_list, bf_error *err)
 {
     pull_executor *e = pull__enter(context);
-    bf_status status = pull__list(e, ret_list, err);
+    bf_status status = pull__list(e, token, ret_list, err);
 
     lock_release(&e->lock);
     return status;

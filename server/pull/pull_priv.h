@@ -8,9 +8,13 @@
 #include "server/base/metrics.h"
 #include "server/pull/pull_executor.h"
 
+#include <string.h>
+
 enum {
     PULL_TICK_MS = 1000,                 ///< between looks at who is silent
     PULL_ENDS_KEPT = 4096,               ///< that later ones are compared with
+    PULL_BEGIN_MS = 300000,              ///< until a run that was leased must have begun
+    PULL_BEGIN_TRIAL_MS = 3600000,       ///< the same of a trial, which waits for others
     PULL_TRIALS_A_CORE = 4,              ///< of a batch; as many again wait here
     PULL_BATCH_S = 45,                   ///< of predicted time for each core of a worker
     PULL_BATCH_BYTES = 16 * 1024 * 1024, ///< of input, unless it is one job
@@ -35,7 +39,10 @@ struct executor_job {
     char study[API_ID_SIZE];      ///< whose trial it is; "": a run by itself
     pull__place place;            ///< where it is
     pull__lease *lease;           ///< PULL_LEASED: whose it is; else NULL
+    uint64_t token;               ///< of who had it last
     char worker[API_WORKER_SIZE]; ///< who had it last; "": nobody
+    int64_t leased_ms;            ///< PULL_LEASED: since when
+    bool is_adopted;              ///< it was leased by the daemon before
     int64_t until_ms;             ///< PULL_AWAITED: then it is lost
     bf_buffer input;              ///< for the solver, until it has begun
     bool has_begun;               ///< its worker has sent something, or used time
@@ -59,6 +66,7 @@ typedef struct pull__worker {
 /// A lease.
 struct pull__lease {
     char id[API_ID_SIZE];         ///< as workers know it
+    uint64_t token;               ///< of whose
     char worker[API_WORKER_SIZE]; ///< whose
     int64_t begun_ms;             ///< when it began
     int64_t seen_ms;              ///< when its worker was last heard of
@@ -112,8 +120,17 @@ double pull__predict(const pull_executor *e, const executor_job *job);
 /// The executor of a table of functions for workers, with its lock held from here on.
 pull_executor *pull__enter(void *context);
 
-/// The worker of this name, or NULL.
-pull__worker *pull__find_worker(pull_executor *e, const char *name);
+/// The worker of this token and name, or NULL.
+pull__worker *pull__find_worker(pull_executor *e, uint64_t token, const char *name);
+
+/// Whether a lease is this worker's.
+static inline bool pull__is_of(const pull__lease *lease, uint64_t token, const char *name)
+{
+    return lease->token == token && strcmp(lease->worker, name) == 0;
+}
+
+/// Who had the job is at fault; with PULL_FAULTS_MAX faults it gets nothing for a while.
+void pull__blame(pull_executor *e, const executor_job *job, const char *why);
 
 /// Register a worker or bring it up to date. BF_ECONFLICT: another version of the solver; BF_EBUSY: there are too many.
 BF_MUST_CHECK bf_status pull__meet_worker(pull_executor *e, const api_worker *who,
@@ -125,23 +142,25 @@ BF_MUST_CHECK bf_status pull__check_version(const char *name, const char *solver
 /// Forget the workers that are silent and have no lease.
 void pull__drop_workers(pull_executor *e, int64_t now_ms);
 
-/// Describe all workers and their leases; *ret_list is the caller's.
-BF_MUST_CHECK bf_status pull__list(pull_executor *e, api_worker_list *ret_list, bf_error *err);
+/// Describe the workers of a token (API_ANY_TOKEN: all) and their leases; *ret_list is the caller's.
+BF_MUST_CHECK bf_status pull__list(pull_executor *e, uint64_t token, api_worker_list *ret_list,
+                                   bf_error *err);
 
 /// A lease with n empty places. BF_EBUSY: too many; BF_ENOMEM.
-BF_MUST_CHECK bf_status pull__begin_lease(pull_executor *e, const char *id, const char *worker,
-                                          size_t n, pull__lease **ret_lease, bf_error *err);
+BF_MUST_CHECK bf_status pull__begin_lease(pull_executor *e, const char *id, uint64_t token,
+                                          const char *worker, size_t n, pull__lease **ret_lease,
+                                          bf_error *err);
 
 /// Put a job into a place of a lease.
 void pull__put(pull_executor *e, pull__lease *lease, size_t place, executor_job *job);
 
-/// The lease of this id, whose worker was heard of now, or NULL.
-pull__lease *pull__hear(pull_executor *e, const char *id);
+/// The lease of this id that a token has, whose worker was heard of now, or NULL.
+pull__lease *pull__hear(pull_executor *e, uint64_t token, const char *id);
 
 /// Free a lease without jobs, and say so in the log.
 void pull__end_lease(pull_executor *e, pull__lease *lease);
 
-/// A job is lost, for this reason. Counts it and says so in the log.
+/// A job is lost, for this reason; one that had not begun comes back as if it had been stopped. Counts it and says so in the log.
 void pull__lose_job(pull_executor *e, executor_job *job, const char *why);
 
 /// The jobs of a lease are lost. Ends it.
@@ -153,14 +172,14 @@ void pull__expire(pull_executor *e, int64_t now_ms);
 /// The services, of api/leases.h.
 BF_MUST_CHECK bf_status pull__lease_jobs(void *context, const api_worker *who, api_lease *ret_lease,
                                          bf_error *err);
-BF_MUST_CHECK bf_status pull__read_jobs(void *context, const char *id, bf_buffer *out,
-                                        bf_error *err);
-BF_MUST_CHECK bf_status pull__deliver(void *context, const char *id,
+BF_MUST_CHECK bf_status pull__read_jobs(void *context, uint64_t token, const char *id,
+                                        bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status pull__deliver(void *context, uint64_t token, const char *id,
                                       const api_lease_section *sections, size_t n,
                                       api_job_states *ret_states, bf_error *err);
 BF_MUST_CHECK bf_status pull__renew(void *context, const char *id, const api_renewal *renewal,
                                     api_job_states *ret_states, bf_error *err);
-BF_MUST_CHECK bf_status pull__leave(void *context, const char *id, bf_error *err);
+BF_MUST_CHECK bf_status pull__leave(void *context, uint64_t token, const char *id, bf_error *err);
 
 /// Note the end of an attempt that was completed, and compare that of another attempt at the same run with it.
 void pull__note_end(pull_executor *e, const char *worker, const api_job_end *end);

@@ -4,6 +4,7 @@
 
 #include "core/base/memory.h"
 #include "server/base/clock.h"
+#include "server/base/solver.h"
 
 #include <string.h>
 
@@ -17,29 +18,31 @@ static void count_cores(pull_executor *e)
             e->n_cores += e->workers[k].about.cores;
 }
 
-pull__worker *pull__find_worker(pull_executor *e, const char *name)
+pull__worker *pull__find_worker(pull_executor *e, uint64_t token, const char *name)
 {
     lock_assert_held(&e->lock);
     for (size_t k = 0; k < e->n_workers; k++)
-        if (strcmp(e->workers[k].about.name, name) == 0)
+        if (e->workers[k].about.token == token && strcmp(e->workers[k].about.name, name) == 0)
             return &e->workers[k];
     return NULL;
 }
 
 bf_status pull__check_version(const char *name, const char *solver, bf_error *err)
 {
-    if (strcmp(solver, BELTFLOW_VERSION) == 0)
+    char ours[SOLVER_NAME_SIZE];
+
+    if (strcmp(solver, solver_name(ours)) == 0)
         return BF_OK;
     return bf_fail(err, BF_ECONFLICT, "",
-                   "worker %s has the solver %s, but this service is version " BELTFLOW_VERSION
-                   ", and results must not depend on who solves a run",
-                   name, solver);
+                   "worker %s has the solver %s, but this service has %s, and results must not "
+                   "depend on who solves a run",
+                   name, solver, ours);
 }
 
 bf_status pull__meet_worker(pull_executor *e, const api_worker *who, pull__worker **ret_worker,
                             bf_error *err)
 {
-    pull__worker *worker = pull__find_worker(e, who->name);
+    pull__worker *worker = pull__find_worker(e, who->token, who->name);
 
     bf_status status = pull__check_version(who->name, who->solver, err);
     if (status != BF_OK)
@@ -61,7 +64,7 @@ bf_status pull__meet_worker(pull_executor *e, const api_worker *who, pull__worke
 static bool has_lease(const pull_executor *e, const pull__worker *worker)
 {
     for (size_t k = 0; k < e->n_leases; k++)
-        if (strcmp(e->leases[k]->worker, worker->about.name) == 0)
+        if (pull__is_of(e->leases[k], worker->about.token, worker->about.name))
             return true;
     return false;
 }
@@ -78,14 +81,14 @@ void pull__drop_workers(pull_executor *e, int64_t now_ms)
     count_cores(e);
 }
 
-static size_t list_leases(const pull_executor *e, const char *worker, api_lease_view *ret_leases)
+static size_t list_leases(const pull_executor *e, const api_worker *who, api_lease_view *ret_leases)
 {
     const int64_t now_ms = clock_monotonic_ms();
     size_t n = 0;
 
     for (size_t k = 0; k < e->n_leases; k++) {
         const pull__lease *lease = e->leases[k];
-        if (strcmp(lease->worker, worker) != 0)
+        if (!pull__is_of(lease, who->token, who->name))
             continue;
         const int64_t silent_ms = now_ms - lease->seen_ms;
         api_lease_view view = { .n_jobs = lease->n_jobs, .n_done = lease->n_done };
@@ -96,23 +99,25 @@ static size_t list_leases(const pull_executor *e, const char *worker, api_lease_
     return n;
 }
 
-bf_status pull__list(pull_executor *e, api_worker_list *ret_list, bf_error *err)
+bf_status pull__list(pull_executor *e, uint64_t token, api_worker_list *ret_list, bf_error *err)
 {
-    api_worker_list list = { .n = e->n_workers };
+    api_worker_list list = { .n = 0 };
     size_t n_leases = 0;
 
     lock_assert_held(&e->lock);
-    list.workers = memory_alloc(list.n, sizeof *list.workers);
+    list.workers = memory_alloc(e->n_workers, sizeof *list.workers);
     list.leases = memory_alloc(e->n_leases, sizeof *list.leases);
     if (list.workers == NULL || list.leases == NULL) {
         api_worker_list_fini(&list);
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     }
-    for (size_t k = 0; k < list.n; k++) {
+    for (size_t k = 0; k < e->n_workers; k++) {
         const pull__worker *worker = &e->workers[k];
+        if (token != API_ANY_TOKEN && worker->about.token != token)
+            continue;
         api_lease_view *leases = list.leases + n_leases;
-        const size_t n = list_leases(e, worker->about.name, leases);
-        list.workers[k] = (api_worker_view){
+        const size_t n = list_leases(e, &worker->about, leases);
+        list.workers[list.n++] = (api_worker_view){
             .about = worker->about,
             .seen_s = 1e-3 * (double)(clock_monotonic_ms() - worker->seen_ms),
             .n_leases = n,

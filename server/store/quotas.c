@@ -100,7 +100,7 @@ static bf_status read_cpu(store__connection *c, const char *owner, int64_t now_m
     store__end(&q);
     if (status != BF_OK)
         return status;
-    ret_quota->used = (uint64_t)used_s;
+    ret_quota->used = used_s < 0x1p63 ? (uint64_t)used_s : UINT64_C(1) << 63;
     if (ret_quota->allowed > 0 && used_s >= (double)ret_quota->allowed)
         ret_quota->release_ms = find_release(sums, since, used_s, ret_quota->allowed);
     return BF_OK;

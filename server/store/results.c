@@ -8,6 +8,8 @@
 
 #include "server/store/store_priv.h"
 
+#include "server/base/solver.h"
+
 #include <sodium.h>
 #include <sqlite3.h>
 #include <stdio.h>
@@ -15,20 +17,12 @@
 
 enum { COLLECT_CHUNKS = 64 }; // that are deleted in one transaction
 
-// Results of one solver are never taken for those of another.
-static void name_solver(char *ret_name, size_t size)
-{
-    (void)snprintf(ret_name, size, "%s/%d", BELTFLOW_VERSION, RUN_VERSION);
-}
-
-enum { SOLVER_SIZE = 64 };
-
 bf_status store__insert_results(store__connection *writer, const unsigned char *digest,
                                 store__row *row, bf_error *err)
 {
-    char solver[SOLVER_SIZE];
+    char solver[SOLVER_NAME_SIZE];
 
-    name_solver(solver, sizeof solver);
+    (void)solver_name(solver);
     store__query q = store__begin(writer, STORE__SQL_INSERT_RESULTS);
     store__bind_blob(&q, digest, digest == NULL ? 0 : STORE__DIGEST_SIZE);
     store__bind_text(&q, solver, strlen(solver));
@@ -49,9 +43,9 @@ bf_status store__mark_results(store__connection *writer, int64_t results, store_
 
 bf_status store__invalidate_results(store__connection *writer, bf_error *err)
 {
-    char solver[SOLVER_SIZE];
+    char solver[SOLVER_NAME_SIZE];
 
-    name_solver(solver, sizeof solver);
+    (void)solver_name(solver);
     store__query q = store__begin(writer, STORE__SQL_INVALIDATE_RESULTS);
     store__bind_text(&q, solver, strlen(solver));
     return store__run(&q, err);
@@ -60,9 +54,9 @@ bf_status store__invalidate_results(store__connection *writer, bf_error *err)
 bf_status store__find_solved(store__connection *c, const unsigned char digest[STORE__DIGEST_SIZE],
                              store__row *ret_row, bool *ret_is_solved, bf_error *err)
 {
-    char solver[SOLVER_SIZE];
+    char solver[SOLVER_NAME_SIZE];
 
-    name_solver(solver, sizeof solver);
+    (void)solver_name(solver);
     store__query q = store__begin(c, STORE__SQL_FIND_SOLVED);
     store__bind_blob(&q, digest, STORE__DIGEST_SIZE);
     store__bind_text(&q, solver, strlen(solver));

@@ -16,6 +16,8 @@
 enum {
     READ_BYTES = 64 * 1024,
     START_AGAIN_MS = 1000,
+    START_TRIES = 10,    // of a job, until it is given back
+    PAUSE_MS = 30000,    // without asking for more, after that
     END_BYTES_MAX = 512, // of FRAME_END
 };
 
@@ -117,10 +119,15 @@ static void start_job(worker *w, const worker_lease *lease, worker_job *job)
     }
     close(job->spool);
     job->spool = -1;
-    if (status == BF_EBUSY || status == BF_ENOMEM)
-        w->start_ms = clock_monotonic_ms() + START_AGAIN_MS;
-    else
-        end_job(job, EXECUTOR_UNSTARTED, &why);
+    const int64_t now_ms = clock_monotonic_ms();
+    const bool may_work_later = status == BF_EBUSY || status == BF_ENOMEM;
+    if (may_work_later && ++job->n_refused < START_TRIES) {
+        w->start_ms = now_ms + START_AGAIN_MS;
+        return;
+    }
+    end_job(job, may_work_later ? EXECUTOR_STOPPED : EXECUTOR_UNSTARTED, &why);
+    if (may_work_later)
+        w->ask_ms = now_ms + PAUSE_MS; // others may have room
 }
 
 void worker__start_jobs(worker *w)

@@ -26,6 +26,7 @@ typedef struct worker_job {
     uint64_t n_spooled;           ///< bytes in it
     uint64_t n_taken;             ///< of them, by the daemon
     char digest[API_DIGEST_SIZE]; ///< of its end; "": none
+    unsigned n_refused;           ///< times that its child could not be started
     bool is_stopping;             ///< its child was asked to save and end
 } worker_job;
 

@@ -3,10 +3,13 @@
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { once } from "node:events";
+import { readFileSync } from "node:fs";
 import path from "node:path";
 
-import { binaries } from "./setup.mjs";
+import { binaries, root } from "./setup.mjs";
 
+const header = readFileSync(path.join(root, "core/run/run.h"), "utf8");
+const runVersion = /RUN_VERSION = (\d+)/.exec(header)[1];
 const section_bytes = 512 * 1024;
 
 export class PullWorker {
@@ -16,10 +19,15 @@ export class PullWorker {
     this.cores = cores;
   }
 
+  // The name of the solver that this tree has, as server/base/solver.h has it.
+  async solver() {
+    const { version } = (await this.d.get("/version")).json;
+    return `${version}/${runVersion}`;
+  }
+
   // POST /v1/leases; the answer.
   async ask(changes = {}) {
-    const { version } = (await this.d.get("/version")).json;
-    const who = { worker: this.name, solver: version, cores: this.cores, memory_bytes: 1e9 };
+    const who = { worker: this.name, solver: await this.solver(), cores: this.cores, memory_bytes: 1e9 };
     return this.d.post("/v1/leases", { ...who, ...changes });
   }
 
@@ -79,14 +87,13 @@ export class PullWorker {
 
   // Jobs of a lease that go on, and ends of others; the states that are answered.
   async renew(lease, jobs, ended = []) {
-    const { version } = (await this.d.get("/version")).json;
     const report = (job) => {
       const { run, attempt } = lease.jobs[job];
       return { job, run, attempt, cpu_s: 0.01 };
     };
     const answer = await this.d.post(`/v1/leases/${lease.id}/renew`, {
       worker: this.name,
-      solver: version,
+      solver: await this.solver(),
       jobs: jobs.map(report),
       ended: ended.map(({ job, ...end }) => ({ ...report(job), cause: "exited", error: null, digest: null, ...end })),
     });

@@ -3,7 +3,9 @@
 
 #include "core/base/memory.h"
 #include "core/run/frame.h"
+#include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "server/base/solver.h"
 #include "server/pull/pull_priv.h"
 
 #include <setjmp.h>
@@ -68,8 +70,9 @@ static void release(fixture *f, executor_job *job)
 
 static api_worker worker_of(const char *name, uint32_t cores)
 {
-    api_worker who = { .solver = BELTFLOW_VERSION, .cores = cores };
+    api_worker who = { .cores = cores };
 
+    (void)solver_name(who.solver);
     snprintf(who.name, sizeof who.name, "%s", name);
     return who;
 }
@@ -99,7 +102,7 @@ static void deliver(fixture *f, const char *id, uint32_t number, uint64_t offset
 
     memory_free(f->states.items);
     f->states.items = NULL;
-    assert_int_equal(f->api.deliver(f->api.context, id, &section, 1, &f->states, NULL), BF_OK);
+    assert_int_equal(f->api.deliver(f->api.context, 0, id, &section, 1, &f->states, NULL), BF_OK);
 }
 
 static api_job_report report_of(const api_lease_job *job)
@@ -116,13 +119,12 @@ static void renew(fixture *f, const char *id, const char *name, const api_lease_
 {
     api_job_report report = report_of(job);
     api_job_end ended = end == NULL ? (api_job_end){ .n_bytes = 0 } : *end;
-    api_renewal renewal = { .solver = BELTFLOW_VERSION,
-                            .n_jobs = end == NULL,
-                            .jobs = &report,
-                            .n_ended = end != NULL,
-                            .ended = &ended };
+    api_renewal renewal = {
+        .n_jobs = end == NULL, .jobs = &report, .n_ended = end != NULL, .ended = &ended
+    };
 
     ended.report = report;
+    (void)solver_name(renewal.solver);
     snprintf(renewal.worker, sizeof renewal.worker, "%s", name);
     memory_free(f->states.items);
     f->states.items = NULL;
@@ -159,7 +161,7 @@ static void bytes_come_through_in_order(void **state)
     assert_int_equal(l.n_jobs, 1);
     assert_string_equal(l.jobs[0].run, RUN_A);
     bf_buffer input = { 0 };
-    assert_int_equal(f->api.read_jobs(f->api.context, l.id, &input, NULL), BF_OK);
+    assert_int_equal(f->api.read_jobs(f->api.context, 0, l.id, &input, NULL), BF_OK);
     assert_int_equal(input.n, l.jobs[0].n_bytes);
     frame decoded;
     size_t used;
@@ -174,7 +176,7 @@ static void bytes_come_through_in_order(void **state)
     assert_int_equal(state_of(f, 0).next, 5);
     assert_int_equal(poll_job(f, job, text, sizeof text), EXECUTOR_RUNNING);
     assert_string_equal(text, "abcde");
-    assert_int_equal(f->api.read_jobs(f->api.context, l.id, &input, NULL), BF_ECONFLICT);
+    assert_int_equal(f->api.read_jobs(f->api.context, 0, l.id, &input, NULL), BF_ECONFLICT);
     const api_job_end end = { .cause = API_JOB_EXITED, .n_bytes = 6 };
     renew(f, l.id, "one", &l.jobs[0], &end); // one byte is missing
     assert_int_equal(state_of(f, 0).next, 5);
@@ -286,6 +288,9 @@ static void who_is_silent_loses_jobs(void **state)
 
     executor_job *job = start(f, RUN_A, false);
     api_lease l = lease(f, "one", 1);
+    deliver(f, l.id, 0, 0, "a", 1);
+    char text[8];
+    (void)poll_job(f, job, text, sizeof text);
     pull_executor *e = pull__enter(f->executor);
     const int64_t seen_ms = e->leases[0]->seen_ms;
     pull__expire(e, seen_ms + API_LEASE_EXPIRES_S * 1000 - 1);
@@ -308,9 +313,9 @@ static void who_leaves_or_forgets_loses_jobs(void **state)
 
     executor_job *left = start(f, RUN_A, false);
     api_lease l = lease(f, "one", 1);
-    assert_int_equal(f->api.leave(f->api.context, l.id, NULL), BF_OK);
-    assert_int_equal(f->api.leave(f->api.context, l.id, NULL), BF_ENOTFOUND);
-    assert_int_equal(state_of_job(f, left), EXECUTOR_LOST);
+    assert_int_equal(f->api.leave(f->api.context, 0, l.id, NULL), BF_OK);
+    assert_int_equal(f->api.leave(f->api.context, 0, l.id, NULL), BF_ENOTFOUND);
+    assert_int_equal(state_of_job(f, left), EXECUTOR_ENDED); // it had not begun
     assert_false(f->executor->functions->has_room(f->executor, false));
     api_lease_fini(&l);
     executor_job *kept = start(f, RUN_B, false), *forgotten = start(f, RUN_C, false);
@@ -318,7 +323,12 @@ static void who_leaves_or_forgets_loses_jobs(void **state)
     assert_int_equal(l.n_jobs, 2);
     renew(f, l.id, "one", &l.jobs[0], NULL);
     assert_int_equal(state_of_job(f, kept), EXECUTOR_WAITING);
-    assert_int_equal(state_of_job(f, forgotten), EXECUTOR_LOST);
+    assert_int_equal(state_of_job(f, forgotten), EXECUTOR_ENDED);
+    deliver(f, l.id, 0, 0, "abc", 3);
+    assert_int_equal(f->api.leave(f->api.context, 0, l.id, NULL), BF_OK);
+    char text[8];
+    (void)poll_job(f, kept, text, sizeof text);
+    assert_int_equal(state_of_job(f, kept), EXECUTOR_LOST);
     release(f, left);
     release(f, kept);
     release(f, forgotten);
@@ -358,6 +368,10 @@ static void another_version_is_refused(void **state)
     assert_int_equal(f->api.lease(f->api.context, &who, &made, &err), BF_ECONFLICT);
     assert_non_null(strstr(err.text, "0.0.0-other"));
     assert_non_null(strstr(err.text, BELTFLOW_VERSION));
+    snprintf(who.solver, sizeof who.solver, "%s/%d", BELTFLOW_VERSION, RUN_VERSION - 1);
+    assert_int_equal(f->api.lease(f->api.context, &who, &made, NULL), BF_ECONFLICT);
+    snprintf(who.solver, sizeof who.solver, "%s", BELTFLOW_VERSION);
+    assert_int_equal(f->api.lease(f->api.context, &who, &made, NULL), BF_ECONFLICT);
 }
 
 static void a_worker_at_fault_gets_nothing_for_a_while(void **state)
@@ -462,6 +476,128 @@ static void ends_that_come_twice_are_compared(void **state)
     api_lease_fini(&l);
 }
 
+// A worker that renews a lease but never begins does not hold the run for ever.
+static void what_is_leased_and_not_begun_comes_back(void **state)
+{
+    fixture *f = *state;
+    executor_job *held = start(f, RUN_A, false), *solved = start(f, RUN_B, false);
+    executor_job *trial = start(f, RUN_C, true);
+    api_lease l = lease(f, "one", 3);
+    executor_end end;
+    char text[8];
+    size_t n;
+
+    assert_int_equal(l.n_jobs, 3);
+    deliver(f, l.id, 1, 0, "a", 1);
+    (void)poll_job(f, solved, text, sizeof text);
+    pull_executor *e = pull__enter(f->executor);
+    const int64_t now_ms = held->leased_ms + PULL_BEGIN_MS;
+    e->leases[0]->seen_ms = now_ms; // renewed all the time
+    pull__expire(e, now_ms - 1);
+    assert_int_equal(held->place, PULL_LEASED);
+    pull__expire(e, now_ms);
+    assert_int_equal(held->place, PULL_ENDED);
+    assert_int_equal(solved->place, PULL_LEASED);
+    assert_int_equal(trial->place, PULL_LEASED);
+    assert_int_equal(e->workers[0].n_faults, 1);
+    e->leases[0]->seen_ms += PULL_BEGIN_TRIAL_MS;
+    pull__expire(e, trial->leased_ms + PULL_BEGIN_TRIAL_MS);
+    assert_int_equal(trial->place, PULL_ENDED);
+    assert_int_equal(solved->place, PULL_LEASED);
+    lock_release(&e->lock);
+    assert_int_equal(f->executor->functions->poll(f->executor, held, text, sizeof text, &n, &end),
+                     EXECUTOR_ENDED);
+    assert_int_equal(end.cause, EXECUTOR_STOPPED);
+    release(f, held);
+    release(f, solved);
+    release(f, trial);
+    api_lease_fini(&l);
+}
+
+// Whoever says more CPU time than there was does not use up what an owner may use.
+static void no_more_cpu_time_is_believed_than_has_passed(void **state)
+{
+    fixture *f = *state;
+    executor_job *job = start(f, RUN_A, false);
+    api_lease l = lease(f, "liar", 1);
+    api_job_report report = report_of(&l.jobs[0]);
+    api_renewal renewal = { .n_jobs = 1, .jobs = &report };
+
+    (void)solver_name(renewal.solver);
+    snprintf(renewal.worker, sizeof renewal.worker, "liar");
+    for (int k = 0; k < 2; k++) {
+        report.cpu_s = k == 0 ? 1e15 : 1e300;
+        assert_int_equal(f->api.renew(f->api.context, l.id, &renewal, &f->states, NULL), BF_OK);
+        memory_free(f->states.items);
+        f->states.items = NULL;
+        const double used_s = f->executor->functions->cpu_s(f->executor, job);
+        const int64_t passed_ms = clock_monotonic_ms() - job->leased_ms;
+        assert_true(used_s > 0.0 && used_s <= 1.0 + 1e-3 * (double)passed_ms);
+    }
+    release(f, job);
+    api_lease_fini(&l);
+}
+
+static void the_memory_of_runs_adds_up(void **state)
+{
+    enum { GIB = 1 << 30 };
+    fixture *f = *state;
+    executor_job *jobs[8];
+    api_worker who = worker_of("small", 8);
+    api_lease first = { .n_jobs = 0 }, second = { .n_jobs = 0 };
+
+    for (size_t k = 0; k < 8; k++) {
+        jobs[k] = start(f, RUN_A, false);
+        jobs[k]->about.memory_bytes = UINT64_C(8) * GIB;
+    }
+    who.memory_bytes = GIB; // one all the same: most use less than they may
+    assert_int_equal(f->api.lease(f->api.context, &who, &first, NULL), BF_OK);
+    assert_int_equal(first.n_jobs, 1);
+    who.memory_bytes = UINT64_C(24) * GIB;
+    assert_int_equal(f->api.lease(f->api.context, &who, &second, NULL), BF_OK);
+    assert_int_equal(second.n_jobs, 2);
+    api_lease_fini(&first);
+    api_lease_fini(&second);
+    for (size_t k = 0; k < 8; k++)
+        release(f, jobs[k]);
+}
+
+// Two tokens, workers of the same name: neither touches what is the other's.
+static void a_worker_is_its_token_and_its_name(void **state)
+{
+    fixture *f = *state;
+    api_worker mine = worker_of("one", 1), theirs = worker_of("one", 1);
+    api_lease l = { .n_jobs = 0 }, other = { .n_jobs = 0 };
+    api_worker_list list = { .n = 0 };
+    bf_buffer input = { 0 };
+    bf_error why = { 0 };
+
+    (void)bf_fail(&why, BF_ECORRUPT, "", "a frame is damaged");
+    mine.token = 1;
+    theirs.token = 2;
+    executor_job *job = start(f, RUN_A, false);
+    assert_int_equal(f->api.lease(f->api.context, &mine, &l, NULL), BF_OK);
+    assert_int_equal(f->api.lease(f->api.context, &theirs, &other, NULL), BF_OK);
+    assert_int_equal(other.n_jobs, 0);
+    assert_int_equal(f->api.read_jobs(f->api.context, 2, l.id, &input, NULL), BF_ENOTFOUND);
+    assert_int_equal(f->api.leave(f->api.context, 2, l.id, NULL), BF_ENOTFOUND);
+    assert_int_equal(f->api.list(f->api.context, 2, &list, NULL), BF_OK);
+    assert_int_equal(list.n, 1);
+    assert_int_equal(list.workers[0].n_leases, 0);
+    api_worker_list_fini(&list);
+    assert_int_equal(f->api.read_jobs(f->api.context, 1, l.id, &input, NULL), BF_OK);
+    buffer_fini(&input);
+    for (int k = 0; k < PULL_FAULTS_MAX; k++)
+        assert_true(f->executor->functions->blame(f->executor, job, &why)); // of token 1
+    executor_job *next = start(f, RUN_B, false);
+    assert_int_equal(f->api.lease(f->api.context, &theirs, &other, NULL), BF_OK);
+    assert_int_equal(other.n_jobs, 1);
+    release(f, job);
+    release(f, next);
+    api_lease_fini(&l);
+    api_lease_fini(&other);
+}
+
 static void workers_are_listed(void **state)
 {
     fixture *f = *state;
@@ -470,7 +606,7 @@ static void workers_are_listed(void **state)
     executor_job *job = start(f, RUN_A, false);
     api_lease l = lease(f, "one", 3);
     (void)lease(f, "idle", 1);
-    assert_int_equal(f->api.list(f->api.context, &list, NULL), BF_OK);
+    assert_int_equal(f->api.list(f->api.context, API_ANY_TOKEN, &list, NULL), BF_OK);
     assert_int_equal(list.n, 2);
     assert_string_equal(list.workers[0].about.name, "one");
     assert_int_equal(list.workers[0].n_leases, 1);
@@ -485,13 +621,24 @@ int main(void)
 {
 #define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
     const struct CMUnitTest tests[] = {
-        TEST(bytes_come_through_in_order),         TEST(a_full_job_takes_no_more),
-        TEST(all_jobs_together_have_a_limit),      TEST(a_batch_has_runs_first_then_trials),
-        TEST(there_is_room_for_what_workers_take), TEST(who_is_silent_loses_jobs),
-        TEST(who_leaves_or_forgets_loses_jobs),    TEST(a_stop_reaches_the_worker),
-        TEST(another_version_is_refused),          TEST(a_worker_at_fault_gets_nothing_for_a_while),
-        TEST(a_job_goes_on_after_a_restart),       TEST(a_job_nobody_comes_back_for_is_lost),
-        TEST(ends_that_come_twice_are_compared),   TEST(workers_are_listed),
+        TEST(bytes_come_through_in_order),
+        TEST(a_full_job_takes_no_more),
+        TEST(all_jobs_together_have_a_limit),
+        TEST(a_batch_has_runs_first_then_trials),
+        TEST(there_is_room_for_what_workers_take),
+        TEST(who_is_silent_loses_jobs),
+        TEST(who_leaves_or_forgets_loses_jobs),
+        TEST(a_stop_reaches_the_worker),
+        TEST(another_version_is_refused),
+        TEST(a_worker_at_fault_gets_nothing_for_a_while),
+        TEST(a_job_goes_on_after_a_restart),
+        TEST(a_job_nobody_comes_back_for_is_lost),
+        TEST(ends_that_come_twice_are_compared),
+        TEST(workers_are_listed),
+        TEST(what_is_leased_and_not_begun_comes_back),
+        TEST(no_more_cpu_time_is_believed_than_has_passed),
+        TEST(the_memory_of_runs_adds_up),
+        TEST(a_worker_is_its_token_and_its_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
