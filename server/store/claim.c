@@ -7,6 +7,7 @@
 
 #include "server/store/finish.h"
 #include "server/store/quotas.h"
+#include "server/store/studies.h"
 #include "server/store/turns.h"
 
 #include "server/base/log.h"
@@ -341,5 +342,58 @@ bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *er
     // The first step removes the run. What a failure leaves is deleted by later collection.
     for (bf_status collected = status; collected == BF_OK && !context.is_over;)
         collected = store__write_freeing(s, apply_collect, &context, NULL);
+    return status;
+}
+
+enum { REMOVALS_A_COMMIT = 32 };
+
+static bf_status list_runs_of_study(store *s, const char *study_id, size_t n_most,
+                                    char (*ret_ids)[API_ID_SIZE], size_t *ret_n, bf_error *err)
+{
+    store__connection *reader = NULL;
+    bool has_row = true;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(reader, STORE__SQL_LIST_RUNS_OF_STUDY);
+    store__bind_text(&q, study_id, strlen(study_id));
+    store__bind_integer(&q, (int64_t)n_most);
+    while (status == BF_OK && *ret_n < n_most) {
+        status = store__next(&q, &has_row, err);
+        if (status != BF_OK || !has_row)
+            break;
+        store__column_text(&q, 0, ret_ids[(*ret_n)++], API_ID_SIZE);
+    }
+    store__end(&q);
+    store__release_reader(&s->pool, reader);
+    return status;
+}
+
+// Each run is an operation of its own, so that those who wait for it are told.
+bf_status store_remove_runs_of_study(store *s, const char *id, bool *ret_has_runs, bf_error *err)
+{
+    char ids[REMOVALS_A_COMMIT][API_ID_SIZE];
+    remove_context contexts[REMOVALS_A_COMMIT];
+    store__operation operations[REMOVALS_A_COMMIT];
+    size_t n = 0;
+
+    bf_status status = list_runs_of_study(s, id, REMOVALS_A_COMMIT, ids, &n, err);
+    if (status != BF_OK)
+        return status;
+    for (size_t k = 0; k < n; k++) {
+        contexts[k] = (remove_context){ .id = ids[k], .revision = API_ANY_REVISION };
+        operations[k] = (store__operation){ .apply = apply_remove,
+                                            .context = &contexts[k],
+                                            .may_use_reserve = true };
+    }
+    if (n > 0)
+        store__write_group(s, operations, n);
+    for (size_t k = 0; k < n && status == BF_OK; k++) {
+        status = operations[k].status == BF_ENOTFOUND ? BF_OK : operations[k].status;
+        if (status != BF_OK && err != NULL)
+            *err = operations[k].error;
+    }
+    *ret_has_runs = n > 0;
     return status;
 }

@@ -70,8 +70,10 @@
                     "ORDER BY id DESC LIMIT ?2")                                                   \
     X(COUNT_OPEN_STUDIES, "SELECT count(*) FROM studies WHERE state IN (0, 1, 5)")                 \
     X(COUNT_STUDIES, "SELECT count(*) FROM studies")                                               \
+    X(LIST_RUNS_OF_STUDY, "SELECT id FROM runs INDEXED BY runs_by_parent WHERE parent = ?1 "       \
+                          "ORDER BY id LIMIT ?2")                                                  \
     X(LIST_STUDIES_TO_STOP, "SELECT " STORE__STUDY_COLUMNS " FROM studies "                        \
-                            "WHERE stop_request > 0 ORDER BY id LIMIT ?1")                         \
+                            "WHERE stop_request > 0 ORDER BY stop_request, id LIMIT ?1")           \
     X(LIST_STUDIES_IN, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE state = ?2 "            \
                        "AND stop_request = 0 ORDER BY priority DESC, id LIMIT ?1")                 \
     X(OLDEST_ENDED_STUDY, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE finished_ms > 0 "    \

@@ -83,6 +83,7 @@ BF_MUST_CHECK bf_status store_forget_study(store *s, const char *id, bf_error *e
 BF_MUST_CHECK bf_status store_find_old_study(store *s, int64_t before_ms, char ret_id[API_ID_SIZE],
                                              bf_error *err);
 
-/// Find the first run of a study that is left. BF_ENOTFOUND: none is.
-BF_MUST_CHECK bf_status store_find_run_of_study(store *s, const char *id, api_run *ret_run,
-                                                bf_error *err);
+/// Remove some runs of a study that is to be removed in one commit, and ask running ones to stop. *ret_has_runs: some are left,
+/// or were a moment ago. What is left of their results is deleted by and by.
+BF_MUST_CHECK bf_status store_remove_runs_of_study(store *s, const char *id, bool *ret_has_runs,
+                                                   bf_error *err);

@@ -243,24 +243,6 @@ bf_status store_read_trials(store *s, const char *id, const api_trial_query *que
     return status;
 }
 
-bf_status store_find_run_of_study(store *s, const char *id, api_run *ret_run, bf_error *err)
-{
-    store__connection *reader = NULL;
-    bool has_row = false;
-    store__row row;
-
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_first(reader, STORE__SQL_NEXT_RUN_OF_STUDY, id, &row, &has_row, err);
-    store__release_reader(&s->pool, reader);
-    if (status == BF_OK && !has_row)
-        return bf_fail(err, BF_ENOTFOUND, "", "the study has no runs");
-    if (status == BF_OK)
-        *ret_run = row.run;
-    return status;
-}
-
 /// A study that is removed step by step.
 typedef struct forget_context {
     const char *id;

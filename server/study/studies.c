@@ -13,10 +13,10 @@
 #include <string.h>
 
 enum {
-    RETRY_MS = 1000,      // after a failure of the machine
-    REMOVAL_MS = 100,     // between looks at runs that are to end before they are removed
-    REMOVALS_A_TURN = 64, // runs of a study
-    EXPIRY_MS = 60000     // between looks at studies that are too old
+    RETRY_MS = 1000,   // after a failure of the machine
+    REMOVAL_MS = 10,   // between steps of the removal of a study whose runs are to end first
+    STOPS_A_TURN = 64, // studies that are to end or to be removed
+    EXPIRY_MS = 60000  // between looks at studies that are too old
 };
 
 static void look_again(studies *s, int64_t after_ms)
@@ -97,59 +97,90 @@ static bf_status end_study(studies *s, const char *id, api_study_state state, co
     return status == BF_ECONFLICT ? BF_OK : status; // it has ended
 }
 
+bool studies__goes_on(studies *s)
+{
+    liveness_answer(&s->liveness);
+    lock_acquire(&s->lock);
+    const bool goes_on = !s->is_stopping;
+    lock_release(&s->lock);
+    return goes_on;
+}
+
 // Remove some runs of a study, and the study with the last of them. *ret_is_over: nothing is left.
 static bf_status remove_study(studies *s, const char *id, bool *ret_is_over, bf_error *err)
 {
-    bf_status status = BF_OK;
-    api_run record;
+    bool has_runs = false;
 
-    for (int k = 0; k < REMOVALS_A_TURN && status == BF_OK; k++) {
-        status = store_find_run_of_study(s->options.store, id, &record, err);
-        if (status == BF_ENOTFOUND) {
-            *ret_is_over = true;
-            return store_forget_study(s->options.store, id, err);
-        }
-        if (status == BF_OK)
-            status = store_remove(s->options.store, record.id, API_ANY_REVISION, err);
+    bf_status status = store_remove_runs_of_study(s->options.store, id, &has_runs, err);
+    if (status == BF_OK && !has_runs) {
+        *ret_is_over = true;
+        status = store_forget_study(s->options.store, id, err);
     }
     return status == BF_ECONFLICT || status == BF_ENOTFOUND ? BF_OK : status; // it is ending
 }
 
-static void stop_study(studies *s, const store_study *work)
+// A study that is to be stopped has its place no more, and ends.
+static bf_status cancel_study(studies *s, const store_study *work)
 {
     const char *id = work->study.id;
     const size_t index = find_task(s, id);
-    bool is_over = work->stop_request != STORE_STOP_KILL;
-    bf_status status = BF_OK;
     bf_error err = { 0 };
 
     if (index < s->n_tasks)
         drop_task(s, index);
-    if (!api_study_state_is_end(work->study.state))
-        status = end_study(s, id, API_STUDY_CANCELLED, NULL, &err);
-    if (status == BF_OK && work->stop_request == STORE_STOP_KILL)
-        status = remove_study(s, id, &is_over, &err);
+    if (api_study_state_is_end(work->study.state))
+        return BF_OK;
+    bf_status status = end_study(s, id, API_STUDY_CANCELLED, NULL, &err);
     if (status != BF_OK)
         log_trouble("study_not_stopped", id, &err);
-    else if (is_over)
-        log_event(LOG_LEVEL_INFO,
-                  work->stop_request == STORE_STOP_KILL ? "study_removed" : "study_cancelled",
-                  "study=%s", id);
-    if (status != BF_OK || !is_over)
-        look_again(s, status == BF_OK ? REMOVAL_MS : RETRY_MS);
+    else if (work->stop_request != STORE_STOP_KILL)
+        log_event(LOG_LEVEL_INFO, "study_cancelled", "study=%s", id);
+    return status;
 }
 
+static bf_status take_away(studies *s, const store_study *work)
+{
+    bool is_over = false;
+    bf_error err = { 0 };
+
+    bf_status status = remove_study(s, work->study.id, &is_over, &err);
+    if (status != BF_OK)
+        log_trouble("study_not_stopped", work->study.id, &err);
+    else if (is_over)
+        log_event(LOG_LEVEL_INFO, "study_removed", "study=%s", work->study.id);
+    if (status == BF_OK && !is_over)
+        look_again(s, REMOVAL_MS);
+    return status;
+}
+
+// Ends come before removals, which may take long; of these the one after the other has a step, so that none keeps what is
+// asked meanwhile waiting.
 static bf_status stop_studies(studies *s, bf_error *err)
 {
-    store_study work[STUDIES_AT_WORK];
+    const int64_t until_ms = clock_monotonic_ms() + STUDIES_TURN_MS;
+    store_study *work = memory_alloc(STOPS_A_TURN, sizeof *work);
+    bool is_late = false;
     size_t n = 0;
 
+    if (work == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
     bf_status status =
-        store_list_work(s->options.store, STORE_STUDIES_TO_STOP, STUDIES_AT_WORK, work, &n, err);
-    for (size_t k = 0; k < n && status == BF_OK; k++)
-        stop_study(s, &work[k]);
-    if (n == STUDIES_AT_WORK)
+        store_list_work(s->options.store, STORE_STUDIES_TO_STOP, STOPS_A_TURN, work, &n, err);
+    bool has_trouble = false;
+    for (size_t k = 0; k < n && status == BF_OK && studies__goes_on(s); k++)
+        has_trouble = cancel_study(s, &work[k]) != BF_OK || has_trouble;
+    for (size_t k = 0; k < n && status == BF_OK && !is_late && studies__goes_on(s); k++) {
+        const store_study *next = &work[(s->n_removals + k) % n];
+        if (next->stop_request == STORE_STOP_KILL)
+            has_trouble = take_away(s, next) != BF_OK || has_trouble;
+        is_late = clock_monotonic_ms() >= until_ms;
+        s->n_removals += is_late ? k + 1 : 0;
+    }
+    if (is_late || n == STOPS_A_TURN)
         look_again(s, 0);
+    if (has_trouble)
+        look_again(s, RETRY_MS);
+    memory_free(work);
     return status;
 }
 
@@ -212,7 +243,7 @@ static bf_status expire_studies(studies *s, bf_error *err)
     lock_acquire(&s->lock);
     const int64_t age_ms = s->options.age_ms;
     lock_release(&s->lock);
-    while (age_ms > 0 && status == BF_OK) {
+    while (age_ms > 0 && status == BF_OK && studies__goes_on(s)) {
         status = store_find_old_study(s->options.store, clock_unix_ms() - age_ms, id, err);
         if (status == BF_OK)
             status = store_remove_study(s->options.store, id, API_ANY_REVISION, err);
@@ -241,6 +272,14 @@ static void tend_studies(studies *s)
     look_again(s, RETRY_MS);
 }
 
+// The thread goes round once more without being woken.
+static void note_more(studies *s)
+{
+    lock_acquire(&s->lock);
+    s->has_changes = true;
+    lock_release(&s->lock);
+}
+
 // True if a study has left its place to another.
 static bool work_on_tasks(studies *s)
 {
@@ -248,10 +287,14 @@ static bool work_on_tasks(studies *s)
 
     for (size_t k = 0; k < s->n_tasks;) {
         char id[API_ID_SIZE];
-        bool is_over = false;
+        bool is_over = false, has_more = false;
         bf_error err = { 0 };
         memcpy(id, s->tasks[k]->id, sizeof id);
-        bf_status status = study__task_turn(s->tasks[k], &is_over, &err);
+        if (!studies__goes_on(s))
+            break;
+        bf_status status = study__task_turn(s->tasks[k], &is_over, &has_more, &err);
+        if (has_more)
+            note_more(s);
         if (status == BF_OK && !is_over) {
             k++;
             continue;

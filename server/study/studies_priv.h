@@ -13,6 +13,7 @@
 enum {
     STUDIES_AT_WORK = 8,    ///< studies that take turns; others wait
     STUDIES_OPEN_MAX = 256, ///< trials of a study that wait or run
+    STUDIES_TURN_MS = 200,  ///< that a study may take until others have their turn
 };
 
 /// A trial that has not ended.
@@ -50,8 +51,12 @@ struct studies {
     liveness liveness;                   ///< of the thread
     size_t n_tasks;                      ///< studies at work
     study__task *tasks[STUDIES_AT_WORK]; ///< n_tasks
+    size_t n_removals;                   ///< the thread's: counts turns of those that are removed
     int64_t again_ms; ///< the thread's: when to look again without being woken; -1: never
 };
+
+/// Between two things that take time: say that the thread lives. False: it is to end, and what is left is left.
+bool studies__goes_on(studies *s);
 
 /// Bring a study from what the store has of it. The caller owns *ret_task: study__task_destroy(). BF_ECORRUPT: its
 /// trials are not those that it would make.
@@ -61,9 +66,11 @@ BF_MUST_CHECK bf_status study__task_create(studies *s, const api_study *about,
 /// Free a study. NULL is fine.
 void study__task_destroy(study__task *t);
 
-/// Do what can be done: take what trials found, and begin others while it is running. *ret_is_over: it has ended, or rests
-/// without a trial that runs. On failure the study is to be brought again.
-BF_MUST_CHECK bf_status study__task_turn(study__task *t, bool *ret_is_over, bf_error *err);
+/// Take what trials found, and begin others while it is running, for STUDIES_TURN_MS and one trial. *ret_is_over: it has
+/// ended, or rests without a trial that runs; *ret_has_more: there may be more to begin. On failure the study is to be
+/// brought again.
+BF_MUST_CHECK bf_status study__task_turn(study__task *t, bool *ret_is_over, bool *ret_has_more,
+                                         bf_error *err);
 
 /// True if the failure is of the machine, not of the study.
 bool study__may_work_later(bf_status code);

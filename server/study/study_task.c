@@ -96,7 +96,8 @@ static bf_status replay(study__task *t, bf_error *err)
     do {
         query.from = t->n_begun;
         status = store_read_trials(t->owner->options.store, t->id, &query, take_stored, t, err);
-    } while (status == BF_OK && t->n_begun == query.from + query.limit);
+    } while (status == BF_OK && t->n_begun == query.from + query.limit &&
+             studies__goes_on(t->owner));
     return status;
 }
 
@@ -243,13 +244,18 @@ static bf_status make_begin(study__task *t, turn *u, bf_error *err)
 static bf_status make_begins(study__task *t, turn *u, bf_error *err)
 {
     const size_t room = room_of(t);
+    const int64_t until_ms = clock_monotonic_ms() + STUDIES_TURN_MS;
     bf_status status = BF_OK;
 
     if (t->n_told == study_trials(t->core))
         status = study_advance(t->core, err);
-    while (status == BF_OK && u->n_begins < room && u->n_begins < BEGINS_MAX &&
-           t->n_begun + u->n_begins < study_trials(t->core))
+    // Checking a scenario may take a while, and what is infeasible takes no room.
+    do {
+        if (status != BF_OK || u->n_begins >= room || u->n_begins >= BEGINS_MAX ||
+            t->n_begun + u->n_begins >= study_trials(t->core) || !studies__goes_on(t->owner))
+            break;
         status = make_begin(t, u, err);
+    } while (clock_monotonic_ms() < until_ms);
     return status;
 }
 
@@ -338,22 +344,16 @@ static bf_status take_turn(study__task *t, turn *u, bf_error *err)
     return status;
 }
 
-bf_status study__task_turn(study__task *t, bool *ret_is_over, bf_error *err)
+bf_status study__task_turn(study__task *t, bool *ret_is_over, bool *ret_has_more, bf_error *err)
 {
-    bool has_more = true;
+    turn *u = t->turn;
 
-    *ret_is_over = false;
-    while (has_more && !*ret_is_over) {
-        turn *u = t->turn;
-        bf_status status = store_find_study(t->owner->options.store, t->id, &u->about, err);
-        if (status == BF_OK)
-            status = take_turn(t, u, err);
-        has_more = u->n_begins > 0;
-        *ret_is_over = status == BF_OK && (api_study_state_is_end(u->about.state) ||
-                                           (u->about.state != API_STUDY_RUNNING && is_resting(t)));
-        empty_turn(u);
-        if (status != BF_OK)
-            return status;
-    }
-    return BF_OK;
+    bf_status status = store_find_study(t->owner->options.store, t->id, &u->about, err);
+    if (status == BF_OK)
+        status = take_turn(t, u, err);
+    *ret_has_more = u->n_begins > 0;
+    *ret_is_over = status == BF_OK && (api_study_state_is_end(u->about.state) ||
+                                       (u->about.state != API_STUDY_RUNNING && is_resting(t)));
+    empty_turn(u);
+    return status;
 }

@@ -413,7 +413,7 @@ static void a_study_goes_with_all_it_has_when_its_runs_have_gone(void **state)
     store *s = h->store;
     const api_study of = start_study(s, "", 0);
     api_study found;
-    api_run left;
+    bool has_runs = true;
 
     assert_int_equal(begin_trials(s, &of, 0, 2, NULL), BF_OK);
     assert_int_equal(store_forget_study(s, of.id, NULL), BF_ECONFLICT);
@@ -421,8 +421,12 @@ static void a_study_goes_with_all_it_has_when_its_runs_have_gone(void **state)
     assert_int_equal(store_find_study(s, of.id, &found, NULL), BF_ENOTFOUND);
     assert_int_equal(store_remove_study(s, of.id, API_ANY_REVISION, NULL), BF_ENOTFOUND);
     assert_int_equal(store_forget_study(s, of.id, NULL), BF_ECONFLICT);
-    while (store_find_run_of_study(s, of.id, &left, NULL) == BF_OK)
-        assert_int_equal(store_remove(s, left.id, API_ANY_REVISION, NULL), BF_OK);
+    const double n_commits = helper_read_metric("\nbeltflow_store_commit_operations_count ");
+    assert_int_equal(store_remove_runs_of_study(s, of.id, &has_runs, NULL), BF_OK);
+    assert_true(has_runs);
+    assert_true(helper_read_metric("\nbeltflow_store_commit_operations_count ") == n_commits + 1);
+    assert_int_equal(store_remove_runs_of_study(s, of.id, &has_runs, NULL), BF_OK);
+    assert_false(has_runs);
     assert_int_equal(store_forget_study(s, of.id, NULL), BF_OK);
     check_soundness(h);
     helper_store_close(h);

@@ -1,6 +1,6 @@
 // Studies at work, with a store and a solver that is this test: its figure is 100 - (duration - 3)^2.
 
-#include "server/study/studies.h"
+#include "server/study/studies_priv.h"
 
 #include "api/json/json_out.h"
 #include "api/results/key_figures.h"
@@ -13,6 +13,8 @@
 #include "tests/unit/server/helper_store.h"
 
 #include <math.h>
+#include <semaphore.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,9 +39,13 @@ static void note_queued(void *context)
     (void)context;
 }
 
+static void (*when_queued)(void *context) = note_queued; // on the thread of the studies
+
 static void start(world *w)
 {
-    const studies_options options = { .store = w->h->store, .n_workers = 1, .queued = note_queued };
+    const studies_options options = {
+        .store = w->h->store, .n_workers = 1, .queued = when_queued, .context = w
+    };
 
     assert_int_equal(studies_start(&options, &w->studies, NULL), BF_OK);
 }
@@ -241,6 +247,116 @@ static void only_some_trials_wait_at_a_time(void **state)
     await(w, sql, 1);
 }
 
+// 5,000 points that end at once: no run may have such a duration.
+#define INFEASIBLE                                                                                 \
+    STUDY("'range': [-5000, -1], 'steps': 5000", "'method': {'type': 'grid'}, 'limits': "          \
+                                                 "{'trials': 5000}")
+
+static sem_t was_queued;
+static atomic_uint n_queued;
+static atomic_bool was_alive;
+
+// The daemon is to stop while the first trials of many that end at once are told.
+static void wait_for_stop(void *context)
+{
+    studies *s = ((world *)context)->studies;
+    bool is_stopping = false;
+
+    if (atomic_fetch_add(&n_queued, 1) != 1) // the first time the study began
+        return;
+    assert_int_equal(sem_post(&was_queued), 0);
+    while (!is_stopping) {
+        lock_acquire(&s->lock);
+        is_stopping = s->is_stopping;
+        lock_release(&s->lock);
+        usleep(1000);
+    }
+}
+
+static void restart(world *w, void (*queued)(void *context))
+{
+    studies_stop(w->studies);
+    when_queued = queued;
+    atomic_store(&n_queued, 0);
+    assert_int_equal(sem_init(&was_queued, 0, 0), 0);
+    start(w);
+    when_queued = note_queued;
+}
+
+static void points_without_end_do_not_hold_up_the_stop(void **state)
+{
+    world *w = *state;
+
+    restart(w, wait_for_stop);
+    const api_study of = submit(w, INFEASIBLE);
+    assert_int_equal(sem_wait(&was_queued), 0);
+    studies_stop(w->studies);
+    const uint64_t n_trials = find(w, of.id).n_trials;
+    start(w); // and goes on where it was
+    assert_int_equal(atomic_load(&n_queued), 2);
+    assert_in_range(n_trials, 1, 64);
+    while (find(w, of.id).n_trials < 128)
+        usleep(1000);
+    reading *r = read_trials(w, of.id);
+    for (size_t k = 0; k < r->n; k++)
+        assert_int_equal(r->trials[k].state, API_TRIAL_INFEASIBLE);
+    free(r);
+}
+
+// What is asked in one turn is answered until the next one.
+static void ask_for_life(void *context)
+{
+    world *w = context;
+    const bool is_alive = studies_is_alive(w->studies);
+
+    if (atomic_fetch_add(&n_queued, 1) == 0)
+        return;
+    atomic_store(&was_alive, is_alive && atomic_load(&was_alive));
+    (void)sem_post(&was_queued);
+}
+
+static void points_without_end_leave_signs_of_life(void **state)
+{
+    world *w = *state;
+
+    atomic_store(&was_alive, true);
+    restart(w, ask_for_life);
+    submit(w, INFEASIBLE);
+    for (int k = 0; k < 5; k++)
+        assert_int_equal(sem_wait(&was_queued), 0);
+    assert_true(atomic_load(&was_alive));
+}
+
+// Eight are removed and a ninth is cancelled: that is done before the first run is removed. The trigger counts the runs
+// at that moment.
+static void removals_do_not_hold_up_a_cancel(void **state)
+{
+    world *w = *state;
+    api_study all[9], after;
+    char sql[400];
+
+    for (size_t k = 0; k < 9; k++)
+        all[k] = submit(w, GRID);
+    await(w, "SELECT count(*) FROM runs WHERE state = 0", 32); // 4 of each that is at work
+    studies_stop(w->studies);
+    for (size_t k = 0; k < 8; k++)
+        assert_int_equal(store_remove_study(w->h->store, all[k].id, API_ANY_REVISION, NULL), BF_OK);
+    assert_int_equal(store_change_study(w->h->store, all[8].id, API_ANY_REVISION, API_STUDY_CANCEL,
+                                        &after, NULL),
+                     BF_OK);
+    helper_store_close(w->h);
+    helper_store_sql(w->h, "CREATE TABLE noted (n INTEGER)");
+    snprintf(sql, sizeof sql,
+             "CREATE TRIGGER note AFTER UPDATE OF state ON studies WHEN new.id = '%s' AND "
+             "new.finished_ms > 0 BEGIN INSERT INTO noted SELECT count(*) FROM runs; END",
+             all[8].id);
+    helper_store_sql(w->h, sql);
+    helper_store_open(w->h);
+    start(w);
+    await(w, "SELECT count(*) FROM runs", 0);
+    assert_int_equal(helper_store_sql(w->h, "SELECT n FROM noted"), 32);
+}
+
 // The interruption comes while a round of the search is under way.
 static void a_study_that_is_interrupted_makes_the_same_trials(void **state)
 {
@@ -418,6 +534,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(a_grid_is_solved_and_its_best_point_told),
         CASE(only_some_trials_wait_at_a_time),
+        CASE(points_without_end_do_not_hold_up_the_stop),
+        CASE(points_without_end_leave_signs_of_life),
+        CASE(removals_do_not_hold_up_a_cancel),
         CASE(a_study_that_is_interrupted_makes_the_same_trials),
         CASE(what_ended_while_nobody_looked_is_taken_at_the_next_start),
         CASE(a_trial_whose_run_fails_has_no_value),
