@@ -92,6 +92,7 @@ typedef struct api_lease_job {
 typedef struct api_lease {
     char id[API_ID_SIZE]; ///< "": there are no jobs
     uint32_t retry_s;     ///< without jobs: seconds until it helps to ask again
+    uint64_t body_bytes;  ///< that a request of the worker may have; 0: any number
     size_t n_jobs;        ///< jobs
     api_lease_job *jobs;  ///< n_jobs
 } api_lease;

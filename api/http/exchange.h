@@ -55,10 +55,11 @@ typedef struct api_request {
     bool (*reserve)(void *header_context, uint64_t n);
     void *header_context; ///< given to both
     const _Atomic bool
-        *is_cancelled;  ///< set when nobody waits for the answer any more; NULL: never
-    const char *body;   ///< n_body bytes; may be NULL when 0
-    size_t n_body;      ///< bytes
-    const char *client; ///< address that limits hold for, shorter than API_CLIENT_SIZE; NULL: none
+        *is_cancelled;   ///< set when nobody waits for the answer any more; NULL: never
+    const char *body;    ///< n_body bytes; may be NULL when 0
+    size_t n_body;       ///< bytes
+    uint64_t body_limit; ///< bytes that a body may have; 0: not known
+    const char *client;  ///< address that limits hold for, shorter than API_CLIENT_SIZE; NULL: none
     const api_long_poll *polled; ///< what the first answer waited for; NULL: this is the first
     uint64_t token;              ///< number of the token that the first answer was for; 0: none
 } api_request;

@@ -56,6 +56,7 @@ bf_status handlers_leases_take(exchange *x, bf_error *err)
         who.token = x->who.token;
     if (status == BF_OK)
         status = leases->lease(leases->context, &who, &lease, err);
+    lease.body_bytes = x->request->body_limit;
     if (status == BF_OK)
         status = lease_json_write(&lease, &x->response->body, err);
     api_lease_fini(&lease);

@@ -199,18 +199,19 @@ static bool is_lease_id(const char *text)
 static bf_status read_lease(json_t *root, api_lease *lease, bf_error *err)
 {
     json_t *id = NULL, *jobs = NULL;
-    json_int_t retry = 0;
+    json_int_t retry = 0, body_bytes = 0;
     json_error_t why;
 
-    if (json_unpack_ex(root, &why, 0, "{so sI so}", "id", &id, "retry_s", &retry, "jobs", &jobs) !=
-        0)
+    if (json_unpack_ex(root, &why, 0, "{so sI s?I so}", "id", &id, "retry_s", &retry, "body_bytes",
+                       &body_bytes, "jobs", &jobs) != 0)
         return fail_answer(err, why.text);
     const char *text = json_is_string(id) ? json_string_value(id) : NULL;
     const bool is_id = json_is_null(id) || (text != NULL && is_lease_id(text) &&
                                             copy_text(text, sizeof lease->id, lease->id));
-    if (retry < 0 || retry > UINT16_MAX || !json_is_array(jobs) || !is_id)
+    if (retry < 0 || retry > UINT16_MAX || body_bytes < 0 || !json_is_array(jobs) || !is_id)
         return fail_answer(err, "a lease has values beyond their limits");
     lease->retry_s = (uint32_t)retry;
+    lease->body_bytes = (uint64_t)body_bytes;
     return text == NULL ? BF_OK : read_jobs(jobs, lease, err);
 }
 

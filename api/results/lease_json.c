@@ -258,6 +258,7 @@ typedef struct lease_view {
     uint32_t renew_s;
     uint32_t expires_s;
     uint32_t retry_s;
+    uint64_t body_bytes;
     size_t n_jobs;
     const api_lease_job *jobs;
 } lease_view;
@@ -269,6 +270,8 @@ static const member lease_members[] = {
     MEMBER("expires_s", count, AT(expires_s), "After so long without a word it is over",
            .unit = "s"),
     MEMBER("retry_s", count, AT(retry_s), "Without jobs: when it helps to ask again", .unit = "s"),
+    MEMBER("body_bytes", size, AT(body_bytes), "Of a request at most; 0: any number",
+           .unit = "bytes"),
     MEMBER("jobs", list, AT(jobs), "What is to be solved, in this order", .offset_n = AT(n_jobs),
            .table = &lease_json_job),
 };
@@ -343,6 +346,7 @@ bf_status lease_json_write(const api_lease *lease, bf_buffer *out, bf_error *err
                               .renew_s = API_LEASE_RENEW_S,
                               .expires_s = API_LEASE_EXPIRES_S,
                               .retry_s = lease->retry_s,
+                              .body_bytes = lease->body_bytes,
                               .n_jobs = lease->n_jobs,
                               .jobs = lease->jobs };
 

@@ -223,6 +223,9 @@ static bf_status check_texts(const config *c, bf_error *err)
     return BF_OK;
 }
 
+// What a worker that has API_LEASE_JOBS_MAX jobs says of them when it renews their lease. Frames come in smaller requests.
+enum { WORKERS_BODY_BYTES = 262144 };
+
 static bf_status check_pairs(const config *c, bf_error *err)
 {
     bf_error found = { 0 };
@@ -230,6 +233,11 @@ static bf_status check_pairs(const config *c, bf_error *err)
     if (config_find_executor(c) == CONFIG_SLURM && c->slurm_url[0] == '\0')
         return bf_fail(err, BF_EINPUT, "", "%s: executor = slurm needs slurm_url",
                        c->origins[CONFIG_executor]);
+    if (config_find_executor(c) != CONFIG_LOCAL && c->body_bytes < WORKERS_BODY_BYTES)
+        return bf_fail(err, BF_EINPUT, "",
+                       "%s: workers send requests of up to %d bytes, more than body_bytes = %llu",
+                       c->origins[CONFIG_body_bytes], WORKERS_BODY_BYTES,
+                       (unsigned long long)c->body_bytes);
     bf_status status = http_check_listen(c->listen, c->plaintext, &found);
     return status == BF_OK
                ? BF_OK

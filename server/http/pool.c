@@ -2,10 +2,11 @@
 // threads never block. The pool has exclusive access to a queued request: its connection is suspended, so MHD calls
 // nothing for it until MHD_resume_connection(), after which the pool does not touch it any more.
 //
-// Four lanes, each a queue, so that one kind of work does not stand in the way of another. Of n request
-// threads that were asked for, 2 n + 2 are started:
+// Five lanes, each a queue, so that one kind of work does not stand in the way of another. Of n request
+// threads that were asked for, 2 n + 3 are started:
 //
-//     health     1 at a time      GET /readyz
+//     health     1 at a time      GET /readyz, which may wait for the disk
+//     figures    1 at a time      GET /metrics, which never does
 //     checks     n at a time      requests with a scenario to check, which computes up to a second
 //     requests   n at a time      every other request
 //     chunks     n at a time      what is pulled (pull.c); requests and chunks together: n + 1
@@ -24,10 +25,18 @@
 #include "core/base/memory.h"
 
 #include <microhttpd.h>
+#include <string.h>
 
 enum { QUEUE_PER_THREAD = 16 }; // requests that may wait for a request thread
 
-typedef enum pool_lane { LANE_HEALTH, LANE_CHECKS, LANE_REQUESTS, LANE_CHUNKS, N_LANES } pool_lane;
+typedef enum pool_lane {
+    LANE_HEALTH,
+    LANE_FIGURES,
+    LANE_CHECKS,
+    LANE_REQUESTS,
+    LANE_CHUNKS,
+    N_LANES
+} pool_lane;
 
 struct http_pool {
     lock lock;                    // guards all but the threads
@@ -50,13 +59,15 @@ static pool_lane lane_of(const http_request *r)
         return LANE_CHUNKS;
     if (r->cost == API_COST_CHECK)
         return LANE_CHECKS;
-    return r->cost == API_COST_HEALTH ? LANE_HEALTH : LANE_REQUESTS;
+    if (r->cost != API_COST_HEALTH)
+        return LANE_REQUESTS;
+    return strcmp(r->path, "/readyz") == 0 ? LANE_HEALTH : LANE_FIGURES;
 }
 
 // True if a thread may take something of this lane now.
 static bool is_open(const http_pool *p, pool_lane lane)
 {
-    if (lane == LANE_HEALTH)
+    if (lane == LANE_HEALTH || lane == LANE_FIGURES)
         return p->n_busy[lane] == 0;
     if (lane == LANE_CHECKS)
         return p->n_busy[lane] < p->n;
@@ -73,6 +84,8 @@ static pool_lane choose_lane(const http_pool *p)
         can[lane] = p->first[lane] != NULL && is_open(p, lane);
     if (can[LANE_HEALTH])
         return LANE_HEALTH;
+    if (can[LANE_FIGURES])
+        return LANE_FIGURES;
     if (can[LANE_CHECKS])
         return LANE_CHECKS;
     if (can[LANE_CHUNKS] && (p->is_turn_of_chunks || !can[LANE_REQUESTS]))
@@ -145,7 +158,7 @@ static void *work(void *context)
 
 bf_status http__pool_start(unsigned n, http_pool **ret_pool, bf_error *err)
 {
-    unsigned n_threads = 2 * n + 2;
+    unsigned n_threads = 2 * n + 3;
     http_pool *p = memory_alloc(1, sizeof *p + n_threads * sizeof p->threads[0]);
 
     if (p == NULL)

@@ -109,6 +109,7 @@ static api_request view(http_request *r)
                           .header_context = r,
                           .body = r->body.bytes,
                           .n_body = r->body.n,
+                          .body_limit = r->server->options.body_limit,
                           .client = r->client.is_local ? NULL : r->client.text };
 }
 
@@ -343,14 +344,15 @@ bool http__request_work(http_request *r)
     return true;
 }
 
-// True if handling it can wait for the disk, so it needs a request thread. Of the health routes
-// only readiness does: it writes to the store. A run that is at hand now may not be in a moment; then it is read here.
+// True if handling it can wait for the disk or takes a while, so that it needs a request thread. Of the health routes only
+// liveness does not: readiness writes to the store, and many figures take some milliseconds, in which nobody would hear
+// whether the daemon lives. A run that is at hand now may not be in a moment; then it is read here.
 static bool can_block(http_request *r)
 {
     const api_request request = view(r);
 
     if (r->cost == API_COST_HEALTH)
-        return strcmp(r->path, "/readyz") == 0;
+        return strcmp(r->path, "/livez") != 0;
     if (r->cost == API_COST_STORE && api_request_is_at_hand(&r->server->services, &request))
         return false;
     return r->cost > API_COST_HEALTH || http__page_may_have(r->server, r->path);

@@ -291,7 +291,8 @@ static void admit(http_request *r)
 
     if (!is_pulled(r) || http__pull_begin_body(r))
         return;
-    (void)bf_fail(&err, BF_EBUSY, "", "there are %u %s, which is the limit",
+    (void)bf_fail(&err, BF_EBUSY, "",
+                  "there are %u %s, which is the limit, or a client has its share of them",
                   is_stream ? r->server->options.stream_limit : r->server->options.download_limit,
                   is_stream ? "event streams" : "downloads");
     http__respond_refuse(r, 503, &err);

@@ -108,15 +108,15 @@ static void look(slurm *s, int64_t now_ms)
     buffer_fini(&out);
 }
 
-// Workers that all runs which wait or are being solved would keep busy.
+// Workers that all runs which may be claimed or are being solved would keep busy.
 static uint64_t count_wanted(const slurm *s)
 {
     const slurm_settings *settings = &s->options.settings;
     store_stats stats;
 
     store_read_stats(s->options.store, &stats);
-    const uint64_t n_cores = stats.n_runs[RUN_QUEUED] * s->options.n_threads +
-                             pull_executor_count_cores(s->options.pull);
+    const uint64_t n_cores =
+        stats.n_claimable * s->options.n_threads + pull_executor_count_cores(s->options.pull);
     const uint64_t n_workers = (n_cores + settings->cores - 1) / settings->cores;
     const uint64_t n = n_workers < settings->n_workers_max ? n_workers : settings->n_workers_max;
 

@@ -99,11 +99,12 @@ static bf_status copy_to(const store__connection *source, const char *file, bf_e
     return status;
 }
 
-// A directory of a service that never had tokens may have no file of them.
+// The file of a service that never had tokens has none, or is not there.
 static bf_status copy_tokens(const char *directory, const char *file, bf_error *err)
 {
     char path[STORE__PATH_SIZE + 16], copied[STORE__PATH_SIZE + 16];
     store__connection source;
+    int64_t n_tokens = 0;
 
     (void)snprintf(path, sizeof path, "%.*s/access.db", STORE__PATH_SIZE - 1, directory);
     (void)snprintf(copied, sizeof copied, "%.*s.access", STORE__PATH_SIZE - 1, file);
@@ -112,7 +113,9 @@ static bf_status copy_tokens(const char *directory, const char *file, bf_error *
     bf_status status = store__connect(path, STORE__READ_ONLY, &source, err);
     if (status != BF_OK)
         return status;
-    status = copy_to(&source, copied, err);
+    status = store__read_number(&source, STORE__SQL_COUNT_TOKENS, &n_tokens, err);
+    if (status == BF_OK && n_tokens > 0)
+        status = copy_to(&source, copied, err);
     store__disconnect(&source);
     return status;
 }

@@ -5,7 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { KEYS_MAX = 100000 }; // answers that are stored for requests that come again
+enum {
+    KEYS_MAX = 100000, // answers of a route that are stored for an owner's requests that come again
+    TRIM_EVERY = 64,   // between counts, where owners take turns
+};
 
 static bool are_same(const store__key *a, const store__key *b)
 {
@@ -91,11 +94,26 @@ bf_status store__find_answer(store__connection *writer, const store *s, const st
     return status;
 }
 
-// The oldest go when there are too many. Their numbers rise without gaps.
-static bf_status trim_keys(store__connection *writer, bf_error *err)
+// The oldest of the same owner go when there are too many. Counting takes as long as there are, so it is done only where
+// the numbers, which rise without gaps over all owners, allow too many, and then not each time.
+static bf_status trim_keys(store__connection *writer, const store__key *key, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_TRIM_KEYS);
-    store__bind_integer(&q, sqlite3_last_insert_rowid(writer->db) - KEYS_MAX);
+    const int64_t last = sqlite3_last_insert_rowid(writer->db);
+    int64_t n_most = 0;
+    bool has_row = false;
+
+    store__query q = store__begin(writer, STORE__SQL_OLDEST_KEY);
+    store__bind_text(&q, key->route, strlen(key->route));
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        n_most = last - sqlite3_column_int64(q.statement, 0) + 1;
+    store__end(&q);
+    const int64_t n_beyond = n_most - KEYS_MAX;
+    if (status != BF_OK || n_beyond <= 0 || (n_beyond >= TRIM_EVERY && n_beyond % TRIM_EVERY != 0))
+        return status;
+    q = store__begin(writer, STORE__SQL_TRIM_KEYS);
+    store__bind_text(&q, key->route, strlen(key->route));
+    store__bind_integer(&q, KEYS_MAX);
     return store__run(&q, err);
 }
 
@@ -113,5 +131,5 @@ bf_status store__insert_answer(store__connection *writer, const store__key *key,
     store__bind_integer(&q, at_ms);
     store__bind_text(&q, accepted->answer.bytes, accepted->answer.n);
     bf_status status = store__run(&q, err);
-    return status == BF_OK ? trim_keys(writer, err) : status;
+    return status == BF_OK ? trim_keys(writer, key, err) : status;
 }

@@ -1,6 +1,7 @@
 // Periodic work of the store's thread, in turns: results without a run are removed, then runs
-// beyond the limits, the one that ended first before all others, then idempotency keys that are too old. A
-// turn is a row of small transactions with the groups of others in between.
+// beyond the limits, then idempotency keys that are too old. Of those that are too old the one that ended first goes, and
+// where there are too many, or too much, one of the owner who has most: cached ones first, then the one that ended first, so
+// that no owner's runs make those of another go. A turn is a row of small transactions with the groups of others in between.
 //
 // Pages that become free stay in the file and are used again, so the file is as long as it ever had to
 // be; the limit of bytes counts pages in use, which every removal lowers, so that it is reached.
@@ -76,6 +77,29 @@ static bf_status warn(step *st, bf_error *err)
     return status;
 }
 
+// One of the owner who has most of what the rule limits. What is only of trials that are open leaves *first as it was.
+static bf_status find_first_to_go(const step *st, store__row *first, bf_error *err)
+{
+    const bool is_of_runs = strcmp(st->rule, "retention_runs") == 0;
+    char owner[API_OWNER_SIZE] = "";
+    bool has_row = false;
+    store__row row;
+
+    if (strcmp(st->rule, "retention_days") == 0)
+        return BF_OK;
+    store__query q = store__begin(st->writer, is_of_runs ? STORE__SQL_OWNER_OF_MOST_RUNS
+                                                         : STORE__SQL_OWNER_OF_MOST_BYTES);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        store__column_text(&q, 0, owner, sizeof owner);
+    store__end(&q);
+    if (status == BF_OK && has_row)
+        status = store__find_first(st->writer, STORE__SQL_FIRST_TO_GO, owner, &row, &has_row, err);
+    if (status == BF_OK && has_row)
+        *first = row;
+    return status;
+}
+
 static bf_status remove_oldest(step *st, const store__row *oldest, bf_error *err)
 {
     bool is_over = false; // if not, the next step finds what is left over
@@ -107,6 +131,8 @@ static bf_status do_step(step *st, bf_error *err)
             store__find_first(st->writer, STORE__SQL_OLDEST_ENDED, NULL, &oldest, &has_oldest, err);
     if (status == BF_OK && has_oldest)
         status = find_rule(st, &oldest, &st->rule, err);
+    if (status == BF_OK && has_oldest && st->rule != NULL)
+        status = find_first_to_go(st, &oldest, err);
     if (status != BF_OK)
         return status;
     return st->rule != NULL ? remove_oldest(st, &oldest, err) : end_turn(st, has_oldest, err);

@@ -347,10 +347,17 @@ static const char schema_14[] =
 static const char schema_15[] =
     "ALTER TABLE runs ADD COLUMN hand_backs INTEGER NOT NULL DEFAULT 0;";
 
+// Runs that ended, by owner, those first that retention removes first.
+static const char schema_16[] =
+    "CREATE INDEX runs_ended_by_owner ON runs (owner, is_cached DESC, finished_ms, id) "
+    "WHERE state >= 2;"
+    "CREATE INDEX answers_by_route ON answers (route);"; // a route names the owner, too
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
-                                          schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
-                                          schema_11, schema_12, schema_13, schema_14, schema_15 };
+const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,
+                                          schema_5,  schema_6,  schema_7,  schema_8,
+                                          schema_9,  schema_10, schema_11, schema_12,
+                                          schema_13, schema_14, schema_15, schema_16 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

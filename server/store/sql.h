@@ -101,6 +101,11 @@
     X(COUNT_QUEUED_OF, "SELECT count(*) FROM runs INDEXED BY runs_by_client WHERE state = 0 "      \
                        "AND client <> '' AND client = ?1")                                         \
     X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_by_state GROUP BY state")    \
+    X(COUNT_CLAIMABLE,                                                                             \
+      "SELECT (SELECT count(*) FROM runs INDEXED BY runs_waiting WHERE state = 0 "                 \
+      "AND parent = '') + (SELECT count(*) FROM runs INDEXED BY trials_waiting WHERE state = 0 "   \
+      "AND parent <> '' AND parent IN "                                                            \
+      "(SELECT id FROM studies WHERE state = 1 AND stop_request = 0))")                            \
     X(OLDEST_QUEUED, "SELECT created_ms FROM runs INDEXED BY runs_by_state WHERE state = 0 "       \
                      "AND parent = '' ORDER BY id LIMIT 1")                                        \
     X(LIST_QUEUED, "SELECT id, parent FROM runs INDEXED BY runs_by_state WHERE state = 0 "         \
@@ -193,7 +198,10 @@
     X(INSERT_KEY, "INSERT INTO answers (route, key, digest, id, revision, at_ms, data) "           \
                   "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")                                           \
     X(EXPIRE_KEYS, "DELETE FROM answers WHERE at_ms < ?1")                                         \
-    X(TRIM_KEYS, "DELETE FROM answers WHERE number <= ?1")                                         \
+    X(OLDEST_KEY, "SELECT min(number) FROM answers INDEXED BY answers_by_route WHERE route = ?1")  \
+    X(TRIM_KEYS, "DELETE FROM answers WHERE route = ?1 AND number <= (SELECT number FROM answers " \
+                 "INDEXED BY answers_by_route WHERE route = ?1 ORDER BY number DESC LIMIT 1 "      \
+                 "OFFSET ?2)")                                                                     \
     X(HAS_TOKENS, "SELECT count(*) FROM sqlite_schema WHERE name = 'tokens'")                      \
     X(CREATE_TOKENS,                                                                               \
       "CREATE TABLE IF NOT EXISTS tokens (id INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT NOT "    \
@@ -215,6 +223,16 @@
       "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state >= 2 "                                  \
       "AND NOT EXISTS (SELECT 1 FROM trials WHERE trials.run = runs.id AND ended = 0) "            \
       "ORDER BY finished_ms, id LIMIT 1")                                                          \
+    X(OWNER_OF_MOST_RUNS, "SELECT owner FROM runs INDEXED BY runs_ended_by_owner "                 \
+                          "WHERE state >= 2 GROUP BY owner ORDER BY count(*) DESC, owner LIMIT 1") \
+    X(OWNER_OF_MOST_BYTES,                                                                         \
+      "SELECT owner FROM owners WHERE EXISTS (SELECT 1 FROM runs INDEXED BY runs_ended_by_owner "  \
+      "WHERE state >= 2 AND runs.owner = owners.owner) ORDER BY n_bytes DESC, owner LIMIT 1")      \
+    X(FIRST_TO_GO,                                                                                 \
+      "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_ended_by_owner WHERE state >= 2 "   \
+      "AND owner = ?1 AND NOT EXISTS "                                                             \
+      "(SELECT 1 FROM trials WHERE trials.run = runs.id AND ended = 0) "                           \
+      "ORDER BY is_cached DESC, finished_ms, id LIMIT 1")                                          \
     X(COUNT_ENDED, "SELECT count(*) FROM runs WHERE state >= 2")                                   \
     X(PAGE_SIZE, "PRAGMA page_size")                                                               \
     X(COUNT_PAGES, "PRAGMA page_count")                                                            \

@@ -57,6 +57,10 @@ bf_status store__count_stats(store *s, store_stats *ret_stats, bf_error *err)
     bf_status status = count_states(&s->writer, &stats, err);
     if (status == BF_OK)
         status = find_oldest(&s->writer, &stats, err);
+    int64_t n_claimable = 0;
+    if (status == BF_OK)
+        status = store__read_number(&s->writer, STORE__SQL_COUNT_CLAIMABLE, &n_claimable, err);
+    stats.n_claimable = (uint64_t)n_claimable;
     if (status == BF_OK)
         *ret_stats = stats;
     return status;

@@ -21,7 +21,7 @@
 ///       several runs have is that of a run that succeeded, and never changes again.
 ///   I11 The answer to an idempotency key is stored with the run that it describes, in one transaction;
 ///       while it is stored, the key makes no second run.
-///   I12 What retention removes has ended, and there is no run that ended before it.
+///   I12 What retention removes has ended: for its age the run that ended first, else one of the owner who has most.
 ///   I13 A measurement is there with all its samples or text or not at all, never changes, and lives until
 ///       it is removed itself. There are at most API_MEASUREMENTS_MAX.
 ///   I14 A stop request is on disk before its requester is answered, and goes with the run's end. A run with
@@ -187,9 +187,10 @@ BF_MUST_CHECK bf_status store_read_events(store *s, const char (*runs)[API_ID_SI
 /// Counts and sizes of what the store holds.
 typedef struct store_stats {
     uint64_t n_runs[RUN_STATE_COUNT]; ///< runs by state
-    int64_t oldest_queued_ms;         ///< when the oldest run that waits was created; 0: none waits
-    uint64_t file_bytes;              ///< of the database
-    uint64_t log_bytes;               ///< of its write-ahead log
+    uint64_t n_claimable;     ///< of those that wait, what is no trial of a study that rests
+    int64_t oldest_queued_ms; ///< when the oldest run that waits was created; 0: none waits
+    uint64_t file_bytes;      ///< of the database
+    uint64_t log_bytes;       ///< of its write-ahead log
 } store_stats;
 
 /// The stats as they were when they were last counted, a second ago at most unless the store's

@@ -70,6 +70,7 @@ typedef struct worker {
     uint64_t sent_to
         [API_LEASE_JOBS_MAX]; ///< WORKER_REQUEST_FRAMES: end of what it has of each job; 0: nothing
     bool is_ended[API_LEASE_JOBS_MAX]; ///< WORKER_REQUEST_RENEW: the job is told to have ended
+    size_t request_bytes;              ///< of a request, as the service lets; 0: not said
     int64_t ask_ms;                    ///< when to ask for jobs
     int64_t busy_ms;                   ///< when there last was a job
     int64_t retry_ms;                  ///< no request before: the last one failed

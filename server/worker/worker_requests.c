@@ -14,7 +14,7 @@ enum {
     SEND_BYTES = 256 * 1024,    // are sent at once
     SECTION_BYTES = SEND_BYTES, // of a job in a request, so that one does not keep others waiting
     SECTION_HEADER = 16,
-    REQUEST_BYTES = 1000 * 1024, // of frames with their headers
+    REQUEST_BYTES = 1000 * 1024, // of frames with their headers, unless the service lets fewer
     PAUSE_MS = 100,
     RENEW_MS = API_LEASE_RENEW_S * 1000,
     BACKOFF_LEAST_MS = 500,
@@ -67,11 +67,17 @@ static bf_status write_lease(worker *w, bf_error *err)
     return lease_client_write_worker(&w->options->who, &w->body, err);
 }
 
+static size_t request_bytes(const worker *w)
+{
+    return w->request_bytes > 0 && w->request_bytes < REQUEST_BYTES ? w->request_bytes
+                                                                    : REQUEST_BYTES;
+}
+
 static bf_status append_section(worker *w, const worker_job *job, bf_error *err)
 {
     static char bytes[SECTION_BYTES]; // one thread
     const uint64_t n_left = job->n_spooled - job->n_taken;
-    const size_t n_room = REQUEST_BYTES - SECTION_HEADER - w->body.n;
+    const size_t n_room = request_bytes(w) - SECTION_HEADER - w->body.n;
     size_t n = n_left < SECTION_BYTES ? (size_t)n_left : SECTION_BYTES;
 
     n = n < n_room ? n : n_room;
@@ -92,7 +98,7 @@ static bf_status write_frames(worker *w, worker_lease *lease, int64_t now, bf_er
     lease->sent_ms = now;
     for (size_t k = 0; k < lease->n_jobs && status == BF_OK; k++)
         if (lease->jobs[k].n_taken < lease->jobs[k].n_spooled &&
-            w->body.n + SECTION_HEADER < REQUEST_BYTES)
+            w->body.n + SECTION_HEADER < request_bytes(w))
             status = append_section(w, &lease->jobs[k], err);
     return status;
 }
@@ -317,6 +323,7 @@ static bf_status take_lease(worker *w, const bf_buffer *body, int64_t now, bf_er
     int64_t wait_ms = (int64_t)lease.retry_s * 1000;
     wait_ms = wait_ms < ASK_LEAST_MS ? ASK_LEAST_MS : wait_ms;
     w->ask_ms = now + (wait_ms < ASK_MOST_MS ? wait_ms : ASK_MOST_MS);
+    w->request_bytes = (size_t)lease.body_bytes;
     if (lease.n_jobs > 0) {
         w->ask_ms = now;
         status = worker__add_lease(w, &lease, err);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { once } from "node:events";
-import { writeFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import net from "node:net";
 import path from "node:path";
 import test from "node:test";
@@ -12,7 +12,7 @@ import { holdStore, serviceManager } from "./beside.mjs";
 import { daemon } from "./daemon.mjs";
 import { childrenOf, runProgram } from "./processes.mjs";
 import { endless, tiny } from "./scenarios.mjs";
-import { isSanitized, temporaryFolder, until } from "./setup.mjs";
+import { isSanitized, root, temporaryFolder, until } from "./setup.mjs";
 
 // The samples of /metrics: "name{labels}" to number.
 async function metrics(d) {
@@ -45,6 +45,15 @@ test("promtool finds no fault with the metrics of a daemon that has worked", asy
   });
   assert.equal(error, undefined, `${error}: deploy/install-deps installs promtool`);
   assert.deepEqual({ status, stdout, stderr }, { status: 0, stdout: "", stderr: "" });
+});
+
+test("the shipped unit lets trials have a lower priority", () => {
+  const unit = readFileSync(path.join(root, "deploy/systemd/beltflow.service"), "utf8");
+  const filters = [...unit.matchAll(/^SystemCallFilter=(.*)$/gm)].map(([, words]) => words);
+  // setpriority is of the group @resources; a later line adds to what an earlier one took away.
+  const denied = filters.findIndex((words) => words.startsWith("~") && words.includes("@resources"));
+  const allowed = filters.findLastIndex((words) => words.split(" ").includes("setpriority"));
+  assert.ok(allowed > denied && denied >= 0, filters.join("\n"));
 });
 
 test("a daemon that others can reach says so in its log", async (t) => {

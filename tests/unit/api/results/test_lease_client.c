@@ -82,7 +82,9 @@ static void a_worker_reads_what_the_service_says(void **state)
                                .is_trial = true,
                                .predicted_s = NAN,
                                .n_bytes = 64 } };
-    const api_lease lease = { .id = RUN, .retry_s = 3, .n_jobs = 1, .jobs = jobs };
+    const api_lease lease = {
+        .id = RUN, .retry_s = 3, .body_bytes = 262144, .n_jobs = 1, .jobs = jobs
+    };
     api_job_state gone = { .job = 3, .next = 70, .stop = API_JOB_GONE };
     const api_job_states states = { .n = 1, .items = &gone };
     bf_buffer out = { .n = 0 };
@@ -94,6 +96,7 @@ static void a_worker_reads_what_the_service_says(void **state)
     assert_int_equal(lease_client_read_lease(out.bytes, out.n, &found, NULL), BF_OK);
     assert_string_equal(found.id, RUN);
     assert_int_equal(found.retry_s, 3);
+    assert_int_equal(found.body_bytes, 262144);
     assert_int_equal(found.n_jobs, 1);
     assert_int_equal(found.jobs[0].attempt, jobs[0].attempt);
     assert_int_equal(found.jobs[0].model, RUN_MICRO);

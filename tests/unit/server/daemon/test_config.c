@@ -416,11 +416,26 @@ static void a_flag_goes_before_the_environment_and_that_before_the_file(void **s
     assert_int_equal(unsetenv("BELTFLOW_WORKERS"), 0);
 }
 
+static void a_service_with_workers_takes_what_they_send(void **state)
+{
+    const char *words[] = { "beltflowd", "--executor", "pull", "--body-bytes", "262143" };
+    bf_error err = { 0 };
+    config c;
+
+    (void)state;
+    config_flags flags = parse(words, sizeof words / sizeof *words);
+    assert_int_equal(config_read(&flags, &c, &err), BF_EINPUT);
+    assert_non_null(strstr(err.text, "--body-bytes: workers send requests of up to 262144 bytes"));
+    words[4] = "262144";
+    flags = parse(words, sizeof words / sizeof *words);
+    assert_int_equal(config_read(&flags, &c, NULL), BF_OK);
+}
+
 static void a_text_at_fault_is_told_with_its_origin(void **state)
 {
-    static const char *const lines[] = { "listen = nowhere", "cors_origins = nonsense",
+    static const char *const lines[] = { "listen = nowhere",         "cors_origins = nonsense",
                                          "trusted_proxies = nobody", "plaintext = closed",
-                                         "listen = 0.0.0.0:80" };
+                                         "listen = 0.0.0.0:80",      "access = sometimes" };
     char path[256], text[128], expected[300];
 
     (void)state;
@@ -514,6 +529,7 @@ int main(void)
         cmocka_unit_test(a_reload_takes_what_it_can_and_tells_of_the_rest),
         cmocka_unit_test(the_sample_in_the_tree_is_up_to_date),
         cmocka_unit_test(a_flag_goes_before_the_environment_and_that_before_the_file),
+        cmocka_unit_test(a_service_with_workers_takes_what_they_send),
         cmocka_unit_test(a_text_at_fault_is_told_with_its_origin),
         cmocka_unit_test(what_lies_beside_the_program_is_found),
         cmocka_unit_test(what_was_set_is_not_looked_for),

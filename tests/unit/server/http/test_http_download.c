@@ -245,6 +245,51 @@ static void one_too_many_is_refused_until_another_client_leaves(void **state)
     buffer_fini(&answer);
 }
 
+static void allow_eight(http_options *options)
+{
+    options->download_limit = 8;
+    options->trusted_proxies = "127.0.0.1";
+}
+
+static int begin_download_for(const char *client)
+{
+    char text[200];
+    int fd = client_connect(http_port(server));
+
+    snprintf(text, sizeof text,
+             "GET /v1/runs/" FAKE_RUN "/results.zip HTTP/1.1\r\n" HOST
+             "X-Forwarded-For: %s\r\n\r\n",
+             client);
+    assert_true(client_send(fd, text));
+    return fd;
+}
+
+// The third of one client, whose first two are not read to their ends, is refused; another client begins one.
+static void slow_readers_of_one_client_leave_downloads_to_others(void **state)
+{
+    static const struct {
+        const char *client;
+        int status;
+    } asked[] = { { "198.51.100.1", 200 },
+                  { "198.51.100.1", 200 },
+                  { "198.51.100.1", 503 },
+                  { "198.51.100.2", 200 } };
+    bf_buffer answer = { 0 };
+    int fds[4];
+
+    (void)state;
+    serve(MANY, allow_eight);
+    for (size_t k = 0; k < 4; k++) {
+        answer.n = 0;
+        fds[k] = begin_download_for(asked[k].client);
+        assert_true(client_read_until(fds[k], &answer, "\r\n\r\n", HELPER_PATIENCE_MS));
+        assert_int_equal(client_status(&answer), asked[k].status);
+    }
+    for (size_t k = 0; k < 4; k++)
+        assert_int_equal(close(fds[k]), 0);
+    buffer_fini(&answer);
+}
+
 // Two request threads and many downloads: each piece takes its turn.
 static void two_request_threads(http_options *options)
 {
@@ -324,6 +369,7 @@ int main(void)
         SERVER_TEST(head_of_a_download_makes_nothing),
         SERVER_TEST(a_download_that_the_store_fails_is_torn_off),
         SERVER_TEST(one_too_many_is_refused_until_another_client_leaves),
+        SERVER_TEST(slow_readers_of_one_client_leave_downloads_to_others),
         SERVER_TEST(many_downloads_share_few_threads),
         SERVER_TEST(stopping_tears_downloads_off),
     };

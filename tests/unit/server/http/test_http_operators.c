@@ -134,8 +134,25 @@ static void request_threads_that_all_hang_give_none(void **state)
 }
 
 static api_services hanging;
+static bool (*fake_holds)(void *context, const char *id);
 
-// A thread that serves connections is made to hang by a route of the API that must not, but does.
+// A thread that serves connections is made to hang by what it does itself, which must not, but does.
+static bool hang_in_holds(void *context, const char *id)
+{
+    fake_hold(&server_services, FAKE_HELD_READY);
+    (void)hanging.ready(context, NULL);
+    return fake_holds(context, id);
+}
+
+static void hanging_connections(http_options *options)
+{
+    hanging = *options->services;
+    fake_holds = hanging.holds;
+    hanging.holds = hang_in_holds;
+    options->services = &hanging;
+    options->n_threads = 2;
+}
+
 static bf_status hang_in_metrics(void *context, bf_buffer *out, bf_error *err)
 {
     (void)out;
@@ -148,17 +165,33 @@ static void hanging_metrics(http_options *options)
     hanging = *options->services;
     hanging.metrics = hang_in_metrics;
     options->services = &hanging;
-    options->n_threads = 2;
+    options->n_threads = 1;
+}
+
+// Many figures take a while to be written, in which the only thread that serves connections answers others.
+static void figures_do_not_hold_up_signs_of_life(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, hanging_metrics);
+    int fd = client_connect(http_port(server));
+    assert_true(client_send(fd, "GET /metrics HTTP/1.1\r\n" HOST "\r\n"));
+    assert_true(fake_wait_for_held(&server_services, 1));
+    assert_int_equal(ask("/livez", &answer), 200);
+    fake_hold(&server_services, FAKE_HELD_NONE);
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&answer);
 }
 
 static void one_thread_of_several_that_hangs_is_found(void **state)
 {
     (void)state;
-    server = fake_serve(&server_services, hanging_metrics);
+    server = fake_serve(&server_services, hanging_connections);
     assert_true(http_is_alive(server)); // was never asked before
     server_await_sign_of_life();
     int fd = client_connect(http_port(server));
-    assert_true(client_send(fd, "GET /metrics HTTP/1.1\r\n" HOST "\r\n"));
+    assert_true(client_send(fd, "GET /v1/runs/" FAKE_RUN " HTTP/1.1\r\n" HOST "\r\n"));
     assert_true(fake_wait_for_held(&server_services, 1));
     (void)http_is_alive(server); // was asked before the trouble began
     assert_no_sign_of_life();
@@ -269,6 +302,7 @@ int main(void)
         CASE(metrics_are_answered_when_all_connections_but_the_reserve_are_taken),
         CASE(a_server_that_works_gives_signs_of_life),
         CASE(request_threads_that_all_hang_give_none),
+        CASE(figures_do_not_hold_up_signs_of_life),
         CASE(one_thread_of_several_that_hangs_is_found),
         CASE(while_all_connections_are_taken_nobody_is_thought_dead),
         CASE(limits_can_change_while_it_serves),

@@ -79,6 +79,51 @@ static void beyond_the_number_the_first_to_end_goes(void **state)
     assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM snapshots"), 1);
 }
 
+// A run of an owner that has ended, in a millisecond of its own; cached ones are of a scenario that is known.
+static api_run add_of(store *s, const char *owner, bool is_fresh)
+{
+    api_submission submission = { .model = RUN_MACRO, .is_fresh = is_fresh };
+
+    assert_int_equal(buffer_printf(&submission.scenario, "{}"), BF_OK);
+    assert_int_equal(buffer_printf(&submission.columns, "upstream,left_domain"), BF_OK);
+    assert_int_equal(buffer_printf(&submission.identity, "a"), BF_OK);
+    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
+    api_run record = helper_accept(s, &submission);
+    if (record.state == RUN_QUEUED) {
+        (void)helper_claim(s);
+        const store_ending ending = { .run_id = record.id, .state = RUN_SUCCEEDED };
+        assert_int_equal(store_finish(s, &ending, &record, NULL), BF_OK);
+    }
+    buffer_fini(&submission.scenario);
+    buffer_fini(&submission.columns);
+    buffer_fini(&submission.identity);
+    while (clock_unix_ms() == record.finished_ms)
+        nanosleep(&(struct timespec){ .tv_nsec = 100000 }, NULL);
+    return record;
+}
+
+// I12: one owner's cached answers, however many, cost another nothing, and go before his own results.
+static void the_owner_who_has_most_makes_room(void **state)
+{
+    helper_store *h = *state;
+    const api_run of_bob = add_of(h->store, "bob", true);
+    const api_run solved = add_of(h->store, "alice", true);
+    api_run cached[20];
+
+    for (size_t k = 0; k < 20; k++) {
+        cached[k] = add_of(h->store, "alice", false);
+        assert_true(cached[k].is_cached);
+    }
+    open_with(h, (store_retention){ .n_runs = 4 }, NULL, NULL);
+    helper_await_sql(h, "SELECT count(*) FROM runs", 4);
+    assert_true(is_there(h->store, &of_bob));
+    assert_true(is_there(h->store, &solved));
+    assert_true(is_there(h->store, &cached[19]));
+    assert_true(is_there(h->store, &cached[18]));
+    open_with(h, (store_retention){ .n_bytes = 1 }, NULL, NULL);
+    helper_await_sql(h, "SELECT count(*) FROM runs", 0);
+}
+
 // I12: what waits or runs stays, however old, and does not count.
 static void work_is_never_removed(void **state)
 {
@@ -211,6 +256,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         STORE_TEST(nothing_is_removed_unless_it_is_asked_for),
         STORE_TEST(beyond_the_number_the_first_to_end_goes),
+        STORE_TEST(the_owner_who_has_most_makes_room),
         STORE_TEST(work_is_never_removed),
         STORE_TEST(what_ended_too_long_ago_goes),
         STORE_TEST(the_limit_of_bytes_is_reached_and_stays),

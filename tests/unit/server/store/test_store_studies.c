@@ -1,6 +1,7 @@
 // Unit tests of the store: studies, their trials, and whose run is next. I1 ... I17 are the invariants of
 // server/store/store.h.
 
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_store.h"
 
 #include "server/store/backup.h"
@@ -407,6 +408,23 @@ static void what_is_to_be_cancelled_begins_no_trial_and_ends_once(void **state)
 }
 
 // I9
+// Workers are started for what may be claimed, not for what waits until somebody goes on with its study.
+static void trials_of_a_study_that_rests_are_not_claimable(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study of = start_study(s, "", 0);
+    api_study after;
+    store_stats stats = { .n_claimable = 0 };
+
+    assert_int_equal(begin_trials(s, &of, 0, 2, NULL), BF_OK);
+    (void)helper_submit(s, "", 0);
+    HELPER_AWAIT((store_read_stats(s, &stats), stats.n_claimable == 3));
+    assert_int_equal(store_change_study(s, of.id, API_ANY_REVISION, API_STUDY_PAUSE, &after, NULL),
+                     BF_OK);
+    HELPER_AWAIT((store_read_stats(s, &stats), stats.n_claimable == 1));
+    assert_int_equal(stats.n_runs[RUN_QUEUED], 3);
+}
+
 static void a_study_goes_with_all_it_has_when_its_runs_have_gone(void **state)
 {
     helper_store *h = *state;
@@ -503,6 +521,7 @@ int main(void)
         CASE(studies_take_turns_and_so_do_their_owners),
         CASE(what_is_paused_begins_no_trial_until_it_goes_on),
         CASE(what_is_to_be_cancelled_begins_no_trial_and_ends_once),
+        CASE(trials_of_a_study_that_rests_are_not_claimable),
         CASE(a_study_goes_with_all_it_has_when_its_runs_have_gone),
         CASE(lists_of_runs_have_trials_only_where_they_are_asked_for),
         CASE(trials_take_no_room_in_the_queue),
