@@ -202,7 +202,9 @@ static store_quotas quotas_of(const config *c)
 {
     return (store_quotas){ .n_waiting = c->owner_queue,
                            .cpu_s = c->owner_cpu_s,
-                           .n_bytes = c->owner_bytes };
+                           .n_bytes = c->owner_bytes,
+                           .n_measurements = c->owner_measurements,
+                           .n_studies = c->owner_studies };
 }
 
 static bf_status start_store(parts *p, bf_error *err)

@@ -70,6 +70,10 @@
       "CPU seconds of one owner's runs in 24 hours; 0: no limit")                                  \
     X(owner_bytes, NUMBER, "274877906944", 0, 1e15, RELOAD,                                        \
       "of results that one owner may keep; 0: no limit")                                           \
+    X(owner_measurements, NUMBER, "200", 0, 2000, RELOAD,                                          \
+      "measurements that one owner may keep; 0: no limit")                                         \
+    X(owner_studies, NUMBER, "100", 0, 1000, RELOAD,                                               \
+      "studies of one owner that have not ended; 0: no limit")                                     \
     X(hosts, TEXT, "", 0, 0, RESTART,                                                              \
       "names that requests may be sent to, beside the address to listen on")                       \
     X(trusted_proxies, TEXT, "", 0, 0, RESTART, "addresses whose X-Forwarded-For is believed")     \

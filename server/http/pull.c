@@ -82,10 +82,10 @@ static unsigned limit_of(const http *h, http_pull_kind kind)
 }
 
 // A client has a quarter of the downloads, so that slow readers of one do not keep all others waiting. This machine's own
-// clients have no share, as of other limits.
-static bool has_share(const http *h, const http_request *r, http_pull_kind kind)
+// clients have all of them, as of other limits.
+static bool may_download(const http *h, const http_request *r, http_pull_kind kind)
 {
-    const unsigned share = (h->options.download_limit + 3) / 4;
+    const unsigned n_most = (h->options.download_limit + 3) / 4;
     unsigned n = 0;
 
     lock_assert_held(&h->lock);
@@ -94,7 +94,7 @@ static bool has_share(const http *h, const http_request *r, http_pull_kind kind)
     for (const http_request *other = h->pulls; other != NULL; other = other->pull.next)
         n += other->pull.kind == kind &&
              memcmp(other->client.key, r->client.key, sizeof r->client.key) == 0;
-    return n < share;
+    return n < n_most;
 }
 
 // Puts the pull into the list. False: there are as many of its kind as may be.
@@ -110,7 +110,7 @@ static bool begin(http_request *r, http_pull_kind kind)
     // A long poll that begins now is answered at once.
     bool is_too_late = h->is_stopping && kind != HTTP_PULL_LONG_POLL;
     bool is_admitted =
-        !is_too_late && h->n_pulls[kind] < limit_of(h, kind) && has_share(h, r, kind);
+        !is_too_late && h->n_pulls[kind] < limit_of(h, kind) && may_download(h, r, kind);
     if (is_admitted) {
         h->n_pulls[kind]++;
         p->is_under_way = true;

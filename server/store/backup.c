@@ -201,11 +201,13 @@ static const question questions[] = {
       "SELECT count(*) FROM runs WHERE state <> 1 AND (stop_request <> 0 OR external_id <> '')" },
     { "I11", "an answer tells of the run that it names",
       "SELECT count(*) FROM answers WHERE length(digest) <> 32 OR instr(data, id) = 0" },
-    { "I16", "an owner's bytes are those of the runs",
+    { "I16", "an owner's bytes are those of the runs and measurements",
       "SELECT count(*) FROM owners AS o WHERE n_bytes <> "
       "(SELECT coalesce(sum(n_bytes), 0) FROM runs WHERE runs.owner = o.owner) + "
       "(SELECT coalesce(sum(n_bytes), 0) FROM results WHERE number IN "
-      "(SELECT results FROM runs WHERE runs.owner = o.owner))" },
+      "(SELECT results FROM runs WHERE runs.owner = o.owner)) + "
+      "(SELECT coalesce(sum(length(t) + length(counts) + length(CAST(csv AS BLOB))), 0) "
+      "FROM measurements AS m WHERE m.owner = o.owner)" },
     { "I17", "a study's trials are numbered without gaps, and counted",
       "SELECT count(*) FROM (SELECT s.*, count(t.number) AS n, coalesce(max(t.number) + 1, 0) AS "
       "behind, count(t.ended) FILTER (WHERE t.ended > 0) AS n_ended, coalesce(max(t.ended), 0) AS "

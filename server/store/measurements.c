@@ -1,3 +1,4 @@
+#include "server/store/quotas.h"
 #include "server/store/store_priv.h"
 
 #include "server/base/clock.h"
@@ -9,6 +10,7 @@
 
 // A measurement to be inserted or removed.
 typedef struct measure_context {
+    const store *store; // whose quotas count
     api_measurement about;
     const api_curve *curve; // to be inserted
     const bf_buffer *csv;   // same
@@ -42,6 +44,10 @@ static bf_status apply_add(store__connection *writer, store__operation *operatio
     const api_measurement *about = &context->about;
 
     bf_status status = check_count(writer, err);
+    if (status == BF_OK)
+        status = store__check_measurements(writer, context->store, about->owner, err);
+    if (status == BF_OK)
+        status = store__check_bytes(writer, context->store, about->owner, err);
     if (status != BF_OK)
         return status;
     store__query q = store__begin(writer, STORE__SQL_INSERT_MEASUREMENT);
@@ -64,7 +70,7 @@ bf_status store_add_measurement(store *s, const api_measurement *measurement,
                                 const api_curve *curve, const bf_buffer *csv,
                                 api_measurement *ret_measurement, bf_error *err)
 {
-    measure_context context = { .about = *measurement, .curve = curve, .csv = csv };
+    measure_context context = { .store = s, .about = *measurement, .curve = curve, .csv = csv };
 
     bf_status status = run_id_make(context.about.id, err);
     if (status != BF_OK)

@@ -20,7 +20,9 @@ store_quotas store__quotas(const store *s)
 {
     return (store_quotas){ .n_waiting = s->quotas.n_waiting,
                            .cpu_s = s->quotas.cpu_s,
-                           .n_bytes = s->quotas.n_bytes };
+                           .n_bytes = s->quotas.n_bytes,
+                           .n_measurements = s->quotas.n_measurements,
+                           .n_studies = s->quotas.n_studies };
 }
 
 void store_set_quotas(store *s, const store_quotas *quotas)
@@ -28,6 +30,8 @@ void store_set_quotas(store *s, const store_quotas *quotas)
     s->quotas.n_waiting = quotas->n_waiting;
     s->quotas.cpu_s = quotas->cpu_s;
     s->quotas.n_bytes = quotas->n_bytes;
+    s->quotas.n_measurements = quotas->n_measurements;
+    s->quotas.n_studies = quotas->n_studies;
 }
 
 bf_status store__charge(store__connection *writer, store__row *row, double cpu_s, bf_error *err)
@@ -158,6 +162,35 @@ bf_status store__check_bytes(store__connection *writer, const store *s, const ch
                    "%s has %" PRIu64 " bytes of results, of %" PRIu64
                    " allowed (owner_bytes): remove runs to make room",
                    owner, bytes.used, bytes.allowed);
+}
+
+static bf_status check_kept(store__connection *writer, store__sql count, uint64_t allowed,
+                            const char *owner, const char *what, bf_error *err)
+{
+    api_quota kept = { .allowed = allowed };
+
+    if (owner[0] == '\0' || allowed == 0)
+        return BF_OK;
+    bf_status status = read_for(writer, count, owner, &kept.used, err);
+    if (status != BF_OK || !is_used_up(&kept))
+        return status;
+    return bf_fail(err, BF_ECONFLICT, "", "%s has %" PRIu64 " %s", owner, kept.used, what);
+}
+
+bf_status store__check_measurements(store__connection *writer, const store *s, const char *owner,
+                                    bf_error *err)
+{
+    return check_kept(writer, STORE__SQL_COUNT_MEASUREMENTS_OF, s->quotas.n_measurements, owner,
+                      "measurements, as many as are allowed (owner_measurements): remove some "
+                      "first",
+                      err);
+}
+
+bf_status store__check_studies(store__connection *writer, const store *s, const char *owner,
+                               bf_error *err)
+{
+    return check_kept(writer, STORE__SQL_COUNT_OPEN_STUDIES_OF, s->quotas.n_studies, owner,
+                      "studies that have not ended, as many as are allowed (owner_studies)", err);
 }
 
 static bf_status check_waiting(store__connection *writer, uint64_t allowed, const char *owner,

@@ -16,6 +16,12 @@ BF_MUST_CHECK bf_status store__charge(store__connection *writer, store__row *row
 BF_MUST_CHECK bf_status store__check_bytes(store__connection *writer, const store *s,
                                            const char *owner, bf_error *err);
 
+/// Check that an owner may store a further measurement; have a further study. BF_ECONFLICT.
+BF_MUST_CHECK bf_status store__check_measurements(store__connection *writer, const store *s,
+                                                  const char *owner, bf_error *err);
+BF_MUST_CHECK bf_status store__check_studies(store__connection *writer, const store *s,
+                                             const char *owner, bf_error *err);
+
 /// Check that an owner may have a further run solved. BF_ELIMIT; *ret_retry_s is set if it is known when it may.
 BF_MUST_CHECK bf_status store__check_owner(store__connection *writer, const store *s,
                                            const char *owner, unsigned *ret_retry_s, bf_error *err);

@@ -353,11 +353,27 @@ static const char schema_16[] =
     "WHERE state >= 2;"
     "CREATE INDEX answers_by_route ON answers (route);"; // a route names the owner, too
 
+// Measurements count among the bytes of their owners, as runs do.
+static const char schema_17[] =
+    "CREATE INDEX measurements_by_owner ON measurements (owner);"
+    "INSERT OR IGNORE INTO owners (owner) SELECT DISTINCT owner FROM measurements;"
+    "UPDATE owners SET n_bytes = n_bytes + (SELECT coalesce(sum(length(t) + length(counts) + "
+    "  length(CAST(csv AS BLOB))), 0) FROM measurements AS m WHERE m.owner = owners.owner);"
+    "CREATE TRIGGER measurement_is_added AFTER INSERT ON measurements BEGIN"
+    "  INSERT OR IGNORE INTO owners (owner) VALUES (new.owner);"
+    "  UPDATE owners SET n_bytes = n_bytes + length(new.t) + length(new.counts) + "
+    "    length(CAST(new.csv AS BLOB)) WHERE owner = new.owner;"
+    "END;"
+    "CREATE TRIGGER measurement_is_removed AFTER DELETE ON measurements BEGIN"
+    "  UPDATE owners SET n_bytes = n_bytes - length(old.t) - length(old.counts) - "
+    "    length(CAST(old.csv AS BLOB)) WHERE owner = old.owner;"
+    "END;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,
-                                          schema_5,  schema_6,  schema_7,  schema_8,
-                                          schema_9,  schema_10, schema_11, schema_12,
-                                          schema_13, schema_14, schema_15, schema_16 };
+const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
+                                          schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
+                                          schema_11, schema_12, schema_13, schema_14, schema_15,
+                                          schema_16, schema_17 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

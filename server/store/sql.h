@@ -101,11 +101,9 @@
     X(COUNT_QUEUED_OF, "SELECT count(*) FROM runs INDEXED BY runs_by_client WHERE state = 0 "      \
                        "AND client <> '' AND client = ?1")                                         \
     X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_by_state GROUP BY state")    \
-    X(COUNT_CLAIMABLE,                                                                             \
-      "SELECT (SELECT count(*) FROM runs INDEXED BY runs_waiting WHERE state = 0 "                 \
-      "AND parent = '') + (SELECT count(*) FROM runs INDEXED BY trials_waiting WHERE state = 0 "   \
-      "AND parent <> '' AND parent IN "                                                            \
-      "(SELECT id FROM studies WHERE state = 1 AND stop_request = 0))")                            \
+    X(COUNT_CLAIMABLE_TRIALS,                                                                      \
+      "SELECT count(*) FROM runs INDEXED BY trials_waiting WHERE state = 0 AND parent <> '' AND "  \
+      "parent IN (SELECT id FROM studies WHERE state = 1 AND stop_request = 0)")                   \
     X(OLDEST_QUEUED, "SELECT created_ms FROM runs INDEXED BY runs_by_state WHERE state = 0 "       \
                      "AND parent = '' ORDER BY id LIMIT 1")                                        \
     X(LIST_QUEUED, "SELECT id, parent FROM runs INDEXED BY runs_by_state WHERE state = 0 "         \
@@ -185,6 +183,7 @@
       "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)")                                \
     X(GET_MEASUREMENT_CSV, "SELECT csv FROM measurements WHERE id = ?1")                           \
     X(DELETE_MEASUREMENT, "DELETE FROM measurements WHERE id = ?1")                                \
+    X(COUNT_MEASUREMENTS_OF, "SELECT count(*) FROM measurements WHERE owner = ?1")                 \
     X(COUNT_MEASUREMENTS, "SELECT count(*) FROM measurements")                                     \
     X(FIND_MEASUREMENT,                                                                            \
       "SELECT " STORE__MEASUREMENT_COLUMNS ", t, counts FROM measurements WHERE id = ?1")          \

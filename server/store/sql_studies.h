@@ -69,13 +69,18 @@
                     "AND stop_request < 2 AND (?3 < 0 OR state = ?3) AND (?4 = '' OR owner = ?4) " \
                     "ORDER BY id DESC LIMIT ?2")                                                   \
     X(COUNT_OPEN_STUDIES, "SELECT count(*) FROM studies WHERE state IN (0, 1, 5)")                 \
+    X(COUNT_OPEN_STUDIES_OF,                                                                       \
+      "SELECT count(*) FROM studies INDEXED BY studies_by_owners_turn WHERE owner = ?1 AND "       \
+      "state IN (0, 1, 5)")                                                                        \
     X(COUNT_STUDIES, "SELECT count(*) FROM studies")                                               \
     X(LIST_RUNS_OF_STUDY, "SELECT id FROM runs INDEXED BY runs_by_parent WHERE parent = ?1 "       \
                           "ORDER BY id LIMIT ?2")                                                  \
     X(LIST_STUDIES_TO_STOP, "SELECT " STORE__STUDY_COLUMNS " FROM studies "                        \
                             "WHERE stop_request > 0 ORDER BY stop_request, id LIMIT ?1")           \
     X(LIST_STUDIES_IN, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE state = ?2 "            \
-                       "AND stop_request = 0 ORDER BY priority DESC, id LIMIT ?1")                 \
+                       "AND stop_request = 0 ORDER BY priority DESC, (SELECT count(*) FROM "       \
+                       "studies AS o INDEXED BY studies_by_owners_turn WHERE "                     \
+                       "o.owner = studies.owner AND o.state = 1), id LIMIT ?1")                    \
     X(OLDEST_ENDED_STUDY, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE finished_ms > 0 "    \
                           "AND finished_ms < ?1 AND stop_request < 2 "                             \
                           "ORDER BY finished_ms LIMIT 1")                                          \

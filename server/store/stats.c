@@ -57,10 +57,12 @@ bf_status store__count_stats(store *s, store_stats *ret_stats, bf_error *err)
     bf_status status = count_states(&s->writer, &stats, err);
     if (status == BF_OK)
         status = find_oldest(&s->writer, &stats, err);
-    int64_t n_claimable = 0;
+    int64_t n_runs = 0, n_trials = 0;
     if (status == BF_OK)
-        status = store__read_number(&s->writer, STORE__SQL_COUNT_CLAIMABLE, &n_claimable, err);
-    stats.n_claimable = (uint64_t)n_claimable;
+        status = store__read_number(&s->writer, STORE__SQL_COUNT_QUEUED, &n_runs, err);
+    if (status == BF_OK)
+        status = store__read_number(&s->writer, STORE__SQL_COUNT_CLAIMABLE_TRIALS, &n_trials, err);
+    stats.n_claimable = (uint64_t)(n_runs + n_trials);
     if (status == BF_OK)
         *ret_stats = stats;
     return status;

@@ -85,7 +85,9 @@ typedef struct store_quotas {
     uint64_t cpu_s;     ///< CPU seconds of solvers within API_QUOTA_WINDOW_S, in whole hours
     uint64_t
         n_bytes; ///< of results: compressed snapshots, samples, events and scenarios; sets that several runs
-                 ///< of the owner share count once
+                 ///< of the owner share count once; and of measurements
+    uint64_t n_measurements; ///< measurements
+    uint64_t n_studies;      ///< studies that have not ended
 } store_quotas;
 
 /// True if the executor still has the job of a run of the daemon before. Must not call the store.

@@ -79,11 +79,13 @@ typedef struct store__write_test {
     bf_error error;   ///< of a status that is not BF_OK
 } store__write_test;
 
-/// The members of store_quotas, which may change at any time.
+/// store_quotas, whose members may change at any time.
 typedef struct store__quota_settings {
-    _Atomic uint64_t n_waiting; ///< see there
-    _Atomic uint64_t cpu_s;     ///< see there
-    _Atomic uint64_t n_bytes;   ///< see there
+    _Atomic uint64_t n_waiting;      ///< see there
+    _Atomic uint64_t cpu_s;          ///< see there
+    _Atomic uint64_t n_bytes;        ///< see there
+    _Atomic uint64_t n_measurements; ///< see there
+    _Atomic uint64_t n_studies;      ///< see there
 } store__quota_settings;
 
 /// An open store.
@@ -156,8 +158,7 @@ void store__begin_write(store *s, store__operation *operation);
 /// before.
 BF_MUST_CHECK bf_status store__read_row(const store__query *q, store__row *ret_row, bf_error *err);
 
-/// Read the first run of a statement, selected as STORE__RUN_COLUMNS, whose only parameter is this text, or
-/// which has none (NULL).
+/// Read the first run of a statement, selected as STORE__RUN_COLUMNS; text is its only parameter, or NULL: it has none.
 BF_MUST_CHECK bf_status store__find_first(store__connection *c, store__sql sql, const char *text,
                                           store__row *ret_row, bool *ret_has_row, bf_error *err);
 

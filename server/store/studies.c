@@ -147,6 +147,8 @@ static bf_status accept(store__connection *writer, submit_context *context, bf_e
 
     bf_status status = store__check_bytes(writer, context->store, row->study.owner, err);
     if (status == BF_OK)
+        status = store__check_studies(writer, context->store, row->study.owner, err);
+    if (status == BF_OK)
         status = check_count(writer, STORE__SQL_COUNT_OPEN_STUDIES, STORE_STUDIES_OPEN_MAX,
                              " that have not ended", err);
     if (status == BF_OK)

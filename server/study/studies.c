@@ -222,6 +222,36 @@ static void begin_study(studies *s, const api_study *about)
     s->options.queued(s->options.context);
 }
 
+static size_t count_of_owner(const studies *s, const char *owner)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < s->n_tasks; k++)
+        n += strcmp(s->tasks[k]->owner_name, owner) == 0;
+    return n;
+}
+
+// Where all places are taken and an owner has none, the owner who has most gives one of several to him: that study rests,
+// and goes on when there is a place.
+static void free_place(studies *s, const api_study *to)
+{
+    size_t most = 1, index = s->n_tasks;
+
+    if (s->n_tasks < STUDIES_AT_WORK || count_of_owner(s, to->owner) > 0)
+        return;
+    for (size_t k = 0; k < s->n_tasks; k++) {
+        const size_t n = count_of_owner(s, s->tasks[k]->owner_name);
+        if (n > most || (n == most && n > 1)) {
+            most = n;
+            index = k;
+        }
+    }
+    if (index == s->n_tasks)
+        return;
+    log_event(LOG_LEVEL_INFO, "study_leaves_place", "study=%s to=%s", s->tasks[index]->id, to->id);
+    drop_task(s, index);
+}
+
 // Those that were running go on before others begin.
 static bf_status begin_studies(studies *s, store_studies which, bf_error *err)
 {
@@ -229,9 +259,13 @@ static bf_status begin_studies(studies *s, store_studies which, bf_error *err)
     size_t n = 0;
 
     bf_status status = store_list_work(s->options.store, which, STUDIES_AT_WORK, work, &n, err);
-    for (size_t k = 0; k < n && status == BF_OK && s->n_tasks < STUDIES_AT_WORK; k++)
-        if (find_task(s, work[k].study.id) == s->n_tasks)
+    for (size_t k = 0; k < n && status == BF_OK; k++) {
+        if (find_task(s, work[k].study.id) < s->n_tasks)
+            continue;
+        free_place(s, &work[k].study);
+        if (s->n_tasks < STUDIES_AT_WORK)
             begin_study(s, &work[k].study);
+    }
     return status;
 }
 

@@ -25,18 +25,19 @@ typedef struct study__open {
 
 /// A study at work. The thread's, but for what stands under the lock of its `owner`.
 typedef struct study__task {
-    studies *owner;           ///< whose it is
-    char id[API_ID_SIZE];     ///< of the study
-    study_document document;  ///< what it is
-    study *core;              ///< its points, and what was told
-    uint64_t n_begun;         ///< trials in the store
-    uint64_t n_told;          ///< of them, told to core
-    double best;              ///< the best value of the first objective; NAN: none
-    bool has_news;            ///< something was told since the best was last written
-    int64_t best_ms;          ///< when that was, clock_monotonic_ms()
-    struct study__turn *turn; ///< what it writes, empty between turns
-    size_t n_open;            ///< under the lock
-    study__open *open;        ///< under the lock where others may look; room for STUDIES_OPEN_MAX
+    studies *owner;                  ///< whose it is
+    char id[API_ID_SIZE];            ///< of the study
+    char owner_name[API_OWNER_SIZE]; ///< whose the study is
+    study_document document;         ///< what it is
+    study *core;                     ///< its points, and what was told
+    uint64_t n_begun;                ///< trials in the store
+    uint64_t n_told;                 ///< of them, told to core
+    double best;                     ///< the best value of the first objective; NAN: none
+    bool has_news;                   ///< something was told since the best was last written
+    int64_t best_ms;                 ///< when that was, clock_monotonic_ms()
+    struct study__turn *turn;        ///< what it writes, empty between turns
+    size_t n_open;                   ///< under the lock
+    study__open *open; ///< under the lock where others may look; room for STUDIES_OPEN_MAX
 } study__task;
 
 /// The studies.

@@ -138,6 +138,7 @@ bf_status study__task_create(studies *s, const api_study *about, study__task **r
     t->owner = s;
     t->best = (double)NAN;
     memcpy(t->id, about->id, sizeof t->id);
+    memcpy(t->owner_name, about->owner, sizeof t->owner_name);
     t->open = memory_alloc(STUDIES_OPEN_MAX, sizeof *t->open);
     t->turn = memory_alloc(1, sizeof *t->turn);
     bf_status status = t->open == NULL || t->turn == NULL ? no_memory(err) : prepare(t, err);

@@ -344,11 +344,47 @@ static void what_nobody_uses_any_more_is_forgotten(void **state)
     check_soundness(h);
 }
 
+static bf_status add_measurement(store *s, const char *owner, api_measurement *ret_added)
+{
+    static const double samples[] = { 0.0, 1.0, 2.0 };
+    api_measurement about = { .counter = "gate", .t_end = 2.0 };
+    api_curve curve = { .n = 3, .n_columns = 1 };
+
+    snprintf(about.owner, sizeof about.owner, "%s", owner);
+    assert_int_equal(buffer_append(&curve.t, samples, sizeof samples), BF_OK);
+    assert_int_equal(buffer_append(&curve.values, samples, sizeof samples), BF_OK);
+    bf_status status = store_add_measurement(s, &about, &curve, &(bf_buffer){ 0 }, ret_added, NULL);
+    api_curve_fini(&curve);
+    return status;
+}
+
+// I16: what one keeps is counted for him, and uses up nothing of another.
+static void measurements_are_their_owners(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_measurement first, added;
+
+    store_set_quotas(s, &(store_quotas){ .n_measurements = 2, .n_bytes = 10000 });
+    assert_int_equal(add_measurement(s, "alice", &first), BF_OK);
+    assert_int_equal(add_measurement(s, "alice", &added), BF_OK);
+    assert_int_equal(quotas_of(s, "alice").bytes.used, 2 * 48);
+    assert_int_equal(add_measurement(s, "alice", &added), BF_ECONFLICT);
+    assert_int_equal(add_measurement(s, "bob", &added), BF_OK);
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(add_measurement(s, "", &added), BF_OK);
+    assert_int_equal(store_remove_measurement(s, first.id, NULL), BF_OK);
+    assert_int_equal(quotas_of(s, "alice").bytes.used, 48);
+    store_set_quotas(s, &(store_quotas){ .n_measurements = 2, .n_bytes = 48 });
+    assert_int_equal(add_measurement(s, "alice", &added), BF_ENOSPACE);
+    assert_int_equal(submit(s, "alice", 0), BF_ENOSPACE);
+}
+
 int main(void)
 {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
     const struct CMUnitTest tests[] = {
         CASE(owners_take_turns),
+        CASE(measurements_are_their_owners),
         CASE(a_higher_priority_comes_before_turns),
         CASE(turns_are_known_after_a_restart),
         CASE(an_owner_has_so_many_runs_that_wait),

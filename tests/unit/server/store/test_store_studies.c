@@ -408,6 +408,22 @@ static void what_is_to_be_cancelled_begins_no_trial_and_ends_once(void **state)
 }
 
 // I9
+static void an_owner_has_so_many_studies_that_have_not_ended(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_acceptance accepted;
+
+    store_set_quotas(s, &(store_quotas){ .n_studies = 2 });
+    (void)submit_study(s, "alice", 0);
+    const api_study first = start_study(s, "alice", 0);
+    assert_int_equal(try_submit(s, "alice", 0, "", "", &accepted), BF_ECONFLICT);
+    (void)submit_study(s, "bob", 0);
+    for (int k = 0; k < 3; k++)
+        (void)submit_study(s, "", 0);
+    assert_int_equal(move(s, first.id, API_STUDY_SUCCEEDED), BF_OK);
+    (void)submit_study(s, "alice", 0);
+}
+
 // Workers are started for what may be claimed, not for what waits until somebody goes on with its study.
 static void trials_of_a_study_that_rests_are_not_claimable(void **state)
 {
@@ -521,6 +537,7 @@ int main(void)
         CASE(studies_take_turns_and_so_do_their_owners),
         CASE(what_is_paused_begins_no_trial_until_it_goes_on),
         CASE(what_is_to_be_cancelled_begins_no_trial_and_ends_once),
+        CASE(an_owner_has_so_many_studies_that_have_not_ended),
         CASE(trials_of_a_study_that_rests_are_not_claimable),
         CASE(a_study_goes_with_all_it_has_when_its_runs_have_gone),
         CASE(lists_of_runs_have_trials_only_where_they_are_asked_for),

@@ -82,7 +82,7 @@ static bf_buffer quote(const char *text)
     return out;
 }
 
-static api_study submit(world *w, const char *text)
+static api_study submit_of(world *w, const char *owner, const char *text)
 {
     api_study_submission submission = { .trials_max = 9 };
     bf_buffer document = quote(text);
@@ -98,6 +98,7 @@ static api_study submit(world *w, const char *text)
     assert_int_equal(study_columns_write(columns, &submission.columns, NULL), BF_OK);
     submission.document = document;
     submission.method = d.method.type;
+    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
     assert_int_equal(store_submit_study(w->h->store, &submission, &accepted, NULL), BF_OK);
     studies_wake(w->studies);
     assert_int_equal(store_find_study(w->h->store, accepted.id, &found, NULL), BF_OK);
@@ -108,6 +109,11 @@ static api_study submit(world *w, const char *text)
     memory_free(columns);
     memory_free(faults);
     return found;
+}
+
+static api_study submit(world *w, const char *text)
+{
+    return submit_of(w, "", text);
 }
 
 static void store_figures(world *w, const store_job *job)
@@ -327,6 +333,26 @@ static void points_without_end_leave_signs_of_life(void **state)
     assert_true(atomic_load(&was_alive));
 }
 
+// One owner has all places, with studies that nobody solves: another has one of them all the same, and no more.
+static void an_owner_without_a_place_is_given_one(void **state)
+{
+    world *w = *state;
+    char sql[160];
+
+    for (size_t k = 0; k < 8; k++)
+        submit_of(w, "alice", GRID);
+    await(w, "SELECT count(*) FROM runs", 32);
+    const api_study first = submit_of(w, "bob", GRID);
+    snprintf(sql, sizeof sql, "SELECT count(*) FROM runs WHERE parent = '%s'", first.id);
+    await(w, sql, 4);
+    submit_of(w, "bob", GRID); // waits, as its owner has a place
+    const api_study third = submit_of(w, "carol", GRID);
+    snprintf(sql, sizeof sql, "SELECT count(*) FROM runs WHERE parent = '%s'", third.id);
+    await(w, sql, 4);
+    assert_int_equal(helper_store_sql(w->h, "SELECT count(*) FROM runs"), 40);
+    assert_int_equal(helper_store_sql(w->h, "SELECT count(*) FROM studies WHERE state = 0"), 1);
+}
+
 // Eight are removed and a ninth is cancelled: that is done before the first run is removed. The trigger counts the runs
 // at that moment.
 static void removals_do_not_hold_up_a_cancel(void **state)
@@ -536,6 +562,7 @@ int main(void)
         CASE(only_some_trials_wait_at_a_time),
         CASE(points_without_end_do_not_hold_up_the_stop),
         CASE(points_without_end_leave_signs_of_life),
+        CASE(an_owner_without_a_place_is_given_one),
         CASE(removals_do_not_hold_up_a_cancel),
         CASE(a_study_that_is_interrupted_makes_the_same_trials),
         CASE(what_ended_while_nobody_looked_is_taken_at_the_next_start),
