@@ -120,7 +120,17 @@ static const member best_members[] = {
     ROW("is_ended", "boolean", "There is nothing more to try"),
     ROW("trials", "#Count", "Trials so far"),
     ROW("points", "#Count", "Points so far"),
-    ROW("best", "#StudyPoint", "The best point so far", .null = "there is none yet"),
+    ROW("best", "#StudyPoint", "The point of the set that is chosen so far",
+        .null = "there is none yet"),
+    ROW("has_chance", "boolean",
+        "Runs of a point at other substreams may differ; else each point is solved once"),
+    ROW("set", "[#StudySetPoint]",
+        "The points that may be best: all that are not worse than the best one by more than the "
+        "indifference, or than what chance leaves open",
+        .null = "not known: one run of each point, or a method that searches"),
+    ROW("indifference", "number", "A difference of the first objective that counts as none",
+        .flags = MEMBER_OPTIONAL),
+    ROW("verdicts", "[#StudyVerdict]", "What this says, in sentences"),
     ROW("is_decided", "boolean", "Of screen: the selection ended by itself, with its confidence",
         .flags = MEMBER_OPTIONAL),
     ROW("confirmed", "[#ConfirmedPoint]", "Of screen: the points that the microscopic model tried",
@@ -132,6 +142,20 @@ static const member best_members[] = {
     ROW("warnings", "[string]", "Reasons to doubt the best point", .flags = MEMBER_OPTIONAL),
 };
 ROWS("StudyBest", best);
+
+static const member set_point_members[] = {
+    ROW("point", "#Count", "Its number"),
+    ROW("parameters", "#NumbersByName", "Its numbers, by their pointers"),
+};
+ROWS("StudySetPoint", set_point);
+
+static const member verdict_members[] = {
+    ROW("kind", "string",
+        "equal, alone, one_run_each, everything_through, edge, no_chance, confirmed, "
+        "undecided or unconfirmed"),
+    ROW("text", "string", "A sentence or some, in English"),
+};
+ROWS("StudyVerdict", verdict);
 
 static const member point_members[] = {
     ROW("point", "#Count", "Its number"),
@@ -160,7 +184,9 @@ static const member probability_members[] = {
 ROWS("StudyProbability", probability);
 
 static const member confirmed_members[] = {
-    ROW("is_dropped", "boolean", "The selection has dropped it"),
+    ROW("is_dropped", "boolean",
+        "The selection has dropped it: worse than another one, or equal but for the indifference"),
+    ROW("is_in_set", "boolean", "It may be the best one"),
     ROW("micro", "#StudyPoint", "What the microscopic model said"),
     ROW("macro", "#StudyPoint", "What the macroscopic model said"),
     ROW("difference", "number", "Objective of the macroscopic model minus that of the other",
@@ -227,6 +253,8 @@ static const openapi_schema table[] = {
     { .help = "A value for each objective", .table = &values_by_name, .others = "#StudyValue" },
     OBJECT(best, "What a study found so far"),
     OBJECT(point, "A point of a study"),
+    OBJECT(set_point, "A point that may be the best one"),
+    OBJECT(verdict, "A sentence about what a study found"),
     OBJECT(value, "A value of a point, from the trials that it has"),
     OBJECT(probability, "A probability"),
     OBJECT(confirmed, "A point that both models tried"),

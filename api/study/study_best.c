@@ -2,6 +2,7 @@
 
 #include "api/json/json_out.h"
 #include "api/scenario/review_members.h"
+#include "api/study/study_verdict.h"
 #include "core/base/memory.h"
 #include "core/study/calibration.h"
 
@@ -56,6 +57,16 @@ static void write_value(json_out *w, const study_document *d, const study *s, si
     json_out_object_end(w);
 }
 
+static void write_parameters(json_out *w, const study_document *d, const study_point *p)
+{
+    json_out_key(w, "parameters");
+    json_out_object(w);
+    for (size_t k = 0; k < d->n_parameters; k++)
+        json_out_key_number(w, d->parameters[k].pointer,
+                            study_document_value(&d->parameters[k], p->at[k]));
+    json_out_object_end(w);
+}
+
 static void write_point(json_out *w, const study_document *d, const study *s, size_t point)
 {
     const study_point p = study_point_at(s, point);
@@ -64,12 +75,7 @@ static void write_point(json_out *w, const study_document *d, const study *s, si
     json_out_object(w);
     json_out_key_integer(w, "point", (int64_t)point);
     json_out_key_string(w, "model", run_model_words[study_document_model(d, p.model)]);
-    json_out_key(w, "parameters");
-    json_out_object(w);
-    for (size_t k = 0; k < d->n_parameters; k++)
-        json_out_key_number(w, d->parameters[k].pointer,
-                            study_document_value(&d->parameters[k], p.at[k]));
-    json_out_object_end(w);
+    write_parameters(w, d, &p);
     json_out_key(w, "values");
     json_out_object(w);
     for (size_t value = 0; value < n_values; value++)
@@ -79,7 +85,7 @@ static void write_point(json_out *w, const study_document *d, const study *s, si
 }
 
 // The points that the microscopic model confirmed, each next to what the macroscopic one said.
-static void write_confirmed(json_out *w, const study_document *d, const study *s)
+static void write_confirmed(json_out *w, const study_document *d, const study *s, const bool *is_in)
 {
     json_out_key_bool(w, "is_decided", study_is_decided(s));
     json_out_key(w, "confirmed");
@@ -90,6 +96,7 @@ static void write_confirmed(json_out *w, const study_document *d, const study *s
             continue;
         json_out_object(w);
         json_out_key_bool(w, "is_dropped", p.is_dropped);
+        json_out_key_bool(w, "is_in_set", is_in[point]);
         json_out_key(w, "micro");
         write_point(w, d, s, point);
         json_out_key(w, "macro");
@@ -159,29 +166,69 @@ static bf_status write_warnings(json_out *w, study_document *d, const study *s, 
     return status;
 }
 
+// The points that may be best, or null where that is not known.
+static void write_set(json_out *w, const study_document *d, const study *s,
+                      const study_choice *choice, const bool *is_in)
+{
+    json_out_key_bool(w, "has_chance", study_document_definition(d).has_chance);
+    json_out_key(w, "set");
+    if (!choice->is_known) {
+        json_out_null(w);
+        return;
+    }
+    json_out_array(w);
+    for (size_t point = 0; point < study_points(s); point++) {
+        if (!is_in[point])
+            continue;
+        const study_point p = study_point_at(s, point);
+        json_out_object(w);
+        json_out_key_integer(w, "point", (int64_t)point);
+        write_parameters(w, d, &p);
+        json_out_object_end(w);
+    }
+    json_out_array_end(w);
+    json_out_key_number(w, "indifference", choice->indifference);
+}
+
+static bf_status write_found(json_out *w, study_document *d, const study *s, bool *is_in,
+                             bf_error *err)
+{
+    study_choice choice;
+    bf_status status = study_choose(s, is_in, &choice, err);
+
+    if (status != BF_OK)
+        return status;
+    json_out_key(w, "best");
+    if (choice.best == SIZE_MAX)
+        json_out_null(w);
+    else
+        write_point(w, d, s, choice.best);
+    write_set(w, d, s, &choice, is_in);
+    status = study_verdicts_write(w, d, s, &choice, is_in, err);
+    if (d->method.type == STUDY_SCREEN)
+        write_confirmed(w, d, s, is_in);
+    if (d->method.type == STUDY_CALIBRATE)
+        write_calibration(w, d, s, choice.best != SIZE_MAX);
+    if (status == BF_OK && choice.best != SIZE_MAX)
+        status = write_warnings(w, d, s, choice.best, err);
+    return status;
+}
+
 bf_status study_best_write(study_document *d, const study *s, bf_buffer *out, bf_error *err)
 {
-    const size_t best = study_best(s);
     json_out w = json_out_to(out);
-    bf_status status = BF_OK;
 
+    bool *is_in = memory_alloc(study_points(s) + 1, sizeof *is_in);
+    if (is_in == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
     json_out_object(&w);
     json_out_key_string(&w, "name", d->name);
     json_out_key_string(&w, "method", study_document_methods[d->method.type]);
     json_out_key_bool(&w, "is_ended", study_is_ended(s));
     json_out_key_integer(&w, "trials", (int64_t)study_trials(s));
     json_out_key_integer(&w, "points", (int64_t)study_points(s));
-    json_out_key(&w, "best");
-    if (best == SIZE_MAX)
-        json_out_null(&w);
-    else
-        write_point(&w, d, s, best);
-    if (d->method.type == STUDY_SCREEN)
-        write_confirmed(&w, d, s);
-    if (d->method.type == STUDY_CALIBRATE)
-        write_calibration(&w, d, s, best != SIZE_MAX);
-    if (best != SIZE_MAX)
-        status = write_warnings(&w, d, s, best, err);
+    const bf_status status = write_found(&w, d, s, is_in, err);
     json_out_object_end(&w);
+    memory_free(is_in);
     return status == BF_OK ? json_out_status(&w, err) : status;
 }

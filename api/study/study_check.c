@@ -2,6 +2,7 @@
 
 #include "api/scenario/scenario.h"
 #include "api/study/study_priv.h"
+#include "core/scene/regime.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -70,6 +71,18 @@ static void check_values(json_in *in, const study_document *d, size_t k)
         faults_add(in->faults, place, "the range is too wide");
 }
 
+// What decides between equal points where no other objective is given.
+static void add_second(study_document *d)
+{
+    const bool is_residence = d->objectives[0].figure >= FIGURE_RESIDENCE_MEAN &&
+                              d->objectives[0].figure <= FIGURE_RESIDENCE_P99;
+
+    if (d->n_objectives == 1 && !is_residence &&
+        (is_sweep(d->method.type) || d->method.type == STUDY_SCREEN))
+        d->objectives[d->n_objectives++] =
+            (study_document_objective){ .figure = FIGURE_RESIDENCE_MEAN };
+}
+
 // The index of the item of an objective or curve among n ids.
 static size_t find_id(const scene *s, figure_scope scope, const char *id)
 {
@@ -94,6 +107,11 @@ static void check_objective(json_in *in, study_document *d, const scene *s, size
     snprintf(place, sizeof place, "/objectives/%zu/of", k);
     if ((f->models & FIGURE_BY_DENSITY) == 0 && (needs_both || d->model == RUN_MACRO))
         faults_add(in->faults, figure_place, "the macroscopic model does not have this figure");
+    else if (o->figure >= FIGURE_RESIDENCE_P50 && o->figure <= FIGURE_RESIDENCE_P99 &&
+             s->n_feeds > 0 && (needs_both || d->model == RUN_MACRO))
+        faults_add(in->faults, figure_place,
+                   "the macroscopic model does not have it of a belt that is fed; it has "
+                   "residence_s.mean");
     if (n == 0)
         faults_add(in->faults, figure_place, "is of a %s, and the scenario has none",
                    words[f->scope]);
@@ -138,11 +156,13 @@ static void check_base(json_in *in, study_document *d)
     if (!is_read)
         return;
     d->substream = s.substream;
+    d->has_chance = scene_has_chance(&s);
     for (size_t k = 0; k < d->n_objectives; k++)
         check_objective(in, d, &s, k);
     for (size_t k = 0; k < d->n_curves; k++)
         check_curve(in, d, &s, k);
     scene_fini(&s);
+    add_second(d);
     if (is_calibration && d->n_curves == 0)
         faults_add(in->faults, "/curves", "a calibration needs one at least");
     if (is_calibration && d->n_objectives > 0)
@@ -163,6 +183,8 @@ static void check_limits(json_in *in, study_document *d)
                    "of replications the mean counts, not a single run");
     if (d->method.type == STUDY_SCREEN && d->replications < 2)
         faults_add(in->faults, "/replications", "a selection needs two at least");
+    if (d->method.type == STUDY_SCREEN && isnan(d->method.indifference))
+        faults_add(in->faults, "/method/indifference", "a selection needs it");
     if (d->trials_max == STUDY_NOT_GIVEN && is_sweep(d->method.type) && n <= STUDY_TRIALS_MAX)
         d->trials_max = n;
     else if (d->trials_max == STUDY_NOT_GIVEN)

@@ -74,8 +74,8 @@ typedef struct study_document_method {
     study_method sweep;   ///< of STUDY_SCREEN
     uint32_t points;      ///< of sweeps but grid and list; starts of STUDY_CALIBRATE
     uint32_t confirm;     ///< STUDY_SCREEN: points for the microscopic model
-    double confidence;    ///< of a selection, and of profiles
-    double indifference;  ///< STUDY_SCREEN: in units of the first objective
+    double confidence;    ///< of the set of best points, of a selection, of profiles
+    double indifference;  ///< in units of the first objective; NAN: not given
     double tolerance;     ///< of searches, relative to the ranges
     bool is_pruning;      ///< sweeps: runs that cannot be the best any more are stopped
     double n_independent; ///< STUDY_CALIBRATE
@@ -93,8 +93,9 @@ typedef struct study_document {
     study_document_curve curves[STUDY_DOCUMENT_CURVES]; ///< n_curves
     size_t n_curves;                                    ///< STUDY_CALIBRATE: at least 1, else 0
     study_document_method method;                       ///< how points are chosen
-    uint64_t replications;                              ///< of each point
-    uint64_t seed;                                      ///< of what is drawn
+    uint64_t replications;                              ///< of each point, where there is chance
+    bool has_chance;     ///< in the parts of the base; follows from it
+    uint64_t seed;       ///< of what is drawn
     uint64_t substream;  ///< of the base: that of the first replication
     uint64_t trials_max; ///< limit
     int workers;         ///< at a time; 0: as many as there are cores

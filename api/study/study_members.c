@@ -195,6 +195,7 @@ static const member_table curve_table = { MEMBER_TABLE("studyCurve", curve_membe
 
 #define OF(method) (1U << (method))
 #define SEARCHES   (OF(STUDY_DIRECT) | OF(STUDY_CMAES) | OF(STUDY_CALIBRATE))
+#define SWEEPS     (OF(STUDY_GRID) | OF(STUDY_LIST) | OF(STUDY_LHS) | OF(STUDY_SOBOL))
 #define AT(place)  offsetof(study_document_method, place)
 static const member method_members[] = {
     MEMBER("type", enum, AT(type), "how points are chosen; says which other members there are",
@@ -208,20 +209,21 @@ static const member method_members[] = {
     MEMBER("confirm", count, AT(confirm), "of screen: the best points, for the microscopic model",
            .range = &confirm_range, .tags = OF(STUDY_SCREEN), .flags = MEMBER_INIT),
     MEMBER("indifference", number, AT(indifference),
-           "of screen: a difference of the first objective that does not matter",
-           .range = &positive, .tags = OF(STUDY_SCREEN)),
+           "a difference of the first objective that does not matter; screen wants it",
+           .range = &positive, .tags = SWEEPS | OF(STUDY_SCREEN),
+           .default_text = "0.5 % of the best value"),
     MEMBER(
         "confidence", number, AT(confidence),
-        "with which the selected point is best but for the indifference; of calibrate, of profiles",
-        .range = &confidence_range, .tags = OF(STUDY_SCREEN) | OF(STUDY_CALIBRATE),
+        "with which the best point is in the set, and that selected by screen is best but for the "
+        "indifference; of calibrate, of profiles",
+        .range = &confidence_range, .tags = SWEEPS | OF(STUDY_SCREEN) | OF(STUDY_CALIBRATE),
         .flags = MEMBER_INIT),
     MEMBER("tolerance", number, AT(tolerance),
            "of the ranges; searches that move by less have ended", .range = &tolerance_range,
            .tags = SEARCHES, .flags = MEMBER_INIT),
     MEMBER("prune", bool, AT(is_pruning),
            "of grid, list, lhs and sobol: stop runs that cannot be the best any more",
-           .tags = OF(STUDY_GRID) | OF(STUDY_LIST) | OF(STUDY_LHS) | OF(STUDY_SOBOL),
-           .flags = MEMBER_INIT),
+           .tags = SWEEPS, .flags = MEMBER_INIT),
     MEMBER("independent_samples", number, AT(n_independent),
            "of calibrate: how many of all samples are independent of each other",
            .range = &at_least_one, .tags = OF(STUDY_CALIBRATE), .default_text = "20 a curve"),
@@ -239,6 +241,7 @@ void study__init_method(void *item, size_t place)
                                                               .points = 32,
                                                               .confirm = 8,
                                                               .confidence = 0.95,
+                                                              .indifference = (double)NAN,
                                                               .tolerance = 0.001,
                                                               .n_independent = (double)NAN };
 }
@@ -263,7 +266,9 @@ static const member members[] = {
     MEMBER("parameters", array, AT(parameters), "what trials differ in", .table = &parameter_table,
            .offset_n = AT(n_parameters), .least = 1, .limit = STUDY_PARAMETERS),
     MEMBER("objectives", array, AT(objectives),
-           "what is best, the first one; the others are told only. calibrate has none",
+           "what is best, the first one; between equal points the second one decides, of sweeps "
+           "and screen "
+           "residence_s.mean where there is none. The others are told only; calibrate has none",
            .table = &objective_table, .offset_n = AT(n_objectives), .limit = STUDY_VALUES,
            .default_text = "[]"),
     MEMBER("curves", array, AT(curves), "of calibrate: what was measured", .table = &curve_table,
@@ -271,7 +276,8 @@ static const member members[] = {
     MEMBER("method", object, AT(method), "how points are chosen", .table = &method_table),
     MEMBER(
         "replications", seed, AT(replications),
-        "runs of each point, at successive substreams; of screen, of each confirmed one at first",
+        "runs of each point, at successive substreams; of screen, of each confirmed one at first; "
+        "one where nothing is left to chance",
         .range = &replications_range, .default_text = "1; of screen 10"),
     MEMBER("seed", seed, AT(seed), "of what is drawn", .flags = MEMBER_INIT),
     MEMBER("priority", int, AT(priority),
@@ -309,7 +315,7 @@ void study__check_ranges(json_in *in, const study_document *d)
     } values[] = {
         { "/method/points", &trials_range, m->points, true },
         { "/method/confirm", &confirm_range, m->confirm, is_screen },
-        { "/method/indifference", &positive, m->indifference, is_screen },
+        { "/method/indifference", &positive, m->indifference, !isnan(m->indifference) },
         { "/method/confidence", &confidence_range, m->confidence, true },
         { "/method/tolerance", &tolerance_range, m->tolerance, true },
         { "/method/independent_samples", &at_least_one, m->n_independent,

@@ -152,25 +152,49 @@ static bool is_free_at(const search *in, double place, scene_pose *ret_pose)
     return in->room->is_free(in->room->context, in->part->kind, *ret_pose);
 }
 
-// The first place that no body denies to a disk among disks.
+// Between places that are tried one after the other.
+static double step_of(const feed_parts *p, const search *in)
+{
+    return 0.25 * p->footprints[in->part->kind].bounding_radius;
+}
+
+// The first free place from one to before another, of which no body denies any; plates may.
+static bool find_in_gap(const search *in, double from, double to, double step, int *trials,
+                        scene_pose *ret_pose)
+{
+    const double start = from;
+
+    for (int k = 1; from<to && * trials> 0; k++, --*trials) {
+        if (is_free_at(in, from, ret_pose))
+            return true;
+        from = start + k * step;
+    }
+    return false;
+}
+
+// The first place that neither bodies nor plates deny to a disk among disks.
 static bool find_gap(const feed_parts *p, const search *in, size_t n_blocked, scene_pose *ret_pose)
 {
+    const double step = step_of(p, in) / line_length(in->feed);
     double place = in->places.low;
+    int trials = PARTS_ENTRY_TRIALS;
 
     for (size_t k = 0; k < n_blocked; k++) {
-        if (p->blocked[k].low > place && is_free_at(in, place, ret_pose))
+        const double end = fmin(p->blocked[k].low, in->places.high);
+        if (find_in_gap(in, place, end, step, &trials, ret_pose))
             return true;
         place = fmax(place, p->blocked[k].high);
         if (place > in->places.high)
             return false;
     }
-    return is_free_at(in, place, ret_pose);
+    return find_in_gap(in, place, in->places.high, step, &trials, ret_pose) ||
+           is_free_at(in, in->places.high, ret_pose);
 }
 
 static bool scan_places(const feed_parts *p, const search *in, scene_pose *ret_pose)
 {
     const double length = line_length(in->feed) * (in->places.high - in->places.low);
-    const double step = 0.25 * p->footprints[in->part->kind].bounding_radius;
+    const double step = step_of(p, in);
     const int n = (int)fmin(ceil(length / step), PARTS_ENTRY_TRIALS - 1);
 
     for (int k = 0; k <= n; k++)

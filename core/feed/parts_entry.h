@@ -8,8 +8,8 @@
 ///
 /// Places are drawn from where the footprint, at the part's heading, does not stick into walls of the domain; a
 /// given place is moved there. The first free place of a disk among disks is exact: the ends of the intervals that the
-/// others block. Other footprints are tried every quarter of their bounding radius, at most
-/// PARTS_ENTRY_TRIALS times.
+/// others block. Where a plate is in the way, and for other footprints, places are tried every quarter of the bounding
+/// radius, at most PARTS_ENTRY_TRIALS of them.
 ///
 /// Within a call each feed has its turn once, and the one that is first changes from call to call, so that none starves
 /// where two share a place. Parts that wait take no memory: they are a span of numbers between two cursors.

@@ -14,6 +14,9 @@ static const double rounding = 1e-9;
 // The normal quantile of 0.9: of independent batches a fifth fails the test at one length.
 static const double independence = 1.2816;
 
+// Of the half width of what leaves: that of what enters is at least so much, or batches of what leaves are too short.
+static const double least_of_both = 0.7;
+
 // Of the half width: by how much the means of what enters and leaves may differ.
 static const double agreement = 0.25;
 
@@ -152,7 +155,8 @@ static steady_estimate estimate_of_chance(const steady *s, bool is_strict)
     }
     const double half_width = fmax(in.half_width, is_strict ? out.independent : out.half_width);
     const double bound = is_strict ? half_width : fmax(half_width, s->precision * e.mean);
-    if (is_strict && (isnan(out.independent) || !(half_width > 0.0)))
+    if (is_strict && (isnan(out.independent) || !(half_width > 0.0) ||
+                      in.half_width < least_of_both * out.independent))
         return e;
     if (difference > agreement * bound)
         e.needs = time_to_agree(s, half_width, difference);

@@ -21,7 +21,8 @@
 /// or the warm-up was too short, or the run is. There is no interval
 ///
 ///     without chance, and where the plant changes but does not repeat: batches then are no sample;
-///     where batches of what leaves have r < 0 at all lengths: it follows a feed that is regular, and s says too much;
+///     where batches of what leaves have r < 0 at all lengths, or an h that is 1/0.7 of that of what enters: it follows a
+///     feed that is regular, and s says too much;
 ///     where the run is too short for n batches, for independence, or for what is inside. steady_estimate.needs
 ///     then is the time after the warm-up that will be enough, if correlations fall as those of an AR(1) process
 ///     and h with the root of time.

@@ -32,6 +32,7 @@
 #include "core/base/buffer.h"
 #include "core/base/status.h"
 #include "core/scene/scene.h"
+#include "core/scene/shape.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -130,7 +131,14 @@ typedef struct micro_place {
     bool is_flat;    ///< as at its start: its footprint is that of its kind at pose
     scene_pose pose; ///< of the origin of its footprint; of its centre of mass if not is_flat
     double radius;   ///< of the disk around pose that holds it, m
+    vec2 half;       ///< of the rectangle about pose that holds it if not is_flat, half its sides
+                     ///< along the heading and across, m
 } micro_place;
+
+/// What a part covers at its pose: `flat`, the footprint of its kind, or where it is tilted the rectangle that holds it,
+/// which is made in *room.
+const shape_footprint *micro_footprint(const micro_place *place, const shape_footprint *flat,
+                                       shape_footprint *room);
 
 /// Totals of the current state and of the run so far.
 typedef struct micro_totals {

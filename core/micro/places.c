@@ -158,6 +158,23 @@ bf_status places_visit_near(places *p, const places_parts *parts, vec2 a, vec2 b
     return status;
 }
 
+const shape_footprint *micro_footprint(const micro_place *place, const shape_footprint *flat,
+                                       shape_footprint *room)
+{
+    const vec2 half = place->half;
+
+    if (place->is_flat)
+        return flat;
+    *room = (shape_footprint){ .n_corners = 4,
+                               .corners = { { -half.x, -half.y },
+                                            { half.x, -half.y },
+                                            { half.x, half.y },
+                                            { -half.x, half.y } },
+                               .bounding_radius = place->radius,
+                               .area = 4.0 * half.x * half.y };
+    return room;
+}
+
 // The part that would be placed.
 typedef struct newcomer {
     const places *p;
@@ -169,8 +186,8 @@ typedef struct newcomer {
 static void compare_part(void *context, size_t part, const micro_place *place)
 {
     newcomer *n = context;
-    const shape_footprint disk = { .bounding_radius = place->radius };
-    const shape_footprint *other = place->is_flat ? &n->p->footprints[place->kind] : &disk;
+    shape_footprint room;
+    const shape_footprint *other = micro_footprint(place, &n->p->footprints[place->kind], &room);
 
     (void)part;
     n->is_free = n->is_free && !shape_overlaps(n->footprint, n->pose, other, place->pose);

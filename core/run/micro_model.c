@@ -418,8 +418,9 @@ static void add_seen(look *l, size_t part, beam_extent extent)
 static void look_at_part(void *context, size_t part, const micro_place *place)
 {
     look *l = context;
-    const shape_footprint around = { .bounding_radius = place->radius };
-    const shape_footprint *footprint = place->is_flat ? &l->run->footprints[place->kind] : &around;
+    shape_footprint room;
+    const shape_footprint *footprint =
+        micro_footprint(place, &l->run->footprints[place->kind], &room);
 
     if (beam_meets_part(l->beam, footprint, place->pose))
         add_seen(l, part, beam_extent_of(l->beam[0], l->across, footprint, place->pose));

@@ -11,8 +11,9 @@
 #include <stdio.h>
 
 enum {
-    POINTS = 101, ///< of a line that belts are looked for under
-    PLACES = 501, ///< of a line at which plates may leave no room
+    SWINGS_MAX = 720, ///< angles at which a plate that turns is looked at
+    POINTS = 101,     ///< of a line that belts are looked for under
+    PLACES = 501,     ///< of a line at which plates may leave no room
     NEAR_MAX =
         64, ///< pieces of plates near a line, beyond which room beside them is not looked for
 };
@@ -382,7 +383,7 @@ static size_t place_inlet(const plate_pieces *pieces, const scene_feed *f, doubl
     return polygon_convex_hull(corners, 4, ret_corners);
 }
 
-static void check_plates(const plate_pieces *pieces, size_t feed, double radius, bf_faults *faults)
+static bool check_plates(const plate_pieces *pieces, size_t feed, double radius, bf_faults *faults)
 {
     const scene *s = pieces->s;
     const scene_feed *f = &s->feeds[feed];
@@ -397,8 +398,72 @@ static void check_plates(const plate_pieces *pieces, size_t feed, double radius,
                 continue;
             faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
                        "runs into the plate of obstacle '%s'", s->obstacles[k].id);
-            return;
+            return false;
         }
+    }
+    return true;
+}
+
+/// The least and the largest angle that a schedule or an action gives a plate, rad.
+static bool find_angles(const scene *s, size_t obstacle, double *ret_least, double *ret_largest)
+{
+    const scene_series *turn = &s->obstacles[obstacle].turn;
+    bool turns = turn->n_values > 0;
+
+    *ret_least = *ret_largest = turns ? turn->values[0] : 0.0;
+    for (size_t k = 0; k < turn->n_values; k++) {
+        *ret_least = fmin(*ret_least, turn->values[k]);
+        *ret_largest = fmax(*ret_largest, turn->values[k]);
+    }
+    for (size_t k = 0; k < s->n_actions; k++) {
+        const scene_action *a = &s->actions[k];
+        if (a->type != SCENE_ACTION_TURN || a->target != obstacle)
+            continue;
+        turns = true;
+        *ret_least = fmin(*ret_least, a->value);
+        *ret_largest = fmax(*ret_largest, a->value);
+    }
+    return turns;
+}
+
+/// Whether a plate meets an inlet at an angle between two, looked for in steps by which its ends move by less than `step`, m.
+static bool swings_onto(const plate_pieces *pieces, size_t obstacle, const vec2 *inlet, size_t n,
+                        double least, double largest, double step)
+{
+    const scene_obstacle *o = &pieces->s->obstacles[obstacle];
+    const double reach = plate_motion_radius(o);
+    const double n_steps = fmin(ceil((largest - least) * reach / step), SWINGS_MAX);
+    vec2 plate[4];
+
+    if (polygon_segment_distance(o->pivot, inlet[0], inlet[1]) > reach + 2.0 * step)
+        return false;
+    for (int k = 0; k <= (int)n_steps; k++)
+        for (size_t m = 0; m + 1 < o->n_points; m++) {
+            const double angle = least + (largest - least) * k / fmax(n_steps, 1.0);
+            plate_pieces_turned(pieces, obstacle, m, angle, plate);
+            if (polygon_overlaps(inlet, n, plate, 4, SCENE_TOLERANCE))
+                return true;
+        }
+    return false;
+}
+
+/// Plates that do not stand on the line at the start must not turn onto it, either.
+static void check_swings(const plate_pieces *pieces, size_t feed, double radius, bf_faults *faults)
+{
+    const scene *s = pieces->s;
+    const scene_feed *f = &s->feeds[feed];
+    vec2 inlet[5];
+    const size_t n = place_inlet(pieces, f, radius, inlet);
+    char room[BF_POINTER_SIZE];
+    double least, largest;
+
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        if (!find_angles(s, k, &least, &largest) ||
+            !swings_onto(pieces, k, inlet, n, least, largest, 0.5 * radius))
+            continue;
+        faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
+                   "the plate of obstacle '%s' turns onto it", s->obstacles[k].id);
+        return;
     }
 }
 
@@ -443,7 +508,8 @@ bf_status scene__check_feed_lines(const scene *s, bf_faults *faults)
     for (size_t k = 0; k < s->n_feeds; k++) {
         check_belts(s, &pieces.around, k, faults);
         check_room(&pieces, k, footprints, faults);
-        check_plates(&pieces, k, radius, faults);
+        if (check_plates(&pieces, k, radius, faults))
+            check_swings(&pieces, k, radius, faults);
         check_others(s, k, faults);
     }
     plate_pieces_fini(&pieces);

@@ -8,8 +8,10 @@
 
 size_t study_first_trials(const study_definition *d)
 {
-    if (d->method == STUDY_DIRECT || d->method == STUDY_CMAES)
+    if (d->method == STUDY_DIRECT)
         return d->n_replications;
+    if (d->method == STUDY_CMAES)
+        return cmaes_population(d->d) * d->n_replications;
     const bool is_screen = d->method == STUDY_SCREEN;
     const size_t n_points = study_sweep_points(d, is_screen ? d->sweep : d->method);
     const size_t n_each = is_screen ? 1 : d->n_replications;
@@ -205,13 +207,12 @@ statistics_sample study_sample(const study *s, size_t point, size_t value)
     return sample;
 }
 
-size_t study_best(const study *s)
+static size_t best_between(const study *s, size_t first, size_t end)
 {
-    const bool is_screen = s->definition.method == STUDY_SCREEN && s->n_points > s->n_first_stage;
     double least = (double)INFINITY;
     size_t best = SIZE_MAX;
 
-    for (size_t point = is_screen ? s->n_first_stage : 0; point < s->n_points; point++) {
+    for (size_t point = first; point < end; point++) {
         const double cost = study_cost(s, point);
         if (!s->places[point].is_dropped && cost < least) {
             least = cost;
@@ -219,6 +220,14 @@ size_t study_best(const study *s)
         }
     }
     return best;
+}
+
+size_t study_best(const study *s)
+{
+    const size_t n_sweep = s->definition.method == STUDY_SCREEN ? s->n_first_stage : 0;
+    const size_t best = best_between(s, n_sweep, s->n_points);
+
+    return best == SIZE_MAX ? best_between(s, 0, n_sweep) : best;
 }
 
 bool study_is_ended(const study *s)

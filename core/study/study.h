@@ -21,8 +21,8 @@
 
 #pragma once
 
-#include "core/base/status.h"
 #include "core/base/statistics.h"
+#include "core/base/status.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -57,20 +57,25 @@ typedef enum study_model {
 
 /// What a study is.
 typedef struct study_definition {
-    study_method method;   ///< see above
-    size_t d;              ///< parameters
-    size_t n_values;       ///< of each trial; the first one is the objective, see STUDY_CALIBRATE
-    bool is_maximized;     ///< the largest objective is best; else the least
-    uint64_t seed;         ///< of what is drawn
-    size_t n_trials_max;   ///< trials, at most
-    size_t n_replications; ///< trials of each point; STUDY_SCREEN: at first, of each confirmed one
-    study_method sweep;    ///< STUDY_SCREEN: its sweep
+    study_method method; ///< see above
+    size_t d;            ///< parameters
+    size_t n_values;     ///< of each trial; the first one is the objective, see STUDY_CALIBRATE
+    bool is_maximized;   ///< the largest objective is best; else the least
+    bool is_second_maximized; ///< same of the second value, which decides between equal points
+    bool
+        has_chance; ///< runs of a point at other substreams may differ, but for the macroscopic model
+    uint64_t seed;       ///< of what is drawn
+    size_t n_trials_max; ///< trials, at most
+    size_t
+        n_replications; ///< trials of each point; STUDY_SCREEN: at first, of each confirmed one. 1
+                        ///< without chance
+    study_method sweep; ///< STUDY_SCREEN: its sweep
     size_t steps[STUDY_PARAMETERS]; ///< STUDY_GRID: values of each parameter
     size_t n_points;      ///< STUDY_LIST, STUDY_LHS, STUDY_SOBOL: points; STUDY_CALIBRATE: starts
     double tolerance;     ///< of all searches: length in the cube below which they end
     size_t n_confirmed;   ///< STUDY_SCREEN: points for the microscopic model
-    double confidence;    ///< STUDY_SCREEN, STUDY_CALIBRATE: see selection.h, calibration.h
-    double indifference;  ///< STUDY_SCREEN: see selection.h, in units of the objective
+    double confidence;    ///< of the set of best points, of a selection, of profiles
+    double indifference;  ///< in units of the objective; NAN: see study_choice.h. STUDY_SCREEN: > 0
     double n_independent; ///< STUDY_CALIBRATE: independent samples of all curves, see calibration.h
 } study_definition;
 
@@ -94,7 +99,8 @@ typedef struct study_point {
 /// A study; opaque, on the heap.
 typedef struct study study;
 
-/// The trials that a study has at least: those of its sweep, of STUDY_CALIBRATE those of its starts, else one point;
+/// The trials that a study has at least: those of its sweep, of STUDY_CALIBRATE those of its starts, of STUDY_CMAES those of a
+/// generation, else one point;
 /// SIZE_MAX where they are more than fit.
 size_t study_first_trials(const study_definition *definition);
 
@@ -127,8 +133,8 @@ const double *study_values(const study *s, size_t trial);
 /// The replications of a point, as far as they have that value.
 statistics_sample study_sample(const study *s, size_t point, size_t value);
 
-/// The best point: of STUDY_SCREEN the one selected as soon as there are replications, else that with the best mean
-/// of the objective of those whose trials all have one. SIZE_MAX: there is none.
+/// The point with the best mean of the objective of those whose trials all have one; of STUDY_SCREEN of those of the
+/// microscopic model as soon as one has it. SIZE_MAX: there is none. What a study answers is study_choice.h.
 size_t study_best(const study *s);
 
 /// True once study_advance() found that there is nothing more to try.

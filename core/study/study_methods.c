@@ -216,6 +216,11 @@ bf_status study_screen(study *s, bf_error *err)
         return study_sweep(s, s->definition.sweep, STUDY_MACRO, 1, err);
     if (s->n_first_stage == 0)
         return confirm(s, err);
+    if (!s->definition.has_chance) { // another run of a point would be the same one
+        s->is_ended = true;
+        s->is_decided = study_best(s) != SIZE_MAX && study_best(s) >= s->n_first_stage;
+        return BF_OK;
+    }
     size_t n = 0;
     for (size_t point = s->n_first_stage; point < s->n_points; point++)
         if (s->places[point].n_trials > n)

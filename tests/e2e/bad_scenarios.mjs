@@ -231,6 +231,8 @@ export const badScenarios = [
     (s) => fed(s) && s.obstacles.push({ path_m: [[0, 0.2], [0.3, 0.2]] }), "/feeds/0/y_m"],
   ["a feed across a plate that begins a few millimetres behind it",
     (s) => fed(s) && s.obstacles.push({ path_m: [[0.005, 0.2], [0.3, 0.2]] }), "/feeds/0/y_m"],
+  ["a plate that turns onto the line of a feed",
+    (s) => fed(s) && s.obstacles.push({ path_m: [[0.2, 0.2], [0.4, 0.2]], motion: { pivot_m: [0.2, 0.2], t_s: [0, 1], turn_deg: [0, 180] } }), "/feeds/0/y_m"],
   ["a feed that a plate leaves no room",
     (s) => fed(s, { edge: undefined, y_m: undefined, line_m: [[0.1, 0.3], [0.1, 0.5]] }) &&
       s.obstacles.push({ path_m: [[0.11, 0.2], [0.11, 0.6]] }), "/feeds/0/line_m"],

@@ -135,10 +135,13 @@ test("both models screen a plate's angle: each confirmed point has what both say
   const done = await beltflow(["study", file, "--out", out]);
   assert.equal(done.status, 0);
   const found = best(out);
-  // Without feeds all replications are equal, so the better one is known from the first two.
+  // Without feeds all replications are equal, so each point is solved once, and the better one is known.
   assert.equal(found.is_decided, true);
-  assert.equal(found.trials, 4 + 2 * 2);
-  assert.deepEqual(found.confirmed.map((point) => point.is_dropped).sort(), [false, true]);
+  assert.equal(found.has_chance, false);
+  assert.equal(found.trials, 4 + 2);
+  assert.deepEqual(found.confirmed.map((point) => point.is_in_set).sort(), [false, true]);
+  assert.deepEqual(found.set.map(({ point }) => point), [found.best.point]);
+  assert.match(found.verdicts.find(({ kind }) => kind === "confirmed").text, /^The microscopic model compared angle_deg .* by 1 run each\./);
   for (const { micro, macro, difference } of found.confirmed) {
     assert.deepEqual(micro.parameters, macro.parameters);
     const [a, b] = [macro, micro].map((point) => point.values["content.mean"].mean);

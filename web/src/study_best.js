@@ -2,30 +2,26 @@
 
 import { figureTitle, figureUnit } from "./figures.js";
 import { h } from "./dom.js";
-import { models, percent, quantity } from "./format.js";
+import { models, quantity } from "./format.js";
 import { parametersWords, spreadOf, valueWords } from "./study_words.js";
 
-// How sure a selection is that has ended, though intervals may overlap.
-function suretyOf({ confidence = 0.95, indifference }, figure) {
-  return `With ${percent(confidence)} confidence none of them is better than this one by more than ${quantity(indifference, figureUnit(figure), 4)}. `
-    + "They are compared run by run with the same random numbers, so differences are surer than each interval.";
+// The daemon's sentences name a parameter by its member of the scenario; the page has words for it.
+function readable(text, words) {
+  return [...words].reduce((said, [pointer, { label }]) => said.replaceAll(` ${pointer.split("/").at(-1)} `, ` ${label.toLowerCase()} `), text);
 }
 
-// In plain words, how sure the best point is.
-function sentence(study, { best, is_ended: isEnded, is_decided: isDecided, confirmed }, method, figure) {
-  if (!best) return isEnded ? "No trial has this value, so nothing is best." : "Nothing is known yet.";
-  if (study.method === "calibrate") return isEnded ? "These values agree best with the counts." : "So far these values agree best with the counts.";
-  if (study.method !== "screen") {
-    return `${isEnded ? "The best that was tried" : "The best so far"}, by the ${models[best.model]} model alone${best.model === "macro" ? "; the microscopic model has not confirmed it." : "."}`;
-  }
-  if (!confirmed?.length) return "By the macroscopic model alone; the microscopic model has not confirmed it yet.";
-  return isDecided ? `Confirmed: the microscopic model tried ${confirmed.length} points. ${suretyOf(method, figure)}`
-    : `The microscopic model has tried ${confirmed.length} points; which of them is best is not decided.`;
+// In sentences, what was found and how sure it is.
+function sentences(study, { best, is_ended: isEnded, verdicts = [] }, words) {
+  if (!best) return [isEnded ? "No trial has this value, so nothing is best." : "Nothing is known yet."];
+  if (study.method === "calibrate") return [isEnded ? "These values agree best with the counts." : "So far these values agree best with the counts."];
+  const model = study.method === "screen" ? [] : [`${isEnded ? "The best that was tried" : "The best so far"}, by the ${models[best.model]} model alone${
+    best.model === "macro" ? "; the microscopic model has not confirmed it." : "."}`];
+  return [...model, ...verdicts.map(({ text }) => readable(text, words))];
 }
 
 export class BestPanel {
-  constructor(method, words, figures) {
-    Object.assign(this, { method, words, figures });
+  constructor(words, figures) {
+    Object.assign(this, { words, figures });
     this.body = h("div", { class: "best-panel" });
     this.element = h("section", { class: "card", "aria-labelledby": "best-title" },
       this.title = h("h2", { id: "best-title" }, "Best found"), this.body);
@@ -39,7 +35,7 @@ export class BestPanel {
     const { best, warnings = [], confirmed } = found;
     this.body.replaceChildren(...[
       best ? h("p", { class: "best-words" }, parametersWords(best.parameters, this.words)) : null,
-      h("p", { class: "hint" }, sentence(study, found, this.method, this.figures[0])),
+      ...sentences(study, found, this.words).map((text) => h("p", { class: "hint" }, text)),
       best ? this.values(best) : null,
       confirmed?.length > 0 ? this.confirmed(confirmed) : null,
       warnings.length > 0 ? h("ul", { class: "warnings", "aria-label": "Warnings" }, warnings.map((text) => h("li", {}, text))) : null,
@@ -54,8 +50,8 @@ export class BestPanel {
 
   confirmed(points) {
     const [name] = this.figures;
-    const row = ({ is_dropped: isDropped, micro, macro, difference }) => h("tr", {},
-      h("th", { scope: "row" }, parametersWords(micro.parameters, this.words), h("small", {}, isDropped ? "dropped" : "kept")),
+    const row = ({ is_dropped: isDropped, is_in_set: isInSet, micro, macro, difference }) => h("tr", {},
+      h("th", { scope: "row" }, parametersWords(micro.parameters, this.words), h("small", {}, isInSet ? "may be best" : isDropped ? "dropped" : "worse")),
       h("td", {}, quantity(macro.values[name]?.mean, "", 4)), h("td", {}, valueWords(spreadOf(micro.values[name] ?? {}), "")),
       h("td", {}, quantity(difference, "", 3)));
     return h("div", { class: "scroll" }, h("table", { class: "measures" },

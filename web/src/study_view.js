@@ -49,7 +49,7 @@ export class StudyView {
   }
 
   build() {
-    this.best = new BestPanel(this.data.document.method, this.words, this.figures);
+    this.best = new BestPanel(this.words, this.figures);
     this.fit = this.data.document.curves?.length > 0 ? new FitPanel(this.data, this.words) : null;
     this.pictures = new StudyPictures(this.data);
     this.chart = new StudyChart((point) => this.open(point));

@@ -60,6 +60,37 @@ micro_part body__part(const void *state, size_t k)
 /// Cosine of the largest angle by which a part that lies flat is tilted.
 #define FLAT 0.9999
 
+// Half the sides of the rectangle around the centre of mass, along a direction and across, that holds the body seen from above.
+static vec2 half_sides(const body_body *body, const body_kind *kind, vec2 along)
+{
+    const mat3 r = mat3_of_quat(body->q);
+    vec2 half = { 0.0, 0.0 };
+
+    if (kind->is_cylinder) {
+        const vec3 axis = { r.row[0].z, r.row[1].z, r.row[2].z };
+        const double a = along.x * axis.x + along.y * axis.y;
+        const double b = along.x * axis.y - along.y * axis.x;
+        return (vec2){ kind->radius * sqrt(fmax(1.0 - a * a, 0.0)) + kind->half_height * fabs(a),
+                       kind->radius * sqrt(fmax(1.0 - b * b, 0.0)) + kind->half_height * fabs(b) };
+    }
+    for (size_t k = 0; k < kind->shape.n_vertices; k++) {
+        const vec3 at = mat3_apply(&r, hull_vertex(&kind->shape, k));
+        half.x = fmax(half.x, fabs(along.x * at.x + along.y * at.y));
+        half.y = fmax(half.y, fabs(along.x * at.y - along.y * at.x));
+    }
+    return half;
+}
+
+static micro_place tilted_place(const body_body *body, const body_kind *kind, double heading)
+{
+    const vec2 half = half_sides(body, kind, shape_direction(heading));
+
+    return (micro_place){ .kind = body->kind,
+                          .pose = { body->x.x, body->x.y, heading },
+                          .radius = hypot(half.x, half.y),
+                          .half = half };
+}
+
 micro_place body__place(const void *state, size_t k)
 {
     const body_state *s = state;
@@ -70,9 +101,7 @@ micro_place body__place(const void *state, size_t k)
     const vec3 origin = vec3_sub(body->x, mat3_apply(&r, kind->centre));
 
     if (r.row[2].z < FLAT)
-        return (micro_place){ .kind = body->kind,
-                              .pose = { body->x.x, body->x.y, 0.0 },
-                              .radius = kind->shape.radius };
+        return tilted_place(body, kind, atan2(r.row[1].x, r.row[0].x));
     return (micro_place){ .kind = body->kind,
                           .is_flat = true,
                           .pose = { origin.x, origin.y, atan2(r.row[1].x, r.row[0].x) },

@@ -51,8 +51,9 @@ static void a_study_is_accepted(void **state)
     assert_true(ask_body_has("\"method\":\"grid\""));
     assert_true(ask_body_has("\"priority\":3"));
     assert_true(ask_body_has("\"limit\":5"));
-    assert_string_equal(ask_daemon.columns, "{\"parameters\":[\"/obstacles/0/angle_deg\"],"
-                                            "\"values\":[\"throughput_per_h\"]}");
+    assert_string_equal(ask_daemon.columns,
+                        "{\"parameters\":[\"/obstacles/0/angle_deg\"],"
+                        "\"values\":[\"throughput_per_h\",\"residence_s.mean\"]}");
     ask_daemon.is_replay = true;
     post(STUDY, "Idempotency-Key: \"k\"\n", 201);
     ask_assert_header("Idempotent-Replayed", "true");

@@ -15,16 +15,24 @@
 
 #include <cmocka.h>
 
-#define SCENARIO                                                                                   \
-    "{" DOCUMENT_NEEDED ", 'substream': 3, 'obstacles': [{'end_m': [0.75, 0.5], 'angle_deg': 60, " \
+#define SCENARIO_WITH(more)                                                                        \
+    "{" DOCUMENT_NEEDED more                                                                       \
+    ", 'substream': 3, 'obstacles': [{'end_m': [0.75, 0.5], 'angle_deg': 60, "                     \
     "'length_m': 0.5}], 'counters': [{'id': 'a', 'x_m': [0, 0.7]}, {'id': 'b', 'x_m': [0, "        \
     "0.5]}], "                                                                                     \
     "'macro': {'cell_m': 0.02, 'mollifier_per_m2': 10000}}"
+#define SCENARIO   SCENARIO_WITH("")
 #define ANGLE      "{'pointer': '/obstacles/0/angle_deg', 'range': [30, 90]}"
 #define THROUGHPUT "{'figure': 'throughput_per_h', 'goal': 'maximize'}"
 #define WITH(base, parameters, objectives, method, rest)                                           \
     "{'base': {'scenario': " SCENARIO base "}, 'parameters': [" parameters                         \
     "], 'objectives': [" objectives "], 'method': {" method "}" rest "}"
+// The same with a feed by chance.
+#define FED(base, parameters, objectives, method, rest)                                            \
+    "{'base': {'scenario': " SCENARIO_WITH(                                                        \
+        ", 'feeds': [{'edge': 'west', 'arrivals': 'poisson', 'rate_per_s': 2}]") base              \
+        "}, 'parameters': [" parameters "], 'objectives': [" objectives "], 'method': {" method    \
+        "}" rest "}"
 
 static bf_faults faults;
 
@@ -55,8 +63,10 @@ static void a_document_is_read_with_its_defaults(void **state)
     const study_definition def = study_document_definition(&d);
     assert_int_equal(def.method, STUDY_SOBOL);
     assert_int_equal(def.d, 1);
-    assert_int_equal(def.n_values, 1);
-    assert_true(def.is_maximized);
+    assert_int_equal(def.n_values, 2); // and residence_s.mean, which decides between equal points
+    assert_int_equal(d.objectives[1].figure, FIGURE_RESIDENCE_MEAN);
+    assert_true(def.is_maximized && !def.is_second_maximized && !def.has_chance);
+    assert_true(def.confidence == 0.95 && isnan(def.indifference));
     assert_int_equal(def.n_points, 32);
     assert_int_equal(def.n_replications, 1);
     assert_int_equal(def.n_trials_max, 32);
@@ -68,7 +78,7 @@ static void a_document_is_read_with_its_defaults(void **state)
 static void members_are_taken_over(void **state)
 {
     (void)state;
-    study_document d = read_good(WITH(
+    study_document d = read_good(FED(
         ", 'model': 'micro'",
         ANGLE ", {'pointer': '/macro/mollifier_per_m2', 'range': [1000, 10000], 'scale': 'log'}",
         "{'figure': 'content.mean', 'of': 'b'}, {'figure': 'jam.count'}",
@@ -84,7 +94,8 @@ static void members_are_taken_over(void **state)
     assert_int_equal(def.n_replications, 10);
     assert_int_equal(def.n_trials_max, 300);
     assert_true(def.confidence == 0.9 && def.indifference == 2.0 && def.seed == 9);
-    assert_false(def.is_maximized);
+    assert_true(!def.is_maximized && def.has_chance);
+    assert_int_equal(d.n_objectives, 2);
     assert_int_equal(d.objectives[0].item, 1);
     assert_int_equal(d.workers, 2);
     study_document_column(&d, 0, name);
@@ -187,6 +198,13 @@ static const struct {
     { WITH(", 'model': 'micro'", ANGLE, "{'figure': 'queue_end_m'}",
            "'type': 'screen', 'indifference': 1", ""),
       "/objectives/0/figure" },
+    { FED("", ANGLE, "{'figure': 'residence_s.p95'}", "'type': 'lhs'", ""),
+      "/objectives/0/figure" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes'", ", 'limits': {'trials': 3}"),
+      "/limits/trials" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'grid', 'confidence': 1", ""), "/method/confidence" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'grid', 'indifference': 0", ""),
+      "/method/indifference" },
     { WITH("", ANGLE, "{'figure': 'speed'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
     { WITH("", ANGLE, "{'figure': 'offered'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
     { WITH("", ANGLE, "{'figure': 'content.mean'}", "'type': 'lhs'", ""), "/objectives/0/of" },
@@ -358,8 +376,8 @@ static void the_best_point_is_told_with_its_intervals(void **state)
 {
     (void)state;
     study_document d =
-        read_good(WITH("", ANGLE, THROUGHPUT ", {'figure': 'jam.count'}",
-                       "'type': 'sobol', 'points': 1", ", 'replications': 2, 'name': 'N'"));
+        read_good(FED(", 'model': 'micro'", ANGLE, THROUGHPUT ", {'figure': 'jam.count'}",
+                      "'type': 'sobol', 'points': 1", ", 'replications': 2, 'name': 'N'"));
     const study_definition def = study_document_definition(&d);
     study *s = NULL;
     bf_buffer out = { 0 };
@@ -378,6 +396,133 @@ static void the_best_point_is_told_with_its_intervals(void **state)
     assert_non_null(strstr(out.bytes, "\"interval_95\":[-10.7062"));
     assert_non_null(strstr(out.bytes, "\"jam_probability\":{\"mean\":0.5,\"interval_95\":[0.0945"));
     buffer_fini(&out);
+    study_destroy(s);
+    study_document_fini(&d);
+}
+
+static study *begin_study(study_document *d)
+{
+    const study_definition def = study_document_definition(d);
+    study *s = NULL;
+
+    assert_int_equal(study_create(&def, &s, NULL), BF_OK);
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    return s;
+}
+
+static void assert_says(study_document *d, const study *s, const char *const *texts)
+{
+    bf_buffer out = { 0 };
+
+    assert_int_equal(study_best_write(d, s, &out, NULL), BF_OK);
+    for (; *texts != NULL; texts++)
+        if (strstr(out.bytes, *texts) == NULL)
+            fail_msg("%s is not in %s", *texts, out.bytes);
+    buffer_fini(&out);
+}
+
+// The macroscopic model has no chance in it: 3 replications are one run. 2 parts/s are 7200 parts/h; at 45, 54 and 63 degrees all of them
+// get through; 63 is slowest, of 45 and 54 the first is taken by residence.
+static void a_deterministic_study_is_solved_once_and_names_what_is_equal(void **state)
+{
+    (void)state;
+    static const double throughputs[] = { 6000.0, 7199.9, 7200.0, 7200.0, 6500.0 },
+                        residences[] = { 9.0, 3.5, 3.8, 6.1, 8.0 };
+    study_document d = read_good(FED("",
+                                     "{'pointer': '/obstacles/0/angle_deg', 'range': [36, 72], "
+                                     "'steps': 5}",
+                                     THROUGHPUT, "'type': 'grid'", ", 'replications': 3"));
+    study *s = begin_study(&d);
+    assert_int_equal(study_trials(s), 5);
+    for (size_t k = 0; k < 5; k++)
+        study_tell(s, k, (const double[]){ throughputs[k], residences[k] });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    static const char *const texts[] = { "\"best\":{\"point\":1,",
+                                         "\"throughput_per_h\":{\"n\":1,\"mean\":7199.9},",
+                                         "\"has_chance\":false,\"set\":[{\"point\":1,",
+                                         "{\"kind\":\"equal\",\"text\":\"Equally good in "
+                                         "throughput_per_h: angle_deg 45 to 63. Less than 36 "
+                                         "parts/h counts as equal. Of them this one was chosen by "
+                                         "residence_s.mean, then as the middle.\"}",
+                                         "{\"kind\":\"everything_through\",\"text\":\"Everything "
+                                         "that is offered, 7200 parts/h, gets "
+                                         "through at angle_deg 45 to 63.\"}",
+                                         "{\"kind\":\"no_chance\",",
+                                         NULL };
+    assert_says(&d, s, texts);
+    study_destroy(s);
+    study_document_fini(&d);
+}
+
+static void a_best_point_at_the_edge_is_told(void **state)
+{
+    (void)state;
+    study_document d =
+        read_good(WITH("", "{'pointer': '/obstacles/0/angle_deg', 'range': [40, 80]}", THROUGHPUT,
+                       "'type': 'grid'", ""));
+    study *s = begin_study(&d);
+    for (size_t k = 0; k < 5; k++)
+        study_tell(s, k, (const double[]){ 1000.0 - 100.0 * (double)k, 3.0 });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    static const char *const texts[] = { "{\"kind\":\"alone\",\"text\":\"No other of the 5 points "
+                                         "is as good. Less than 5 parts/h counts as "
+                                         "equal.\"}",
+                                         "{\"kind\":\"edge\",\"text\":\"The best point is at the "
+                                         "edge of the range, angle_deg 40: try 20 to "
+                                         "50.\"}",
+                                         NULL };
+    assert_says(&d, s, texts);
+    study_destroy(s);
+    study_document_fini(&d);
+}
+
+static void one_run_each_says_nothing_of_chance(void **state)
+{
+    (void)state;
+    study_document d =
+        read_good(FED(", 'model': 'micro'", ANGLE, THROUGHPUT, "'type': 'grid'", ""));
+    study *s = begin_study(&d);
+    for (size_t k = 0; k < 5; k++)
+        study_tell(s, k, (const double[]){ 1000.0 - 100.0 * (double)k, 3.0 });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    static const char *const texts[] = { "\"has_chance\":true,\"set\":null",
+                                         "{\"kind\":\"one_run_each\",", NULL };
+    assert_says(&d, s, texts);
+    study_destroy(s);
+    study_document_fini(&d);
+}
+
+// 10 runs of 2 points; the models differ by 10 % and 0 %.
+static void a_screening_says_what_was_compared(void **state)
+{
+    (void)state;
+    study_document d = read_good(FED("",
+                                     "{'pointer': '/obstacles/0/angle_deg', 'range': [60, 80], "
+                                     "'steps': 3}",
+                                     THROUGHPUT,
+                                     "'type': 'screen', 'sweep': 'grid', 'confirm': 2, "
+                                     "'indifference': 50",
+                                     ""));
+    study *s = begin_study(&d);
+    for (size_t k = 0; k < 3; k++)
+        study_tell(s, k, (const double[]){ 1100.0 - 50.0 * (double)k, 3.0 });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    static const char *const first[] = { "\"best\":{\"point\":0,", "\"kind\":\"unconfirmed\"",
+                                         NULL };
+    assert_says(&d, s, first);
+    for (size_t k = 3; k < study_trials(s); k++)
+        study_tell(s, k,
+                   (const double[]){ study_trial_at(s, k).point == 3 ? 1000.0 + (double)(k % 2)
+                                                                     : 1050.0 + (double)(k % 2),
+                                     3.0 });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    static const char *const second[] = {
+        "{\"kind\":\"confirmed\",\"text\":\"The microscopic model compared angle_deg 60, 70 with "
+        "each "
+        "other, by 10 runs each. The macroscopic model says -0.0 % to +9.9 % of their values.\"}",
+        "\"is_dropped\":true,\"is_in_set\":", NULL
+    };
+    assert_says(&d, s, second);
     study_destroy(s);
     study_document_fini(&d);
 }
@@ -416,6 +561,10 @@ int main(void)
         cmocka_unit_test(lists_beyond_their_limits_are_refused),
         cmocka_unit_test(values_are_key_figures_or_distances_of_curves),
         cmocka_unit_test(the_best_point_is_told_with_its_intervals),
+        cmocka_unit_test(a_deterministic_study_is_solved_once_and_names_what_is_equal),
+        cmocka_unit_test(a_best_point_at_the_edge_is_told),
+        cmocka_unit_test(one_run_each_says_nothing_of_chance),
+        cmocka_unit_test(a_screening_says_what_was_compared),
         cmocka_unit_test(without_memory_no_document_is_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -31,6 +31,7 @@ typedef struct room {
     size_t n_admitted;
     feed_admission admitted[MAX];
     size_t n_trials; // calls of is_free()
+    double plate[2]; // denies places between these, y in m
     bool refuses;    // admit() fails
 } room;
 
@@ -39,7 +40,7 @@ static bool is_free(void *context, uint32_t kind, scene_pose pose)
     room *r = (room *)context;
     vec2 own[SCENE_VERTICES_MAX + 1], other[SCENE_VERTICES_MAX + 1];
     const shape_footprint *a = &r->footprints[kind];
-    bool is = true;
+    bool is = !(pose.y > r->plate[0] && pose.y < r->plate[1]);
 
     r->n_trials++;
     shape_place(a, pose, own);
@@ -222,6 +223,25 @@ static void the_first_free_place_of_a_disk_is_exact(void **state)
         feed_parts_destroy(p);
         scene_fini(&s);
     }
+}
+
+// A plate denies 0.05 m to 0.62 m, disks what is beyond 0.632 m. Places are tried from 0.05 m on by a quarter of the radius,
+// 0.0125 m: the first one that is free is 0.625 m, in the middle of the only gap that disks leave.
+static void a_free_place_behind_a_plate_is_found(void **state)
+{
+    (void)state;
+    static room r;
+    scene s;
+    make_scene(&s, 1);
+    feed_parts *p = make_parts(&s, &r);
+    r.plate[1] = 0.62;
+    for (double y = 0.73; y <= 0.96; y += 0.02)
+        r.bodies[r.n_bodies++] = (body){ 0, { -0.02, y, 0.0 } };
+    advance(p, 0.05, &r);
+    assert_int_equal(r.n_admitted, 1);
+    assert_near(r.admitted[0].pose.y, 0.625, 1e-8);
+    feed_parts_destroy(p);
+    scene_fini(&s);
 }
 
 // 0.9 m for centres 0.1 m apart, and what the draws waste: at least five of them fit, at most ten. The others wait, and
@@ -475,6 +495,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_enter_at_the_first_tick_where_they_were_drawn),
         cmocka_unit_test(the_first_free_place_of_a_disk_is_exact),
+        cmocka_unit_test(a_free_place_behind_a_plate_is_found),
         cmocka_unit_test(parts_wait_in_order_while_the_line_is_full),
         cmocka_unit_test(a_given_place_is_the_only_one),
         cmocka_unit_test(other_footprints_keep_off_the_walls_at_their_heading),

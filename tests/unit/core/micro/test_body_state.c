@@ -333,10 +333,43 @@ static void upright_cylinders_do_as_on_the_planar_path(void **state)
     assert_true(helper_body_gap(planar, spatial, SAMPLES) < 0.01 * (double)h.def.n_parts);
 }
 
+// Tilted about its width by 5 degrees a box of 0.3 m x 0.06 m x 0.04 m is held by 0.3 cos + 0.04 sin by 0.06 m, not by
+// a disk of 0.3 m; a cylinder about the x axis by 10 degrees by its diameter along it, 0.06 cos + 0.2 sin across.
+static void a_tilted_part_covers_the_rectangle_that_holds_it(void **state)
+{
+    (void)state;
+    const double box_tilt = 5.0 * M_PI / 180.0, cylinder_tilt = 10.0 * M_PI / 180.0;
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.3, 0.06, 0.04));
+    body_state *s = helper_body_start(&h);
+    assert_true(body__place(s, 0).is_flat);
+    helper_body_tilt(s, 0, (vec3){ 0.0, 1.0, 0.0 }, box_tilt, 0.0);
+    micro_place place = body__place(s, 0);
+    assert_false(place.is_flat);
+    assert_near(place.pose.heading, 0.0, 1e-12);
+    assert_near(place.half.x, 0.15 * cos(box_tilt) + 0.02 * sin(box_tilt), 1e-12);
+    assert_near(place.half.y, 0.03, 1e-12);
+    shape_footprint room;
+    const shape_footprint disk = { .bounding_radius = 0.02 },
+                          *covered = micro_footprint(&place, &disk, &room);
+    assert_false(shape_overlaps(&disk, (scene_pose){ 0.0, 0.051, 0.0 }, covered, place.pose));
+    assert_true(shape_overlaps(&disk, (scene_pose){ 0.0, 0.049, 0.0 }, covered, place.pose));
+    micro__body.destroy(s);
+
+    helper_body_init(&h, helper_body_cylinder(0.03, 0.2));
+    s = helper_body_start(&h);
+    helper_body_tilt(s, 0, (vec3){ 1.0, 0.0, 0.0 }, cylinder_tilt, 0.0);
+    place = body__place(s, 0);
+    assert_near(place.half.x, 0.03, 1e-12);
+    assert_near(place.half.y, 0.03 * cos(cylinder_tilt) + 0.1 * sin(cylinder_tilt), 1e-12);
+    micro__body.destroy(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_threads_give_the_same_bits_as_one),
+        cmocka_unit_test(a_tilted_part_covers_the_rectangle_that_holds_it),
         cmocka_unit_test(parts_stay_on_their_side_and_on_the_belt),
         cmocka_unit_test(a_loaded_state_goes_on_with_the_same_bits),
         cmocka_unit_test(implicit_steps_allocate_nothing),

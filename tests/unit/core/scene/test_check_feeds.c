@@ -237,6 +237,42 @@ static void lines_keep_clear_of_plates(void **unused)
     helper_faults_none(&s);
 }
 
+// From -90 degrees, where it is clear, the plate turns to where it stands across the line; to -80 degrees it does not come near.
+static void lines_keep_clear_of_plates_that_turn(void **unused)
+{
+    static const double angles[] = { 0.0, -M_PI * 80.0 / 180.0 };
+    const vec2 across[] = { { 0.22, 0.3 }, { 0.35, 0.3 } };
+
+    (void)unused;
+    for (int k = 0; k < 4; k++) {
+        scene s;
+        make_scene(&s);
+        scene_obstacle *o = helper_scene_add_obstacle(&s, across, 2, SCENE_SEALED);
+        o->pivot = across[1];
+        const double last = angles[k / 2];
+        o->turn.n_times = o->turn.n_values = k % 2 == 0 ? 2 : 1;
+        o->turn.times = numbers(o->turn.n_times, (double[]){ 0.0, 5.0 });
+        o->turn.values = numbers(o->turn.n_values, (double[]){ -M_PI / 2.0, last });
+        if (k % 2 != 0) {
+            s.n_eyes = s.n_actions = 1;
+            s.eyes = memory_alloc(1, sizeof *s.eyes);
+            scene_photo_eye_init(s.eyes);
+            s.eyes[0].line[0] = (vec2){ 0.5, 0.2 };
+            s.eyes[0].line[1] = (vec2){ 0.5, 0.4 };
+            s.actions = memory_alloc(1, sizeof *s.actions);
+            scene_action_init(s.actions);
+            s.actions[0].eye = s.actions[0].target = 0;
+            s.actions[0].type = SCENE_ACTION_TURN;
+            s.actions[0].value = last;
+        }
+        if (last == 0.0)
+            helper_faults_one(&s, "/feeds/1/line_m",
+                              "plate of obstacle 'obstacle-1' turns onto it");
+        else
+            helper_faults_none(&s);
+    }
+}
+
 // Over a side, a plate that begins less than a radius, 12 mm, behind the line stands across it as well. Plates at the
 // ends of the line, which reach over it by less than a radius, guide what enters.
 static void inlets_keep_clear_of_plates(void **unused)
@@ -406,6 +442,7 @@ int main(void)
         cmocka_unit_test(a_feed_without_an_end_that_is_a_number_is_refused),
         cmocka_unit_test(belts_must_carry_parts_away),
         cmocka_unit_test(lines_keep_clear_of_plates),
+        cmocka_unit_test(lines_keep_clear_of_plates_that_turn),
         cmocka_unit_test(inlets_keep_clear_of_plates),
         cmocka_unit_test(every_kind_has_room_beside_plates),
         cmocka_unit_test(every_kind_has_room_between_the_walls),

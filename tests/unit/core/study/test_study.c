@@ -95,6 +95,8 @@ static study_definition definition_of(size_t k)
 
     d.d = d.n_values = 2;
     d.seed = 4;
+    d.has_chance = true;
+    d.confidence = 0.95;
     return d;
 }
 

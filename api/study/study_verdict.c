@@ -1,0 +1,345 @@
+#include "api/study/study_verdict.h"
+
+#include "api/study/study_priv.h"
+#include "core/base/memory.h"
+#include "core/feed/arrivals.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { TEXT_SIZE = 800, LISTED = 6 };
+
+static const double s_per_h = 3600.0, confidence_of_means = 0.95;
+
+// Of what is offered: what is missing at the end of a run is still on the belt.
+static const double whole_feed = 0.99;
+
+// What a sentence is about.
+typedef struct about {
+    study_document *document;
+    const study *study;
+    const study_choice *choice;
+    const bool *is_in;
+} about;
+
+static void write_sentence(json_out *w, const char *kind, const char *text)
+{
+    json_out_object(w);
+    json_out_key_string(w, "kind", kind);
+    json_out_key_string(w, "text", text);
+    json_out_object_end(w);
+}
+
+__attribute__((format(printf, 2, 3))) static void append(char *text, const char *format, ...)
+{
+    const size_t n = strlen(text);
+    va_list arguments;
+
+    va_start(arguments, format);
+    vsnprintf(text + n, TEXT_SIZE - n, format, arguments);
+    va_end(arguments);
+}
+
+static bool has_value(const study *s, size_t point)
+{
+    return study_sample(s, point, 0).n > 0;
+}
+
+static double value_of(const about *a, size_t point, size_t parameter)
+{
+    return study_document_value(&a->document->parameters[parameter],
+                                study_point_at(a->study, point).at[parameter]);
+}
+
+// ---- points in words
+
+// The last word of a pointer that is not a number, "angle_deg".
+static void append_name(char *text, const char *pointer)
+{
+    const char *slash = strrchr(pointer, '/');
+    const bool is_index = slash != NULL && slash[1] >= '0' && slash[1] <= '9';
+
+    append(text, "%s", slash == NULL || is_index ? pointer : slash + 1);
+}
+
+// "angle_deg 45 to 63" where these are all that were compared in between, "angle_deg 40, 45, 63", or "7 of 9 points".
+static void append_points(char *text, const about *a, const bool *are_meant)
+{
+    double least = (double)INFINITY, largest = -(double)INFINITY;
+    size_t n = 0, n_between = 0, n_all = 0;
+
+    for (size_t p = a->choice->first; p < a->choice->end; p++)
+        if (are_meant[p]) {
+            least = fmin(least, value_of(a, p, 0));
+            largest = fmax(largest, value_of(a, p, 0));
+            n++;
+        }
+    for (size_t p = a->choice->first; p < a->choice->end; p++)
+        if (has_value(a->study, p)) {
+            n_all++;
+            n_between += value_of(a, p, 0) >= least && value_of(a, p, 0) <= largest;
+        }
+    if (a->document->n_parameters > 1 || (n > LISTED && n_between > n)) {
+        append(text, "%.0f", (double)n);
+        append(text, " of %.0f points", (double)n_all);
+        return;
+    }
+    append_name(text, a->document->parameters[0].pointer);
+    if (n >= 3 && n_between == n) {
+        append(text, " %.6g", least);
+        append(text, " to %.6g", largest);
+        return;
+    }
+    const char *separator = " ";
+    for (size_t p = a->choice->first; p < a->choice->end; p++)
+        if (are_meant[p]) {
+            append(text, "%s", separator);
+            append(text, "%.6g", value_of(a, p, 0));
+            separator = ", ";
+        }
+}
+
+static void append_figure(char *text, const study_document *d, size_t value)
+{
+    char word[STUDY_DOCUMENT_COLUMN];
+
+    study_document_column(d, value, word);
+    append(text, "%s", word);
+}
+
+// ---- the sentences
+
+static void say_equal(json_out *w, const about *a)
+{
+    const study_document *d = a->document;
+    const study_choice *c = a->choice;
+    const char *unit = figure_table[d->objectives[0].figure].unit;
+    const bool has_chance = study_has_chance(a->study, c->best);
+    const size_t n_runs = study_point_at(a->study, c->best).n_trials;
+    char text[TEXT_SIZE] = "";
+
+    if (c->n_set > 1) {
+        append(text, "Equally good in ");
+        append_figure(text, d, 0);
+        append(text, ": ");
+        append_points(text, a, a->is_in);
+        append(text, ". ");
+    } else {
+        append(text, "No other of the %.0f points is as good. ", (double)c->n_candidates);
+    }
+    append(text, "Less than %.3g ", c->indifference);
+    append(text, "%s%scounts as equal", unit != NULL ? unit : "", unit != NULL ? " " : "");
+    if (has_chance)
+        append(text, ", and what chance leaves open with %.4g %% confidence",
+               100.0 * d->method.confidence);
+    append(text, ".");
+    if (c->n_set > 1 && d->n_objectives > 1) {
+        append(text, " Of them this one was chosen by ");
+        append_figure(text, d, 1);
+        append(text, ", then as the middle.");
+    }
+    if (c->n_set > 1 && has_chance)
+        append(text, " %.0f more runs of each would halve what chance leaves open.",
+               3.0 * (double)n_runs);
+    write_sentence(w, c->n_set > 1 ? "equal" : "alone", text);
+}
+
+static void say_edges(json_out *w, const about *a)
+{
+    for (size_t k = 0; k < a->document->n_parameters; k++) {
+        const study_document_parameter *p = &a->document->parameters[k];
+        const double best = value_of(a, a->choice->best, k);
+        double low = best, high = best;
+        char text[TEXT_SIZE] = "";
+
+        for (size_t point = 0; point < study_points(a->study); point++) {
+            low = fmin(low, value_of(a, point, k));
+            high = fmax(high, value_of(a, point, k));
+        }
+        if (!(high > low) || (best > low && best < high))
+            continue;
+        const bool is_log = p->form == STUDY_BY_RANGE && p->is_log;
+        const double step = is_log ? pow(high / low, 0.25) : 0.25 * (high - low);
+        double from = best == low ? (is_log ? low / (step * step) : low - 2.0 * step)
+                                  : (is_log ? high / step : high - step);
+        const double to = best == low ? (is_log ? low * step : low + step)
+                                      : (is_log ? high * step * step : high + 2.0 * step);
+        if (low > 0.0 && from <= 0.0)
+            from = 0.5 * low;
+        append(text, "The best point is at the edge of the range, ");
+        append_name(text, p->pointer);
+        append(text, " %.6g: try", best);
+        append(text, " %.4g", from);
+        append(text, " to %.4g.", to);
+        write_sentence(w, "edge", text);
+    }
+}
+
+// How many replications the points have.
+static void find_runs(const about *a, size_t *ret_least, size_t *ret_most)
+{
+    *ret_least = SIZE_MAX;
+    *ret_most = 0;
+    for (size_t p = a->choice->first; p < a->choice->end; p++) {
+        const size_t n = study_point_at(a->study, p).n_trials;
+        *ret_least = n < *ret_least ? n : *ret_least;
+        *ret_most = n > *ret_most ? n : *ret_most;
+    }
+}
+
+static void say_confirmed(json_out *w, const about *a, bool *are_meant)
+{
+    double least = (double)INFINITY, largest = -(double)INFINITY;
+    size_t n_least, n_most;
+    char text[TEXT_SIZE] = "";
+
+    if (a->choice->first == 0) {
+        write_sentence(
+            w, "unconfirmed",
+            "By the macroscopic model alone; the microscopic model has not confirmed it yet.");
+        return;
+    }
+    for (size_t p = a->choice->first; p < a->choice->end; p++) {
+        const double micro = study_sample(a->study, p, 0).mean;
+        const double macro = study_sample(a->study, study_point_at(a->study, p).confirmed, 0).mean;
+        are_meant[p] = has_value(a->study, p);
+        if (are_meant[p] && micro != 0.0) {
+            least = fmin(least, macro / micro - 1.0);
+            largest = fmax(largest, macro / micro - 1.0);
+        }
+    }
+    find_runs(a, &n_least, &n_most);
+    append(text, "The microscopic model compared ");
+    append_points(text, a, are_meant);
+    append(text, " with each other, by %.0f", (double)n_least);
+    if (n_most > n_least)
+        append(text, " to %.0f", (double)n_most);
+    append(text, "%s", n_most > 1 ? " runs each" : " run each");
+    append(text, "%s", study_is_decided(a->study) ? "." : "; which is best is not decided.");
+    if (least <= largest) {
+        append(text, " The macroscopic model says %+.1f %%", 100.0 * least);
+        append(text, " to %+.1f %% of their values.", 100.0 * largest);
+    }
+    write_sentence(w, study_is_decided(a->study) ? "confirmed" : "undecided", text);
+}
+
+// ---- what is offered
+
+static bf_status offered_of(const scene *s, double *ret_per_h, bf_error *err)
+{
+    double sum = 0.0;
+
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        feed_arrivals *arrivals = NULL;
+        const bf_status status = feed_arrivals_create(&s->feeds[k], s->substream, &arrivals, err);
+        if (status != BF_OK)
+            return status;
+        sum +=
+            feed_arrivals_until(arrivals, s->duration) - feed_arrivals_until(arrivals, s->warmup);
+        feed_arrivals_destroy(arrivals);
+    }
+    *ret_per_h = s_per_h * sum / (s->duration - s->warmup);
+    return BF_OK;
+}
+
+// Parts/h that all feeds offer; NAN where it is no question of this study.
+static bf_status find_offered(const about *a, double *ret_per_h, bf_error *err)
+{
+    study_document *d = a->document;
+    const study_document_objective *o = &d->objectives[0];
+    const study_point p = study_point_at(a->study, a->choice->best);
+    bf_status status = BF_OK;
+    scene s;
+
+    *ret_per_h = (double)NAN;
+    if (!o->is_maximized || (o->figure != FIGURE_THROUGHPUT && o->figure != FIGURE_SUSTAINED))
+        return BF_OK;
+    for (size_t k = 0; k < d->n_parameters; k++)
+        if (strncmp(d->parameters[k].pointer, "/feeds", strlen("/feeds")) == 0)
+            return BF_OK;
+    bf_faults *faults = memory_alloc(1, sizeof *faults);
+    if (faults == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    status = study_document_scene(d, p.at, 0, study_document_model(d, p.model), &s, faults, err);
+    memory_free(faults);
+    if (status != BF_OK)
+        return status;
+    if (s.n_feeds > 0 && s.duration > s.warmup)
+        status = offered_of(&s, ret_per_h, err);
+    scene_fini(&s);
+    return status;
+}
+
+static bf_status say_through(json_out *w, const about *a, bool *are_meant, bf_error *err)
+{
+    char text[TEXT_SIZE] = "Everything that is offered";
+    double offered;
+    size_t n = 0;
+
+    const bf_status status = find_offered(a, &offered, err);
+    if (status != BF_OK || isnan(offered))
+        return status;
+    for (size_t p = a->choice->first; p < a->choice->end; p++) {
+        const statistics_sample sample = study_sample(a->study, p, 0);
+        const double half = statistics_half_width(&sample, confidence_of_means);
+        are_meant[p] = sample.n > 0 &&
+                       sample.mean + (isfinite(half) ? half : 0.0) >= whole_feed * offered &&
+                       sample.mean >= 0.9 * offered;
+        n += are_meant[p];
+    }
+    if (n == 0)
+        return BF_OK;
+    append(text, ", %.6g parts/h, gets through at ", offered);
+    append_points(text, a, are_meant);
+    append(text, ".");
+    write_sentence(w, "everything_through", text);
+    return BF_OK;
+}
+
+static bf_status say_all(json_out *w, const about *a, bool *are_meant, bf_error *err)
+{
+    const study_document *d = a->document;
+    const bool is_search = d->method.type == STUDY_DIRECT || d->method.type == STUDY_CMAES;
+    const bool has_chance = study_document_definition(d).has_chance;
+
+    if (a->choice->is_known && a->choice->n_candidates > 1)
+        say_equal(w, a);
+    else if (!is_search && !a->choice->is_known)
+        write_sentence(
+            w, "one_run_each",
+            "Parts arrive by chance and each point was solved once: which is best may be "
+            "luck. Ask for at least 5 replications.");
+    const bf_status status = say_through(w, a, are_meant, err);
+    if (status != BF_OK)
+        return status;
+    say_edges(w, a);
+    if (!has_chance && d->replications > 1 && d->method.type != STUDY_SCREEN)
+        write_sentence(
+            w, "no_chance",
+            "Nothing is left to chance, so each point was solved once: replications would "
+            "be the same run.");
+    memset(are_meant, 0, study_points(a->study) * sizeof *are_meant);
+    if (d->method.type == STUDY_SCREEN)
+        say_confirmed(w, a, are_meant);
+    return BF_OK;
+}
+
+bf_status study_verdicts_write(json_out *w, study_document *document, const study *s,
+                               const study_choice *choice, const bool *is_in, bf_error *err)
+{
+    const about a = { document, s, choice, is_in };
+    bf_status status = BF_OK;
+
+    json_out_key(w, "verdicts");
+    json_out_array(w);
+    if (choice->best != SIZE_MAX && document->method.type != STUDY_CALIBRATE) {
+        bool *are_meant = memory_alloc(study_points(s), sizeof *are_meant);
+        status = are_meant == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
+                                   : say_all(w, &a, are_meant, err);
+        memory_free(are_meant);
+    }
+    json_out_array_end(w);
+    return status;
+}

@@ -1,0 +1,22 @@
+/// What a study says, in sentences: each with a kind, for programs.
+///
+///     equal               several points may be best, which ones, and by what this one was chosen
+///     alone               no other point may be best
+///     one_run_each        parts arrive by chance and each point was solved once: nothing is known of what chance does
+///     everything_through  where all that is offered gets through
+///     edge                the best point lies at an end of a range, and which range to try
+///     no_chance           nothing is left to chance, so each point was solved once
+///     confirmed           of screen: what the microscopic model compared with what, and how much the models differ there
+///     undecided           of screen: same, trials having run out, or still going on
+///     unconfirmed         of screen: the microscopic model has said nothing yet
+
+#pragma once
+
+#include "api/json/json_out.h"
+#include "api/study/study_document.h"
+#include "core/study/study_choice.h"
+
+/// Write the member "verdicts", a list of objects. BF_ENOMEM.
+BF_MUST_CHECK bf_status study_verdicts_write(json_out *w, study_document *document, const study *s,
+                                             const study_choice *choice, const bool *is_in,
+                                             bf_error *err);
