@@ -216,6 +216,10 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
     if (h == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the HTTP server");
     h->options = *options;
+    if (h->options.clocks.monotonic_ms == NULL)
+        h->options.clocks.monotonic_ms = clock_monotonic_ms;
+    if (h->options.clocks.thread_cpu_ns == NULL)
+        h->options.clocks.thread_cpu_ns = clock_thread_cpu_ns;
     h->services = *options->services;
     h->listen_fd = -1;
     h->web_fd = -1;

@@ -17,6 +17,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/// The clocks of what clients may use.
+typedef struct http_clocks {
+    int64_t (*monotonic_ms)(void);  ///< as clock_monotonic_ms()
+    int64_t (*thread_cpu_ns)(void); ///< as clock_thread_cpu_ns()
+} http_clocks;
+
 /// How to serve.
 typedef struct http_options {
     const char *listen;           ///< "127.0.0.1:8080", "[::1]:0"; port 0 picks a free one
@@ -33,6 +39,7 @@ typedef struct http_options {
     const char *trusted_proxies;  ///< addresses whose X-Forwarded-For is trusted; NULL: none
     uint64_t requests_per_minute; ///< of one client that is not local; 0: no limit
     uint64_t work_per_minute;     ///< of them such that create work; 0: no limit
+    http_clocks clocks;           ///< of these limits; NULL members: the machine's
     /// What http_reconfigure() changes while threads read it:
     _Atomic unsigned stream_limit;      ///< event streams at once
     _Atomic unsigned download_limit;    ///< bodies that are made while they are sent, at once

@@ -332,7 +332,7 @@ static void make_chunk(http_request *r, bool is_heartbeat_due)
     char path[LOG_QUOTED_SIZE], text[LOG_QUOTED_SIZE];
     bf_error err = { 0 };
 
-    const int64_t begun_ns = clock_thread_cpu_ns();
+    const int64_t begun_ns = r->server->options.clocks.thread_cpu_ns();
 
     p->n_taken = p->chunk.n = 0;
     bf_status status = source->next_chunk(source->state, &r->server->services,

@@ -175,7 +175,7 @@ static bool check_rate(http_request *r)
     if (!has_rate(r))
         return true;
     r->verdict = http_limit_take(r->server->limit, r->client.key, r->cost >= API_COST_WORK,
-                                 clock_monotonic_ms());
+                                 r->server->options.clocks.monotonic_ms());
     if (!r->verdict.is_refused)
         return true;
     (void)bf_fail(&err, BF_EBUSY, "", "too many requests of %s; the next one is welcome in %u s",
@@ -315,16 +315,16 @@ void http__request_charge(http_request *r, int64_t begun_ns)
 
     if (!has_rate(r))
         return;
-    r->cpu_ns += clock_thread_cpu_ns() - begun_ns;
+    r->cpu_ns += r->server->options.clocks.thread_cpu_ns() - begun_ns;
     http_limit_charge(r->server->limit, r->client.key, r->cost >= API_COST_WORK, before_ns,
-                      r->cpu_ns, clock_monotonic_ms());
+                      r->cpu_ns, r->server->options.clocks.monotonic_ms());
 }
 
 bool http__request_work(http_request *r)
 {
     if (r->stage == HTTP_STAGE_SENT)
         return http__pull_work(r);
-    int64_t begun_ns = clock_thread_cpu_ns();
+    int64_t begun_ns = r->server->options.clocks.thread_cpu_ns();
     bool is_waiting = r->stage == HTTP_STAGE_LONG_POLL;
     if (!is_waiting) {
         handle(r);
@@ -334,7 +334,7 @@ bool http__request_work(http_request *r)
         http__request_charge(r, begun_ns);
         if (!http__pull_work(r))
             return false;
-        begun_ns = clock_thread_cpu_ns();
+        begun_ns = r->server->options.clocks.thread_cpu_ns();
         end_long_poll(r);
     }
     http__answer_settle(r);
@@ -360,7 +360,7 @@ static bool can_block(http_request *r)
 
 static void handle_at_once(http_request *r)
 {
-    const int64_t begun_ns = has_rate(r) ? clock_thread_cpu_ns() : 0;
+    const int64_t begun_ns = has_rate(r) ? r->server->options.clocks.thread_cpu_ns() : 0;
 
     handle(r);
     http__answer_settle(r);

@@ -153,27 +153,50 @@ void worker__start_jobs(worker *w)
 
 // ---- frames
 
-static bool spool_bytes(worker *w, worker_job *job, const char *bytes, size_t n)
+static bf_status fail_spool(const worker *w, const worker_job *job, bf_error *err)
 {
-    bf_error why;
+    return bf_fail(err, BF_ENOSPACE, "", "the spool in %s has no room for the frames of run %s",
+                   w->options->spool, job->about.run);
+}
+
+static bool write_bytes(const worker_job *job, const char *bytes, size_t n)
+{
     size_t written = 0;
 
-    while (written < n && w->n_spooled + n <= w->options->spool_bytes) {
+    while (written < n) {
         const ssize_t k =
             pwrite(job->spool, bytes + written, n - written, (off_t)(job->n_spooled + written));
         if (k < 0 && errno == EINTR)
             continue;
         if (k <= 0)
-            break;
+            return false;
         written += (size_t)k;
     }
-    if (written == n) {
+    return true;
+}
+
+// Where the files together are as long as they may be, this job comes back to the service with what it has sent; where the
+// disk is full the worker ends.
+static bool spool_bytes(worker *w, worker_job *job, const char *bytes, size_t n)
+{
+    bf_error why;
+
+    if (w->n_spooled + n > w->options->spool_bytes) {
+        (void)fail_spool(w, job, &why);
+        log_event(LOG_LEVEL_WARN, "spool_full", "run=%s bytes=%" PRIu64, job->about.run,
+                  job->n_spooled);
+        job->used_s = w->solver->functions->cpu_s(w->solver, job->child);
+        w->solver->functions->release(w->solver, job->child);
+        job->child = NULL;
+        end_job(job, EXECUTOR_KILLED, &why);
+        return false;
+    }
+    if (write_bytes(job, bytes, n)) {
         job->n_spooled += n;
         w->n_spooled += n;
         return true;
     }
-    (void)bf_fail(&why, BF_ENOSPACE, "", "the spool in %s has no room for the frames of run %s",
-                  w->options->spool, job->about.run);
+    (void)fail_spool(w, job, &why);
     worker__drop_job(w, job);
     worker__fail(w, &why);
     return false;
@@ -198,6 +221,33 @@ static void find_digest(worker_job *job)
         snprintf(job->digest, sizeof job->digest, "%016" PRIx64, f.end.digest);
 }
 
+bool worker__has_spool(const worker *w)
+{
+    return w->n_spooled < w->options->spool_bytes / 4 * 3;
+}
+
+// The whole of a job's frames stays until its end was taken, so before there is no room the longest one saves and ends: it
+// goes on from there, in a new file, here or elsewhere.
+static void save_longest(worker *w)
+{
+    worker_job *longest = NULL;
+
+    for (size_t l = 0; l < WORKER_LEASES; l++)
+        for (size_t k = 0; k < w->leases[l].n_jobs; k++) {
+            worker_job *job = &w->leases[l].jobs[k];
+            if (job->is_stopping && job->state != WORKER_JOB_OVER)
+                return; // one after the other
+            if (job->state == WORKER_JOB_RUNS &&
+                (longest == NULL || job->n_spooled > longest->n_spooled))
+                longest = job;
+        }
+    if (longest == NULL)
+        return;
+    log_event(LOG_LEVEL_INFO, "spool_fills", "run=%s bytes=%" PRIu64, longest->about.run,
+              longest->n_spooled);
+    worker__stop_job(w, longest);
+}
+
 static void collect_job(worker *w, worker_job *job)
 {
     static char bytes[READ_BYTES]; // one thread
@@ -209,6 +259,8 @@ static void collect_job(worker *w, worker_job *job)
         state = w->solver->functions->poll(w->solver, job->child, bytes, sizeof bytes, &n, &end);
         if (n > 0 && !spool_bytes(w, job, bytes, n))
             return;
+        if (!worker__has_spool(w))
+            save_longest(w);
     } while (n > 0);
     if (state != EXECUTOR_ENDED)
         return;

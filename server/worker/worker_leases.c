@@ -88,5 +88,6 @@ bool worker__wants_jobs(const worker *w)
 
     for (size_t l = 0; l < WORKER_LEASES; l++)
         has_place = has_place || w->leases[l].id[0] == '\0';
-    return has_place && worker__count_threads(w, WORKER_JOB_WAITS) < w->options->who.cores;
+    return has_place && worker__has_spool(w) &&
+           worker__count_threads(w, WORKER_JOB_WAITS) < w->options->who.cores;
 }

@@ -107,6 +107,9 @@ void worker__start_jobs(worker *w);
 /// Take what children have sent, and note which have ended.
 void worker__collect(worker *w);
 
+/// True if the files have a quarter of their room left: time to lease more, and none to save what is being solved.
+bool worker__has_spool(const worker *w);
+
 /// Ask a job to save and end; one that has not begun ends at once.
 void worker__stop_job(worker *w, worker_job *job);
 

@@ -65,6 +65,20 @@ test("a worker that is stopped saves its run, and another goes on from there", a
   assert.equal(await second.stop("SIGINT"), 0, second.log());
 });
 
+test("a run whose frames are longer than the spool is solved piece by piece", async (t) => {
+  const d = await daemon(t, pulling);
+  // 61 snapshots of 300 x 180 floats, 13 MB, through a spool of 6 MB.
+  const scenario = jam(0.6, { curve_every_s: 0.01, snapshot_every_s: 0.01 });
+  scenario.macro = { ...scenario.macro, cell_m: scenario.macro.cell_m / 3 };
+  delete scenario.macro.step_s;
+  const run = await d.submit(scenario);
+  const w = worker(t, d, "one", "--spool-bytes", "6000000");
+  await d.reached(run.id, "succeeded");
+  await assertSameResults(d, run.id, await solve(t, scenario));
+  assert.match(w.log(), /event=spool_f(ills|ull) run=/);
+  assert.equal(await w.stop(), 0, w.log());
+});
+
 test("a daemon that was killed has the whole of a run from its worker", async (t) => {
   const d = await daemon(t, { ...pulling, listen: "127.0.0.1:0" });
   const run = await d.submit(endless());
