@@ -154,7 +154,8 @@ static const route table[] = {
       .tag = "Results",
       .summary = "The outflow curve so far",
       .help = "U(t) of the paper: how many parts are inside each counter at each time. As CSV the "
-              "header is `t_s`, the counters' ids and `left_domain`.",
+              "header is `t_s`, the counters' ids, `left_domain` and, where some of the domain is "
+              "under no belt, `fallen`.",
       .refusals = "404 412",
       .answers = { { 200, "Curve", CACHED, "The curve" }, UNCHANGED } },
     { .method = "GET",

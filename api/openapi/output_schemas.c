@@ -224,7 +224,8 @@ static const openapi_schema table[] = {
     TYPE("CounterId", "string", "\"minLength\":1,\"maxLength\":64",
          "Name of a counter, which is a column of the curve"),
     TYPE("ColumnName", "string", "\"minLength\":1,\"maxLength\":80",
-         "Name of a column of the curve: a counter, `left_domain`, or one of a feed or photo eye"),
+         "Name of a column of the curve: a counter, `left_domain`, `fallen`, or one of a feed or "
+         "photo eye"),
     TYPE("ScenarioId", "string", "\"minLength\":1,\"maxLength\":64",
          "Id of another part of the scenario"),
     TYPE("Pair", "[number 2]", NULL, "Two numbers, of x and of y"),

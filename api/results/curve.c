@@ -77,6 +77,10 @@ static const member curve_members[] = {
     MEMBER("t_s", numbers, AT(t), "Times of the samples", .unit = "s", .offset_n = AT(n)),
     MEMBER("left_domain", described, 0, "Parts that have left the domain at each time",
            .type = "[number]"),
+    MEMBER("fallen", described, 0,
+           "Parts that have fallen off the belts at each time; where some of the domain is under "
+           "no belt",
+           .type = "[number]", .flags = MEMBER_OPTIONAL),
 };
 const member_table results_curve_members = { MEMBER_TABLE("Curve", curve_members) };
 #undef AT

@@ -12,6 +12,9 @@
 #include <stdio.h>
 #include <string.h>
 
+// Fewer divisible parts than this have not fallen: a density spreads without end.
+#define FALLEN_TOLD 0.1
+
 // What a summary is written from.
 typedef struct summary_view {
     run_model model;
@@ -24,6 +27,7 @@ typedef struct summary_view {
     bool is_fed;
     bool may_end_early; // by `until`
     uint64_t n_parts;   // of the microscopic model, in the run
+    bool may_drop;      // some of the domain is under no belt
     double n_left;
     double work_per_s; // cell or particle steps
     double packing_density;
@@ -73,12 +77,28 @@ static void warn_of_overlap(summary_view *of)
              of->end.largest_overlap, 100.0 * of->end.overlap_share, 100.0 * run_overlap_trusted);
 }
 
+static void warn_of_fall(summary_view *of)
+{
+    const bool is_macro = of->model == RUN_MACRO;
+    review_warning *item = review_add(&of->warnings, "/belts", "Parts fell off the belts");
+
+    snprintf(item->meaning, sizeof item->meaning,
+             is_macro
+                 ? "%.4g parts came to where no belt is. They are gone, and count as fallen, not "
+                   "as throughput."
+                 : "%.0f parts came to where no belt is. They are gone, and count as fallen, not "
+                   "as throughput.",
+             of->end.parts_fallen);
+}
+
 static void collect_warnings(summary_view *of)
 {
     const unsigned doubts = run_doubts(of->model, &of->end);
 
     if (of->is_stopped)
         warn_of_stop(of);
+    if (of->end.parts_fallen >= FALLEN_TOLD)
+        warn_of_fall(of);
     if ((doubts & RUN_DOUBT_DENSITY) != 0)
         warn_of_density(of);
     review_append(&of->warnings, &of->review.warnings);
@@ -139,6 +159,13 @@ static bool is_fed(const void *item)
     return of->is_fed;
 }
 
+static bool may_drop(const void *item)
+{
+    const summary_view *of = item;
+
+    return of->may_drop;
+}
+
 static bool may_end_early(const void *item)
 {
     const summary_view *of = item;
@@ -193,6 +220,10 @@ static const member summary_members[] = {
            .applies = is_fed),
     MEMBER("parts_end", number, AT(end.parts_end), "Parts in the domain at the end"),
     MEMBER("parts_left", number, AT(n_left), "Parts that left the domain"),
+    MEMBER("parts_fallen", number, AT(end.parts_fallen),
+           "Parts that fell off the belts, which are not among those that left the domain; where "
+           "some of the domain is under no belt",
+           .applies = may_drop),
     MEMBER("largest_density", number, AT(end.peak), "At any time; 1 is close packing"),
     MEMBER("largest_overlap_m", number, AT(end.largest_overlap),
            "Largest overlap of two parts at any time", .unit = "m", .tags = MICRO),
@@ -265,7 +296,9 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
                         .is_fed = s.n_feeds > 0,
                         .may_end_early = s.until != SCENE_UNTIL_DURATION,
                         .n_parts = begin->n_parts + (uint64_t)end->parts_entered,
-                        .n_left = end->parts_start + end->parts_entered - end->parts_end,
+                        .may_drop = s.may_drop,
+                        .n_left = run_left(end->parts_start + end->parts_entered, end->parts_end,
+                                           end->parts_fallen),
                         .work_per_s = work_per_s(model, end, timing),
                         .packing_density = scene_packing_density(&s),
                         .grid = scene_grid(&s),

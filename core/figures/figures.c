@@ -89,8 +89,9 @@ static void begin(figures *f, const figures_now *now)
     f->run.jam.since_exited = now->exited;
     scene_regime regime = scene_regime_of(f->s);
     regime.has_chance = regime.has_chance && f->has_parts;
-    f->run.batches = steady_from(&regime, f->s->steady_precision,
-                                 &(steady_levels){ now->t, now->entered, now->exited });
+    f->run.batches =
+        steady_from(&regime, f->s->steady_precision,
+                    &(steady_levels){ now->t, now->entered - now->fallen, now->exited });
 }
 
 bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, bf_error *err)
@@ -188,6 +189,18 @@ static void sample_feed(figures *f, size_t k, bool was_warm, double t, const fee
     sums->balance = *b;
 }
 
+// What falls goes without a time in the domain, as if it were what had been there for longest.
+static void sample_inside(figures *f, const figures_now *now, quantiles *to)
+{
+    const double gone = now->exited + now->fallen;
+    const double fallen = fmin(now->fallen - f->run.fallen, gone - f->inside.out.level);
+
+    if (fallen > 0.0)
+        fifo_sample(&f->inside, now->t, now->entered, f->inside.out.level + fallen, NULL);
+    fifo_sample(&f->inside, now->t, now->entered, gone, to);
+    f->run.fallen = now->fallen;
+}
+
 static void sample_jam(jam_sums *jam, double jam_time, const figures_now *now)
 {
     if (now->exited - jam->since_exited >= whole_part || now->inside < whole_part) {
@@ -225,15 +238,16 @@ void figures_sample(figures *f, const figures_now *now)
     for (size_t k = 0; k < f->s->n_feeds; k++)
         sample_feed(f, k, was_warm, now->t, &now->feeds[k]);
     if (!f->has_exits)
-        fifo_sample(&f->inside, now->t, now->entered, now->exited, was_warm ? &f->residence : NULL);
+        sample_inside(f, now, was_warm ? &f->residence : NULL);
     if (f->run.is_warm)
         f->run.queue_end = fmax(f->run.queue_end, f->run.queue_end_now);
     f->run.queue_end_now = 0.0;
     if (f->run.is_warm && f->s->n_feeds == 0)
-        thinned_add(&f->outflow, now->t, now->counters[0]);
+        thinned_add(&f->outflow, now->t, now->counters[0] + now->fallen_in_first);
     if (was_warm) {
         sample_jam(&f->run.jam, f->s->jam_time, now);
-        steady_sample(&f->run.batches, &(steady_levels){ now->t, now->entered, now->exited });
+        steady_sample(&f->run.batches,
+                      &(steady_levels){ now->t, now->entered - now->fallen, now->exited });
     }
     if (!is_drained(f, now))
         f->run.drained_at = (double)NAN;

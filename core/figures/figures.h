@@ -24,10 +24,12 @@ typedef struct figures figures;
 
 /// What is known at a sample.
 typedef struct figures_now {
-    double t;                  ///< s
-    double inside;             ///< parts in the domain
-    double entered;            ///< parts that entered since t = 0, with those of the start
-    double exited;             ///< parts that left since t = 0
+    double t;       ///< s
+    double inside;  ///< parts in the domain
+    double entered; ///< parts that entered since t = 0, with those of the start
+    double exited;  ///< parts that left since t = 0
+    double fallen;  ///< parts that fell off the belts since t = 0, which do not count as left
+    double fallen_in_first;    ///< those of them that fell in the first counter; without feeds
     const double *counters;    ///< parts in each counter
     const feed_balance *feeds; ///< of each feed
 } figures_now;

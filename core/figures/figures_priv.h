@@ -58,6 +58,7 @@ typedef struct run_sums {
     double t;             ///< of the last sample, s
     double entered;       ///< parts until then
     double exited;        ///< parts until then
+    double fallen;        ///< parts until then
     double peak;          ///< largest density; NAN: none yet
     double queue_end;     ///< longest queue, m
     double queue_end_now; ///< same of the sample that is being taken
@@ -83,5 +84,6 @@ struct figures {
     quantiles gaps[SCENE_EYES_MAX];            ///< gaps at each photo eye
     fifo inside;                               ///< without parts: the domain
     fifo queues[SCENE_FEEDS_MAX];              ///< without parts: each feed
-    thinned outflow; ///< without feeds: the first counter's curve after the warm-up
+    thinned
+        outflow; ///< without feeds: the first counter's curve after the warm-up, with what fell in it
 };

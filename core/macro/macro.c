@@ -363,6 +363,20 @@ static bf_status init_arrays(macro_solver *s, const macro_def *def)
     return BF_OK;
 }
 
+static bf_status copy_off(macro_solver *s, const macro_def *def)
+{
+    const size_t n_cells = grid_cells(&def->grid);
+
+    if (def->off == NULL)
+        return BF_OK;
+    s->off = memory_alloc(n_cells, sizeof *s->off);
+    s->fallen = memory_alloc(n_cells, sizeof *s->fallen);
+    if (s->off == NULL || s->fallen == NULL)
+        return BF_ENOMEM;
+    memcpy(s->off, def->off, n_cells);
+    return BF_OK;
+}
+
 bf_status macro_create(const macro_def *def, macro_solver **ret_solver, bf_error *err)
 {
     bf_status status = BF_OK;
@@ -377,7 +391,7 @@ bf_status macro_create(const macro_def *def, macro_solver **ret_solver, bf_error
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
     lay_out(s, def);
-    if (init_arrays(s, def) != BF_OK) {
+    if (init_arrays(s, def) != BF_OK || copy_off(s, def) != BF_OK) {
         macro_destroy(s);
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for a grid of %zu x %zu cells",
                        def->grid.n1, def->grid.n2);
@@ -408,6 +422,8 @@ macro_solver *macro_destroy(macro_solver *s)
     belt_speeds_fini(&s->speeds);
     memory_free(s->factors);
     memory_free(s->factors_next);
+    memory_free(s->off);
+    memory_free(s->fallen);
     memory_free(s->cost);
     memory_free(s->zero_row);
     memory_free(s);
@@ -448,6 +464,24 @@ static void swap_states(macro_solver *s)
     s->next = before;
 }
 
+// Lets fall what is in cells off every belt.
+static void drop_row(macro_solver *s, ptrdiff_t j)
+{
+    double *row = macro__row(s, s->now.rho, j), *fallen = s->fallen + j * s->n1;
+    const uint8_t *off = s->off + j * s->n1;
+    const block_span span = s->now.span[j];
+    const ptrdiff_t first = span.first > 0 ? span.first * BLOCK_CELLS : 0;
+    const ptrdiff_t end = span.last < s->n_blocks ? span.last * BLOCK_CELLS : s->n1;
+
+    for (ptrdiff_t i = first; i < end; i++) {
+        if (off[i] == 0)
+            continue;
+        fallen[i] += row[i];
+        row[i] = 0.0;
+    }
+    macro__fill_margins(s, row);
+}
+
 void macro_step(macro_solver *s)
 {
     const bool has_changed = macro__faces_update(s);
@@ -464,5 +498,7 @@ void macro_step(macro_solver *s)
             swap_states(s);
         }
     }
+    for (ptrdiff_t j = 0; s->off != NULL && j < s->n2; j++)
+        drop_row(s, j);
     s->steps++;
 }

@@ -62,10 +62,11 @@ typedef struct macro_def {
     const scene_belt *belts; ///< with checked speed schedules, which scale v1, v2 and I
     const uint16_t *belt1;   ///< with belts: index of that under each x1-face, n_belts: none
     const uint16_t *belt2;   ///< same for the x2-faces
-    bool mirror[4];  ///< west, east, south, north: the convolution sees the density mirrored at
-                     ///< this edge instead of zero outside (default false)
-    int n_threads;   ///< threads to use, >= 1 (default 1)
-    uint32_t cookie; ///< set by macro_def_default(); do not change
+    const uint8_t *off; ///< nonzero: what is in this cell after a step falls (default NULL: none)
+    bool mirror[4];     ///< west, east, south, north: the convolution sees the density mirrored at
+                        ///< this edge instead of zero outside (default false)
+    int n_threads;      ///< threads to use, >= 1 (default 1)
+    uint32_t cookie;    ///< set by macro_def_default(); do not change
 } macro_def;
 
 /// A running solver; opaque, on the heap.
@@ -73,8 +74,9 @@ typedef struct macro_solver macro_solver;
 
 /// Mass and peak of the density at one time.
 typedef struct macro_totals {
-    double mass; ///< integral of rho over the grid, m2
-    double peak; ///< largest rho
+    double mass;   ///< integral of rho over the grid, m2
+    double peak;   ///< largest rho
+    double fallen; ///< integral of what fell since t = 0, m2
 } macro_totals;
 
 /// The defaults above.
@@ -94,6 +96,9 @@ BF_MUST_CHECK bf_status macro_set_density(macro_solver *s, const double *rho, si
 
 /// Add a density to a cell, layout of grid.h, between two steps; one below 0 takes some of what there is.
 void macro_add(macro_solver *s, size_t cell, double density);
+
+/// True if what is in a cell falls.
+bool macro_is_off(const macro_solver *s, size_t cell);
 
 /// The factor on the velocities over a belt of the definition in the step that begins now; 1 off every belt.
 double macro_belt_factor(const macro_solver *s, size_t belt);
@@ -123,6 +128,10 @@ macro_totals macro_measure(const macro_solver *s);
 
 /// Integral of rho over columns i_min <= i < i_max of rows j_min <= j < j_max, m2.
 double macro_mass_in(const macro_solver *s, size_t i_min, size_t i_max, size_t j_min, size_t j_max);
+
+/// Integral of what fell since t = 0 in the same cells, m2.
+double macro_fallen_in(const macro_solver *s, size_t i_min, size_t i_max, size_t j_min,
+                       size_t j_max);
 
 /// Steps made since rho was set at t = 0.
 uint64_t macro_steps(const macro_solver *s);

@@ -142,15 +142,17 @@ struct macro_solver {
     ptrdiff_t n_ring;     ///< places of a ring
     macro_faces faces1;   ///< n2 rows
     macro_faces faces2;   ///< n2 + 1 rows
-    double *open1;       ///< n2 rows of cells: 0 beside a closed x1-face, else 1 (MUSCL; else NULL)
-    double *open2;       ///< same for the x2-faces
-    macro_state now;     ///< at the present time
-    macro_state next;    ///< what a step writes
-    double *zero_row;    ///< a row of zeros
-    double *cost;        ///< per row: estimated work in the step before
-    int n_bands;         ///< bands, one per thread
-    macro_band *bands;   ///< n_bands of them
-    uint64_t steps;      ///< made since t = 0
+    double *open1;     ///< n2 rows of cells: 0 beside a closed x1-face, else 1 (MUSCL; else NULL)
+    double *open2;     ///< same for the x2-faces
+    macro_state now;   ///< at the present time
+    macro_state next;  ///< what a step writes
+    double *zero_row;  ///< a row of zeros
+    double *cost;      ///< per row: estimated work in the step before
+    int n_bands;       ///< bands, one per thread
+    macro_band *bands; ///< n_bands of them
+    uint8_t *off;      ///< of the definition, or NULL
+    double *fallen; ///< of each cell: sum of the densities that fell since t = 0; NULL without off
+    uint64_t steps; ///< made since t = 0
     uint64_t definition; ///< macro__digest_definition()
 };
 

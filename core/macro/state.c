@@ -78,6 +78,8 @@ bf_status macro_set_density(macro_solver *s, const double *rho, size_t n, bf_err
             return bf_fail(err, BF_EINPUT, "", "density %g of cell %zu is not possible", rho[k], k);
     take_density(s, (const char *)rho);
     s->steps = 0;
+    if (s->fallen != NULL)
+        memset(s->fallen, 0, grid_cells(&s->def.grid) * sizeof *s->fallen);
     if (s->congested != NULL)
         congested_reset(s);
     return BF_OK;
@@ -97,6 +99,11 @@ void macro_add(macro_solver *s, size_t cell, double density)
     if (row[i] >= active_from(s) && i % BLOCK_CELLS == 0)
         block_set_add(macro__set(s, s->now.active_first, j), b);
     macro__fill_margins(s, row);
+}
+
+bool macro_is_off(const macro_solver *s, size_t cell)
+{
+    return s->off != NULL && s->off[cell] != 0;
 }
 
 double macro_belt_factor(const macro_solver *s, size_t belt)
@@ -160,6 +167,16 @@ double macro_mass_in(const macro_solver *s, size_t i_min, size_t i_max, size_t j
     return sum * s->def.grid.d1 * s->def.grid.d2;
 }
 
+double macro_fallen_in(const macro_solver *s, size_t i_min, size_t i_max, size_t j_min,
+                       size_t j_max)
+{
+    double sum = 0.0;
+
+    for (size_t j = j_min; s->fallen != NULL && j < j_max; j++)
+        sum += sum_row(s->fallen + j * s->def.grid.n1, i_min, i_max);
+    return sum * s->def.grid.d1 * s->def.grid.d2;
+}
+
 static double peak_of_row(const double *row, size_t n)
 {
     double part[BLOCK_CELLS] = { 0 }, peak = 0.0;
@@ -178,7 +195,8 @@ static double peak_of_row(const double *row, size_t n)
 macro_totals macro_measure(const macro_solver *s)
 {
     const bf_grid *g = &s->def.grid;
-    macro_totals totals = { .mass = macro_mass_in(s, 0, g->n1, 0, g->n2) };
+    macro_totals totals = { .mass = macro_mass_in(s, 0, g->n1, 0, g->n2),
+                            .fallen = macro_fallen_in(s, 0, g->n1, 0, g->n2) };
 
     for (size_t j = 0; j < g->n2; j++)
         if (s->now.span[j].first < s->now.span[j].last)
@@ -247,6 +265,7 @@ uint64_t macro__digest_definition(const macro_def *def)
     digest = digest_add(digest, def->v2, def->v2 == NULL ? 0 : n_faces2 * sizeof *def->v2);
     digest = digest_add(digest, def->closed1, def->closed1 == NULL ? 0 : n_faces1);
     digest = digest_add(digest, def->closed2, def->closed2 == NULL ? 0 : n_faces2);
+    digest = digest_add(digest, def->off, def->off == NULL ? 0 : grid_cells(g));
     if (def->n_belts == 0)
         return digest;
     digest = definition_add_belts(digest, def->n_belts, def->belts);
@@ -267,6 +286,7 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
 {
     enum { SMALL_STATE_BYTES = 65536 }; // of all else
     const size_t n_arrays = grid_cells(&s->def.grid) * sizeof(double) +
+                            (s->fallen != NULL ? grid_cells(&s->def.grid) * sizeof(double) : 0) +
                             (s->congested != NULL ? congested_state_size(s) : 0);
     checkpoint_writer w;
 
@@ -277,6 +297,8 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
     checkpoint_write(&w, &s->steps, sizeof s->steps);
     for (size_t j = 0; j < s->def.grid.n2; j++)
         checkpoint_write(&w, macro_row(s, j), s->def.grid.n1 * sizeof(double));
+    if (s->fallen != NULL)
+        checkpoint_write(&w, s->fallen, grid_cells(&s->def.grid) * sizeof *s->fallen);
     if (s->congested != NULL)
         congested_save(s, &w);
     belt_speeds_save(&s->speeds, &w);
@@ -294,14 +316,19 @@ bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err
     const size_t n_bytes = grid_cells(&s->def.grid) * sizeof(double);
     const bool has_steps = checkpoint_read(&r, &steps, sizeof steps);
     const char *rho = has_steps ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
+    const char *fallen =
+        rho != NULL && s->fallen != NULL ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
     checkpoint_reader closure = r;
     const size_t n_closure = s->congested != NULL ? congested_state_size(s) : 0;
-    if (rho == NULL || (n_closure > 0 && checkpoint_read_items(&r, 1, n_closure) == NULL) ||
+    if (rho == NULL || (s->fallen != NULL && fallen == NULL) ||
+        (n_closure > 0 && checkpoint_read_items(&r, 1, n_closure) == NULL) ||
         !belt_speeds_load(&s->speeds, &r) || r.n_left != 0)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
     if (s->congested != NULL)
         congested_load(s, &closure);
     take_density(s, rho);
+    if (fallen != NULL)
+        memcpy(s->fallen, fallen, n_bytes);
     s->steps = steps;
     return BF_OK;
 }

@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Faces as near as this to a border are evaluated one by one, m: more than the rules' tolerances.
+/// Faces as near as this to a border are next to it, m: more than the rules' tolerances.
 #define MARGIN (4.0 * SCENE_TOLERANCE)
 
 enum { BORDERS_PER_SEGMENT = 8 };
@@ -72,6 +72,8 @@ typedef struct velocity_field_sampler {
     size_t n_begun;  ///< borders that begin below the row
     size_t n_active; ///< those of them that do not end below it
     border **active;
+    double margin;  ///< faces as near as this to a border are evaluated one by one, m
+    bool may_drop;  ///< there are places off every belt
     uint8_t *marks; ///< of the faces of a row: nonzero, the face is near a border
 } sampler;
 
@@ -171,7 +173,12 @@ static sampler *sampler_alloc(const scene *s)
 
 static void sampler_prepare(sampler *k, const scene *s)
 {
+    const bf_grid grid = scene_grid(s);
+
     k->around = surroundings_of(s);
+    k->may_drop = s->may_drop;
+    // Beside a belt's border a gap may be bridged, and faces have the velocity of a cell's centre.
+    k->margin = MARGIN + (k->may_drop ? k->around.bridge + fmax(grid.d1, grid.d2) : 0.0);
     k->n_segments = k->n_borders = 0;
     for (size_t b = 0; b < s->n_belts; b++) {
         const scene_belt *belt = &s->belts[b];
@@ -195,7 +202,7 @@ static void choose_near(sampler *k, double y)
         const regions_segment *g = &k->segments[m];
         const surroundings_piece *piece = &g->piece;
         double end = piece->start.y + piece->length * piece->along.y;
-        double extent = regions_extent(g) + MARGIN;
+        double extent = regions_extent(g) + k->margin;
         if (fmin(piece->start.y, end) - extent <= y && y <= fmax(piece->start.y, end) + extent)
             k->near[k->n_near++] = g;
     }
@@ -205,19 +212,21 @@ static void choose_near(sampler *k, double y)
 static void mark_row(sampler *k, const lattice *l, double y)
 {
     memset(k->marks, 0, l->n_columns);
-    for (; k->n_begun < k->n_borders && k->borders[k->n_begun].low.y <= y + MARGIN; k->n_begun++)
+    const double margin = k->margin;
+
+    for (; k->n_begun < k->n_borders && k->borders[k->n_begun].low.y <= y + margin; k->n_begun++)
         k->active[k->n_active++] = &k->borders[k->n_begun];
     for (size_t m = k->n_active; m-- > 0;) {
         const border *b = k->active[m];
         double low, high;
-        if (b->high.y < y - MARGIN) {
+        if (b->high.y < y - margin) {
             k->active[m] = k->active[--k->n_active];
             continue;
         }
-        if (!closed_lines_clip(b->low, b->high, y - MARGIN, y + MARGIN, &low, &high))
+        if (!closed_lines_clip(b->low, b->high, y - margin, y + margin, &low, &high))
             continue;
-        low = floor((low - MARGIN - l->grid->lower1) / l->grid->d1 - l->offset1);
-        high = ceil((high + MARGIN - l->grid->lower1) / l->grid->d1 - l->offset1);
+        low = floor((low - margin - l->grid->lower1) / l->grid->d1 - l->offset1);
+        high = ceil((high + margin - l->grid->lower1) / l->grid->d1 - l->offset1);
         size_t begin = clamp_index(low, l->n_columns), end = clamp_index(high + 1.0, l->n_columns);
         memset(k->marks + begin, 1, end - begin);
     }
@@ -256,6 +265,38 @@ static regions_velocity evaluate_face(const sampler *k, vec2 at, int component)
     return comes == returns ? e : comes ? before : after;
 }
 
+/// The way from a face to the centre of the cell behind it.
+static vec2 half_cell(const bf_grid *grid, int component)
+{
+    return component == 0 ? (vec2){ 0.5 * grid->d1, 0.0 } : (vec2){ 0.0, 0.5 * grid->d2 };
+}
+
+static bool is_off(const sampler *k, const regions_velocity *e)
+{
+    return surroundings_falls(&k->around, e->belt_index);
+}
+
+/// v_stat at a face off every belt: that of the cell beside it which moves over it.
+static regions_velocity evaluate_off(const sampler *k, const lattice *l, vec2 at, int component,
+                                     const regions_velocity *e)
+{
+    const vec2 half = half_cell(l->grid, component);
+    const regions_velocity before = evaluate(k, vec2_sub(at, half)),
+                           after = evaluate(k, vec2_add(at, half));
+    const bool comes = !is_off(k, &before) && component_of(&before, component) > 0.0;
+    const bool returns = !is_off(k, &after) && component_of(&after, component) < 0.0;
+
+    return comes == returns ? *e : comes ? before : after;
+}
+
+static regions_velocity evaluate_any(const sampler *k, const lattice *l, vec2 at, int component,
+                                     bool has_belts)
+{
+    const regions_velocity e = has_belts ? evaluate_face(k, at, component) : evaluate(k, at);
+
+    return k->may_drop && is_off(k, &e) ? evaluate_off(k, l, at, component, &e) : e;
+}
+
 /// Fill a component of the velocity on all faces of a lattice and, unless NULL, the belts and the other component.
 static void fill_faces(sampler *k, const lattice *l, int component, double *ret_v,
                        uint16_t *ret_belt, double *ret_transverse)
@@ -268,8 +309,7 @@ static void fill_faces(sampler *k, const lattice *l, int component, double *ret_
         mark_row(k, l, y);
         for (size_t i = 0; i < l->n_columns;) {
             const vec2 at = { face_x(l, i), y };
-            regions_velocity e =
-                ret_belt != NULL ? evaluate_face(k, at, component) : evaluate(k, at);
+            const regions_velocity e = evaluate_any(k, l, at, component, ret_belt != NULL);
             const uint8_t *next =
                 k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, l->n_columns - i);
             size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;
@@ -281,6 +321,48 @@ static void fill_faces(sampler *k, const lattice *l, int component, double *ret_
                 ret_v[base + i] = component_of(&e, component);
         }
     }
+}
+
+static bool is_off_at(const surroundings *around, vec2 at)
+{
+    return surroundings_falls(around, surroundings_belt_at(around, at));
+}
+
+/// True if cargo comes over a gap that lies between the centres of a cell and of the one before it on its way.
+static bool is_behind_gap(const surroundings *around, vec2 centre, vec2 to_face)
+{
+    const vec2 before = vec2_add(centre, vec2_scale(to_face, 2.0));
+    const size_t belt = surroundings_belt_at(around, before);
+
+    return vec2_dot(surroundings_velocity_of(around, belt), to_face) < 0.0 &&
+           is_off_at(around, vec2_add(centre, to_face));
+}
+
+static bool is_cell_off(const surroundings *around, const bf_grid *g, vec2 centre)
+{
+    const vec2 along = half_cell(g, 0), across = half_cell(g, 1);
+
+    return is_off_at(around, centre) || is_behind_gap(around, centre, along) ||
+           is_behind_gap(around, centre, vec2_scale(along, -1.0)) ||
+           is_behind_gap(around, centre, across) ||
+           is_behind_gap(around, centre, vec2_scale(across, -1.0));
+}
+
+/// Find the cells that carry nothing.
+static bf_status find_off(const scene *s, velocity_field *f)
+{
+    const surroundings around = surroundings_of(s);
+    const size_t n_cells = grid_cells(&f->grid);
+
+    if (!s->may_drop)
+        return BF_OK;
+    f->off = memory_alloc(n_cells, sizeof *f->off);
+    for (size_t c = 0; f->off != NULL && c < n_cells; c++) {
+        const vec2 centre = { grid_x1(&f->grid, c % f->grid.n1),
+                              grid_x2(&f->grid, c / f->grid.n1) };
+        f->off[c] = is_cell_off(&around, &f->grid, centre);
+    }
+    return f->off != NULL ? BF_OK : BF_ENOMEM;
 }
 
 /// Close the faces whose links run along one axis and cross the line. swap: the links run along x2,
@@ -412,8 +494,10 @@ bf_status velocity_field_create(const scene *s, velocity_field **ret_field, bf_e
 {
     velocity_field *f = field_alloc(s);
 
-    if (f == NULL)
+    if (f == NULL || find_off(s, f) != BF_OK) {
+        velocity_field_destroy(f);
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for the velocity field");
+    }
     velocity_field_update(f, s);
     *ret_field = f;
     return BF_OK;
@@ -429,6 +513,7 @@ velocity_field *velocity_field_destroy(velocity_field *f)
     memory_free(f->closed2);
     memory_free(f->belt1);
     memory_free(f->belt2);
+    memory_free(f->off);
     memory_free(f->aperture1);
     memory_free(f->aperture2);
     memory_free(f->transverse1);

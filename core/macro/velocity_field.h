@@ -8,7 +8,7 @@
 ///             C: v = (v_T . t) t  0 <= d <= slide_width
 ///     wall    C as above; no flux through faces whose cell-centre link crosses the line (11b)
 ///     sealed  line closed as above; B: 0 <= d < band; C: band <= d <= band + slide_width
-///     A       everywhere else: v_T of the belt under x, zero off every belt
+///     A       everywhere else: v_T of the belt that carries what is at x, zero off every belt
 ///
 /// For the congested closure, whatever the treatment, as `wall` with a slide zone of its own width, slide r with
 /// r = aperture_radius(); what partly closes faces beside the ends of plates is in aperture.h.
@@ -17,6 +17,11 @@
 /// the band, and of C on the line itself. Velocities are evaluated at face centres. On a border of two belts
 /// the later one counts, as everywhere; but a face along which that one moves has the velocity of the other one if
 /// this comes towards the face: what is brought to the border crosses it.
+///
+/// A cell whose centre is off every belt (surroundings.h) carries nothing: what comes into it falls. So that cargo comes
+/// there where a belt ends within a cell, a face off every belt has the velocity of the belt under the centre of a cell
+/// beside it, if that moves over the face into one off every belt. Where the cells are too large for a gap, which lies
+/// between two centres, what crosses it falls in the cell behind it.
 ///
 /// Walls of the domain are closed lines, and so are sides with a feed, whose density enters in the cells beside them
 /// (core/feed/density_entry.h).
@@ -39,6 +44,7 @@ typedef struct velocity_field {
     uint16_t *belt1;   ///< index of the belt of this x1-face, n_belts of the scene off every belt;
                        ///< NULL if the speeds of all belts are constant
     uint16_t *belt2;   ///< same for the x2-faces
+    uint8_t *off;      ///< nonzero: what is in this cell falls; NULL: nothing can
     double *aperture1; ///< of the x1-faces, 0 closed to 1 open; these four and the belts for the
                        ///< congested closure
     double *aperture2; ///< same for the x2-faces

@@ -12,8 +12,10 @@
 /// What a handle stands for.
 enum {
     MICRO_HERE, ///< a part in the domain
-    MICRO_LEFT, ///< one that has left
+    MICRO_LEFT, ///< one that has left it
     MICRO_FREE, ///< one whose departure was reported
+    MICRO_FELL, ///< one that has fallen off the belts
+    MICRO_PRESENCE_COUNT
 };
 
 /// What every path's state begins with.

@@ -11,6 +11,7 @@
 #include "core/micro/press.h"
 #include "core/scene/definition.h"
 #include "core/scene/goods.h"
+#include "core/scene/shape.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -42,6 +43,7 @@ struct micro_solver {
     uint64_t *ids;    // by handle
     uint64_t next_id;
     size_t first_free; // no lower handle is free
+    uint64_t n_reported_fallen;
     places places;
 };
 
@@ -51,6 +53,7 @@ typedef struct saved_header {
     uint64_t next_id;
     double reduction;
     double recent_overlap;
+    uint64_t n_reported_fallen;
 } saved_header;
 
 micro_def micro_def_default(void)
@@ -169,8 +172,12 @@ static bf_status check_plates(const micro_def *def, bf_error *err)
 
 bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy, bf_error *err)
 {
-    surroundings around = { .domain = def->domain, .n_belts = def->n_belts, .belts = def->belts };
+    surroundings around = {
+        .domain = def->domain, .n_belts = def->n_belts, .belts = def->belts, .bridge = INFINITY
+    };
 
+    for (size_t k = 0; k < def->n_kinds; k++)
+        around.bridge = fmin(around.bridge, shape_inner_radius(&def->kinds[k].shape));
     memcpy(around.edges, def->edges, sizeof around.edges);
     return surroundings_copy(&around, ret_copy, err);
 }
@@ -371,6 +378,15 @@ static size_t find_handle(const micro_solver *s, size_t first, int what)
     return found != NULL ? (size_t)(found - presence) : s->n;
 }
 
+// The lowest one from `first` on that stands for a part that is gone and was not reported.
+static size_t find_gone(const micro_solver *s, size_t first)
+{
+    const size_t left = find_handle(s, first, MICRO_LEFT);
+    const size_t fell = find_handle(s, first, MICRO_FELL);
+
+    return left < fell ? left : fell;
+}
+
 static bf_status check_arrival(const micro_solver *s, const micro_arrival *arrival, bf_error *err)
 {
     if (!s->admits)
@@ -406,19 +422,28 @@ bf_status micro_admit(micro_solver *s, const micro_arrival *arrival, size_t *ret
     return BF_OK;
 }
 
+uint64_t micro_fallen(const micro_solver *s)
+{
+    uint64_t n = s->n_reported_fallen;
+
+    for (size_t k = find_handle(s, 0, MICRO_FELL); k < s->n; k = find_handle(s, k + 1, MICRO_FELL))
+        n++;
+    return n;
+}
+
 size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, size_t room)
 {
     uint8_t *presence = s->state->presence;
     size_t n = 0;
 
-    for (size_t k = find_handle(s, 0, MICRO_LEFT); n < room && k < s->n;
-         k = find_handle(s, k, MICRO_LEFT)) {
+    for (size_t k = find_gone(s, 0); n < room && k < s->n; k = find_gone(s, k)) {
         const micro_part part = micro_part_of(s, k);
         ret_departures[n++] = (micro_departure){ .part = k,
                                                  .id = s->ids[k],
                                                  .kind = s->backend->place(s->state, k).kind,
-                                                 .x = part.x[0],
-                                                 .y = part.x[1] };
+                                                 .at = { part.x[0], part.x[1] },
+                                                 .has_fallen = part.has_fallen };
+        s->n_reported_fallen += part.has_fallen ? 1 : 0;
         presence[k] = MICRO_FREE;
         s->first_free = k < s->first_free ? k : s->first_free;
     }
@@ -522,7 +547,8 @@ bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
 {
     checkpoint_writer w;
 
-    const saved_header header = { s->n, s->next_id, s->reduction, s->state->recent_overlap };
+    const saved_header header = { s->n, s->next_id, s->reduction, s->state->recent_overlap,
+                                  s->n_reported_fallen };
 
     checkpoint_begin(&w, out, s->backend->kind, s->definition);
     checkpoint_write(&w, &header, sizeof header);
@@ -547,8 +573,9 @@ static bool is_header_sound(const micro_solver *s, const saved_header *h)
         (!s->hardens && h->reduction != s->reduction))
         return false;
     if (!s->admits)
-        return h->n == s->n_defined && h->next_id == h->n;
-    return h->n >= s->n_defined && h->n <= SCENE_PARTS_MAX && h->next_id >= h->n;
+        return h->n == s->n_defined && h->next_id == h->n && h->n_reported_fallen <= h->n;
+    return h->n_reported_fallen <= h->next_id && h->n >= s->n_defined && h->n <= SCENE_PARTS_MAX &&
+           h->next_id >= h->n;
 }
 
 // Each id once, and less than the next one. Sorts them.
@@ -605,6 +632,7 @@ bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err
     s->n = header.n;
     s->capacity = header.n + 1;
     s->next_id = header.next_id;
+    s->n_reported_fallen = header.n_reported_fallen;
     s->state->recent_overlap = header.recent_overlap;
     set_reduction(s, header.reduction);
     s->first_free = 0;

@@ -14,15 +14,15 @@
 /// rigid bodies in 3-D with quaternions, on belts as moving planes, between obstacles and walls as
 /// rigid boundaries; contact points by GJK/EPA or in closed form.
 ///
-/// A part whose centre leaves the domain over an edge that is not a wall has left: micro_is_gone() is true, and
-/// its last state stays, until micro_take_departures() has reported it and its handle is used again.
+/// A part whose centre leaves the domain over an edge that is no wall has left, and one that no belt carries after a step
+/// (surroundings.h, by its own radius) has fallen: micro_is_gone() is true, and its last state stays, until
+/// micro_take_departures() has reported it and its handle is used again.
 ///
 /// Units    SI. The belt surface is z = 0; heights count from there.
 /// Handles  A part is accessed by its handle k < micro_parts(), whatever order the solver stores parts in:
 ///          its index in the definition, or what micro_admit() returns. The lowest free handle is used first, so
 ///          that their number is that of the parts that were in the domain at the same time.
-/// Ids      are never used again: 0 .. n_parts - 1 for the parts of the definition, then rising in order of
-///          admission.
+/// Ids      are never used again: 0 .. n_parts - 1 of the definition's parts, then rising in order of admission.
 /// Threads  a solver belongs to one thread at a time and uses n_threads itself; the result has the same
 ///          bits for any number of them.
 /// Errors   as in core/macro/macro.h; pointers are those of a scenario.
@@ -101,12 +101,13 @@ typedef struct micro_solver micro_solver;
 
 /// The state of a part.
 typedef struct micro_part {
-    double x[3];    ///< centre of mass, m; x[2] is half its height for one that lies flat
-    double q[4];    ///< orientation, unit quaternion w, x, y, z
-    double v[3];    ///< velocity, m/s
-    double w[3];    ///< angular velocity, rad/s
-    double heading; ///< rad, planar: the angle, not reduced; spatial: of the body's x axis
-    bool is_gone;   ///< left the domain
+    double x[3];     ///< centre of mass, m; x[2] is half its height for one that lies flat
+    double q[4];     ///< orientation, unit quaternion w, x, y, z
+    double v[3];     ///< velocity, m/s
+    double w[3];     ///< angular velocity, rad/s
+    double heading;  ///< rad, planar: the angle, not reduced; spatial: of the body's x axis
+    bool is_gone;    ///< left the domain, or fell
+    bool has_fallen; ///< the second, and it was not reported yet
 } micro_part;
 
 /// A part that enters: it lies flat.
@@ -116,13 +117,13 @@ typedef struct micro_arrival {
     vec2 velocity;   ///< m/s
 } micro_arrival;
 
-/// A part that has left.
+/// A part that has left, or has fallen.
 typedef struct micro_departure {
-    size_t part;   ///< handle that it had
-    uint64_t id;   ///< see there
-    uint32_t kind; ///< see there
-    double x;      ///< where it left, m
-    double y;      ///< same
+    size_t part;     ///< handle that it had
+    uint64_t id;     ///< see there
+    uint32_t kind;   ///< see there
+    vec2 at;         ///< where it left, m
+    bool has_fallen; ///< off the belts
 } micro_departure;
 
 /// Where a part is on the belt, seen from above.
@@ -192,7 +193,7 @@ void micro_command_presence(micro_solver *s, size_t obstacle, double t, bool is_
 /// The state of part k, 0 <= k < micro_parts().
 micro_part micro_part_of(const micro_solver *s, size_t k);
 
-/// True if part k has left the domain.
+/// True if part k has left the domain, or has fallen.
 bool micro_is_gone(const micro_solver *s, size_t k);
 
 /// Id of part k.
@@ -204,7 +205,7 @@ uint64_t micro_id_of(const micro_solver *s, size_t k);
 BF_MUST_CHECK bf_status micro_admit(micro_solver *s, const micro_arrival *arrival, size_t *ret_part,
                                     bf_error *err);
 
-/// The next parts, in order of their handles, that have left and were not reported yet, at most `room`. Returns how
+/// The next parts, in order of their handles, that have left or fallen and were not reported yet, at most `room`. Returns how
 /// many; fewer than room: that was all of them. Their handles are free from now on.
 size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, size_t room);
 
@@ -241,8 +242,9 @@ micro_totals micro_measure(const micro_solver *s);
 /// The step in use, s.
 double micro_dt(const micro_solver *s);
 
-/// Steps made since t = 0.
+/// Steps made, and parts that have fallen, since t = 0.
 uint64_t micro_steps(const micro_solver *s);
+uint64_t micro_fallen(const micro_solver *s);
 
 /// Digest of step count and state, in order of handles, and of the ids where parts may be admitted.
 uint64_t micro_digest(const micro_solver *s);

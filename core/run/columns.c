@@ -13,20 +13,27 @@ static const struct {
     { "discarded", offsetof(feed_balance, discarded) },
 };
 
+static size_t count_before_feeds(const scene *s)
+{
+    return s->n_counters + 1 + (s->may_drop ? 1 : 0);
+}
+
 size_t columns_count(const scene *s)
 {
-    return s->n_counters + 1 + COLUMNS_OF_FEED * s->n_feeds + s->n_eyes;
+    return count_before_feeds(s) + COLUMNS_OF_FEED * s->n_feeds + s->n_eyes;
 }
 
 void columns_name(const scene *s, size_t k, char *ret_name)
 {
-    const size_t n_before_feeds = s->n_counters + 1;
+    const size_t n_before_feeds = count_before_feeds(s);
     const size_t n_before_eyes = n_before_feeds + COLUMNS_OF_FEED * s->n_feeds;
 
     if (k < s->n_counters)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s", s->counters[k].id);
-    else if (k < n_before_feeds)
+    else if (k == s->n_counters)
         snprintf(ret_name, COLUMN_NAME_SIZE, "left_domain");
+    else if (k < n_before_feeds)
+        snprintf(ret_name, COLUMN_NAME_SIZE, "fallen");
     else if (k < n_before_eyes)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.%s",
                  s->feeds[(k - n_before_feeds) / COLUMNS_OF_FEED].id,

@@ -2,6 +2,7 @@
 ///
 ///     the counters, by their ids        parts inside
 ///     left_domain                       parts that left the domain since t = 0
+///     fallen                            parts that fell off the belts since t = 0; where scene.may_drop
 ///     <feed>.offered, .admitted, .waiting, .discarded    of each feed, see feed_balance
 ///     <photo eye>.blocked               of each photo eye: 1 or 0
 ///

@@ -95,10 +95,11 @@ bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, con
     run_departures departures = { .n = 0 };
     bf_status status = BF_OK;
 
-    if (c->backend->depart != NULL)
+    if (c->backend->depart != NULL && c->scene->n_feeds > 0)
         status = c->backend->depart(solver, &departures, err);
-    for (size_t k = 0; k < departures.n && c->scene->n_feeds > 0; k++)
-        figures_exit(to, departures.items[k].left - departures.items[k].entered);
+    for (size_t k = 0; k < departures.n; k++)
+        if (!departures.items[k].has_fallen)
+            figures_exit(to, departures.items[k].left - departures.items[k].entered);
     for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++)
         status = watch_eye(c, solver, k, step, to, sink, err);
     if (status == BF_OK)

@@ -88,27 +88,17 @@ static const field snapshot_fields[] = { { COPY(snapshot.index) },
 static const field progress_fields[] = {
     { COPY(progress.step) }, { COPY(progress.n_steps) }, { COPY(progress.t) }, { END }
 };
-static const field end_fields[] = { { COPY(end.stopped) },
-                                    { COPY(end.reason) },
-                                    { COPY(end.n_steps) },
-                                    { COPY(end.t) },
-                                    { COPY(end.n_cells) },
-                                    { COPY(end.parts_start) },
-                                    { COPY(end.parts_end) },
-                                    { COPY(end.parts_entered) },
-                                    { COPY(end.peak) },
-                                    { COPY(end.digest) },
-                                    { COPY(end.n_samples) },
-                                    { COPY(end.n_snapshots) },
-                                    { COPY(end.n_parts_left) },
-                                    { COPY(end.part_steps) },
-                                    { COPY(end.n_contacts) },
-                                    { COPY(end.kinetic_energy) },
-                                    { COPY(end.largest_overlap) },
-                                    { COPY(end.overlap_share) },
-                                    { COPY(end.reduction_start) },
-                                    { COPY(end.reduction) },
-                                    { END } };
+static const field end_fields[] = { { COPY(end.stopped) },        { COPY(end.reason) },
+                                    { COPY(end.n_steps) },        { COPY(end.t) },
+                                    { COPY(end.n_cells) },        { COPY(end.parts_start) },
+                                    { COPY(end.parts_end) },      { COPY(end.parts_entered) },
+                                    { COPY(end.parts_fallen) },   { COPY(end.peak) },
+                                    { COPY(end.digest) },         { COPY(end.n_samples) },
+                                    { COPY(end.n_snapshots) },    { COPY(end.n_parts_left) },
+                                    { COPY(end.part_steps) },     { COPY(end.n_contacts) },
+                                    { COPY(end.kinetic_energy) }, { COPY(end.largest_overlap) },
+                                    { COPY(end.overlap_share) },  { COPY(end.reduction_start) },
+                                    { COPY(end.reduction) },      { END } };
 static const field error_fields[] = {
     { COPY(error.error.code) }, { COPY(error.error.pointer) }, { COPY(error.error.text) }, { END }
 };

@@ -192,10 +192,10 @@ typedef struct frame_end {
     double parts_start;   ///< parts in the domain at t = 0
     double parts_end;     ///< parts in the domain now
     double parts_entered; ///< parts that entered since t = 0
+    double parts_fallen;  ///< parts that fell off the belts since t = 0
     double peak;          ///< largest density of all snapshots and samples
     uint64_t digest;      ///< of the final state
-    uint64_t n_samples;   ///< samples of the curve since t = 0
-    uint64_t n_snapshots; ///< snapshots since t = 0
+    uint64_t n_samples, n_snapshots; ///< of the curve, and snapshots, since t = 0
     // Of models with parts, else 0:
     uint64_t n_parts_left;  ///< parts that left the domain since t = 0
     double part_steps;      ///< steps times parts: those in the domain; without feeds, at the start
@@ -203,8 +203,7 @@ typedef struct frame_end {
     double kinetic_energy;  ///< of the parts in the domain at the end, J
     double largest_overlap; ///< of any contact since t = 0, m
     double overlap_share;   ///< largest overlap divided by the smaller part's radius, since t = 0
-    double reduction_start; ///< modulus_reduction that was chosen, where the scenario says "auto"
-    double reduction;       ///< the same at the end
+    double reduction_start, reduction; ///< modulus_reduction at both ends, where chosen by the run
 } frame_end;
 
 /// Why a run failed.

@@ -12,6 +12,7 @@
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
+#include "core/scene/surroundings.h"
 
 typedef struct macro_run {
     macro_solver *solver;
@@ -19,6 +20,7 @@ typedef struct macro_run {
     feed_density *feeds;
     moving_plates *plates; // NULL: no obstacle moves
     double packing;        // parts/m2 at density 1
+    bool may_drop;         // there are cells off every belt
     bf_grid grid;
     size_t n_counters;
     counter_cells counters[SCENE_COUNTERS_MAX];
@@ -94,6 +96,7 @@ static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
     def.v2 = f->v2;
     def.closed1 = f->closed1;
     def.closed2 = f->closed2;
+    def.off = f->off;
     if (f->belt1 != NULL) {
         def.n_belts = s->n_belts;
         def.belts = s->belts;
@@ -121,11 +124,51 @@ static bf_status create_solver(const scene *s, int n_threads, macro_run *run, bf
 
     if (status != BF_OK)
         return status;
-    const macro_def def =
-        def_of(s, run->plates != NULL ? moving_plates_field(run->plates) : f, n_threads);
+    const velocity_field *field = run->plates != NULL ? moving_plates_field(run->plates) : f;
+    const macro_def def = def_of(s, field, n_threads);
+    run->may_drop = field->off != NULL;
     status = macro_create(&def, &run->solver, err);
     velocity_field_destroy(f);
     return status;
+}
+
+// The density (18) of those parts whose centres are on a belt, or off every one, in cells that are the same. What
+// is beyond the belts' borders is left out, as it is beyond the walls.
+static bf_status add_density(const scene *s, const macro_run *run, const scene_placement *p,
+                             bool is_off, double *rho, bf_error *err)
+{
+    const surroundings around = surroundings_of(s);
+    scene_pose *poses = memory_alloc(p->n, sizeof *poses);
+    double *of_poses = memory_alloc(grid_cells(&run->grid), sizeof *of_poses);
+    bf_status status = BF_OK;
+    size_t n = 0;
+
+    if (poses == NULL || of_poses == NULL)
+        status = bf_fail(err, BF_ENOMEM, "", "no memory for the density of %zu parts", p->n);
+    for (size_t k = 0; status == BF_OK && k < p->n; k++) {
+        const vec2 at = { p->poses[k].x, p->poses[k].y };
+        if (surroundings_falls(&around, surroundings_belt_at(&around, at)) == is_off)
+            poses[n++] = p->poses[k];
+    }
+    if (status == BF_OK)
+        status = density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, poses, n,
+                                    of_poses, err);
+    for (size_t c = 0; status == BF_OK && c < grid_cells(&run->grid); c++)
+        if (macro_is_off(run->solver, c) == is_off)
+            rho[c] = of_poses[c];
+    memory_free(poses);
+    memory_free(of_poses);
+    return status;
+}
+
+static bf_status find_density(const scene *s, const macro_run *run, const scene_placement *p,
+                              double *rho, bf_error *err)
+{
+    if (!run->may_drop)
+        return density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, p->poses,
+                                  p->n, rho, err);
+    const bf_status status = add_density(s, run, p, false, rho, err);
+    return status == BF_OK ? add_density(s, run, p, true, rho, err) : status;
 }
 
 // Sets the density (18) of the parts at the start.
@@ -139,8 +182,7 @@ static bf_status place_parts(const scene *s, macro_run *run, uint64_t *ret_n_par
     if (rho == NULL)
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for %zu cells", n_cells);
     if ((status = placement_of(s, &p, err)) == BF_OK &&
-        (status = density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, p.poses,
-                                     p.n, rho, err)) == BF_OK)
+        (status = find_density(s, run, &p, rho, err)) == BF_OK)
         status = macro_set_density(run->solver, rho, n_cells, err);
     if (status == BF_OK)
         *ret_n_parts = p.n;
@@ -320,12 +362,21 @@ static void count_parts(const void *solver, double *ret_parts)
     }
 }
 
+static double fallen_in(const void *solver, size_t counter)
+{
+    const macro_run *run = solver;
+    const counter_cells *c = &run->counters[counter];
+
+    return run->packing * macro_fallen_in(run->solver, c->i_min, c->i_max, c->j_min, c->j_max);
+}
+
 static run_load measure_run(const void *solver)
 {
     const macro_run *run = solver;
     const macro_totals totals = macro_measure(run->solver);
 
     return (run_load){ .parts = run->packing * totals.mass,
+                       .fallen = run->packing * totals.fallen,
                        .entered = feed_density_admitted(run->feeds),
                        .peak = totals.peak };
 }
@@ -400,6 +451,7 @@ const run_backend run__macro = {
     .check = check_run,
     .count = count_parts,
     .measure = measure_run,
+    .fallen_in = fallen_in,
     .snapshot = take_snapshot,
     .save = save_run,
     .load = load_run,

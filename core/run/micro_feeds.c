@@ -65,7 +65,8 @@ bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures, bf_
                                                   .feed = tag->feed,
                                                   .entered = tag->entered,
                                                   .left = t,
-                                                  .at = { some[k].x, some[k].y } };
+                                                  .at = some[k].at,
+                                                  .has_fallen = some[k].has_fallen };
         }
     }
     qsort(f->departures, n, sizeof *f->departures, compare_ids);

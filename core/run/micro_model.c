@@ -227,6 +227,19 @@ static void count_parts(const void *solver, double *ret_parts)
     }
 }
 
+static double fallen_in(const void *solver, size_t counter)
+{
+    const micro_run *run = solver;
+    double n = 0.0;
+
+    for (size_t k = 0; k < micro_parts(run->solver); k++) {
+        const micro_part part = micro_part_of(run->solver, k);
+        const vec2 at = { part.x[0], part.x[1] };
+        n += part.has_fallen && counter_holds(&run->scene->counters[counter], at) ? 1.0 : 0.0;
+    }
+    return n;
+}
+
 static run_load measure_run(const void *solver)
 {
     const micro_run *run = solver;
@@ -234,6 +247,7 @@ static run_load measure_run(const void *solver)
 
     for (size_t k = 0; k < micro_parts(run->solver); k++)
         load.parts += micro_is_gone(run->solver, k) ? 0.0 : 1.0;
+    load.fallen = (double)micro_fallen(run->solver);
     load.n_rows = run->scene->n_feeds > 0 ? (uint64_t)load.parts : micro_parts(run->solver);
     return load;
 }
@@ -334,7 +348,8 @@ static void fill_end(const void *solver, frame_end *end)
     const micro_totals totals = micro_measure(run->solver);
     const size_t n_entered = (size_t)micro_feeds_entered(&run->feeds);
 
-    end->n_parts_left = run->n_start + n_entered - totals.n_parts;
+    end->n_parts_left =
+        run->n_start + n_entered - totals.n_parts - (size_t)micro_fallen(run->solver);
     end->part_steps = run->feeds.entry != NULL
                           ? run->feeds.part_steps
                           : (double)run->n_start * (double)micro_steps(run->solver);
@@ -518,6 +533,7 @@ const run_backend run__micro = {
     .advance = advance_run,
     .count = count_parts,
     .measure = measure_run,
+    .fallen_in = fallen_in,
     .snapshot = take_snapshot,
     .parts = copy_parts,
     .fill_end = fill_end,

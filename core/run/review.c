@@ -173,8 +173,8 @@ static void review_step(const scene *s, review_warnings *ret_warnings)
 static void warn_of_items(const validity_item *items, size_t n, review_warnings *ret_warnings)
 {
     for (size_t k = 0; k < n; k++) {
-        if (items[k].figure == VALIDITY_OVERLAP)
-            continue; // review_hardness() says so
+        if (items[k].figure == VALIDITY_OVERLAP || items[k].figure == VALIDITY_FALLS)
+            continue; // review_hardness() and review_belts() say so
         review_warning *item = review_add(ret_warnings, items[k].pointer, items[k].title);
         snprintf(item->meaning, sizeof item->meaning, "%s", items[k].meaning);
         snprintf(item->detail, sizeof item->detail, "%s", items[k].comparison);
@@ -234,7 +234,7 @@ bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
     *ret_review = (run_review){ .model = model };
     bf_status status = review_plates(s, &ret_review->warnings, err);
     if (status == BF_OK)
-        status = review_belts(s, model, &ret_review->warnings, err);
+        status = review_belts(s, &ret_review->warnings, err);
     for (size_t k = 0; k < s->n_feeds && status == BF_OK; k++)
         status = review_rate(s, k, &ret_review->warnings, err);
     review_actions(s, &ret_review->warnings);

@@ -10,7 +10,6 @@
 
 enum {
     BORDER_POINTS = 101, ///< of a border that are looked at
-    GAP_POINTS = 16,     ///< of the way across a gap
 };
 
 /// Sine of the angle to a border from which on a belt runs towards it, 1 degree: corners of oblique belts are rounded.
@@ -80,39 +79,22 @@ static bool leaves_at(const borders *b, size_t belt, vec2 at, vec2 out, vec2 way
                     vec2_add(at, vec2_scale(way, b->radius)));
 }
 
-/// True if the way from a border meets a belt, or leaves the domain, within the smallest radius.
-static bool is_gap(const borders *b, vec2 at, vec2 way)
-{
-    for (int k = 1; k <= GAP_POINTS; k++) {
-        const vec2 there = vec2_add(at, vec2_scale(way, b->radius * k / GAP_POINTS));
-        if (!is_in_domain(b, there) || !is_off(b, there))
-            return true;
-    }
-    return false;
-}
-
-static void warn(const scene *s, size_t belt, vec2 at, bool is_gap, review_warnings *ret_warnings)
+static void warn(const scene *s, size_t belt, vec2 at, review_warnings *ret_warnings)
 {
     char pointer[BF_POINTER_SIZE];
 
     snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", belt);
-    review_warning *item =
-        review_add(ret_warnings, pointer, is_gap ? "Belts leave a gap" : "Cargo leaves the belts");
-    if (is_gap)
-        snprintf(item->meaning, sizeof item->meaning,
-                 "Behind the belt '%s' is a gap at (%.4g, %.4g) m, which is on no belt: there the "
-                 "density stands still. Let the belts touch or overlap.",
-                 s->belts[belt].id, at.x, at.y);
-    else
-        snprintf(item->meaning, sizeof item->meaning,
-                 "The belt '%s' carries cargo over its border at (%.4g, %.4g) m to where no belt "
-                 "is. The density stands still there; parts glide on without friction, and count "
-                 "as throughput where they leave the domain.",
-                 s->belts[belt].id, at.x, at.y);
+    review_warning *item = review_add(ret_warnings, pointer, "Cargo leaves the belts");
+    snprintf(
+        item->meaning, sizeof item->meaning,
+        "The belt '%s' carries cargo over its border at (%.4g, %.4g) m to where no belt is: it "
+        "falls there, and counts as fallen, not as throughput. Gaps narrower than the radius "
+        "of the smallest part are bridged.",
+        s->belts[belt].id, at.x, at.y);
 }
 
 /// Returns true if something was said of the side from one corner of a belt to the next.
-static bool review_side(borders *b, run_model model, size_t belt, size_t corner, double turn,
+static bool review_side(borders *b, size_t belt, size_t corner, double turn,
                         review_warnings *ret_warnings)
 {
     const scene_belt *of = &b->s->belts[belt];
@@ -129,10 +111,7 @@ static bool review_side(borders *b, run_model model, size_t belt, size_t corner,
         b->steps += b->steps_of_place;
         if (!leaves_at(b, belt, at, out, way))
             continue;
-        const bool is_narrow = is_gap(b, at, way);
-        if (is_narrow && model == RUN_MICRO)
-            continue;
-        warn(b->s, belt, at, is_narrow, ret_warnings);
+        warn(b->s, belt, at, ret_warnings);
         return true;
     }
     return false;
@@ -155,18 +134,17 @@ static bf_status review_parts(borders *b, review_warnings *ret_warnings, bf_erro
     }
     if (n_off > 0 && b->steps <= STEPS_MAX) {
         review_warning *item = review_add(ret_warnings, "/initial", "Cargo starts off every belt");
-        snprintf(
-            item->meaning, sizeof item->meaning,
-            "%zu of %zu parts start where no belt is, the first one at (%.4g, %.4g) m: nothing "
-            "carries them.",
-            n_off, placed.n, placed.poses[first].x, placed.poses[first].y);
+        snprintf(item->meaning, sizeof item->meaning,
+                 "%zu of %zu parts start where no belt is, the first one at (%.4g, %.4g) m: they "
+                 "fall at "
+                 "once.",
+                 n_off, placed.n, placed.poses[first].x, placed.poses[first].y);
     }
     placement_fini(&placed);
     return BF_OK;
 }
 
-bf_status review_belts(const scene *s, run_model model, review_warnings *ret_warnings,
-                       bf_error *err)
+bf_status review_belts(const scene *s, review_warnings *ret_warnings, bf_error *err)
 {
     borders b = { .s = s,
                   .around = surroundings_of(s),
@@ -174,6 +152,8 @@ bf_status review_belts(const scene *s, run_model model, review_warnings *ret_war
                   .steps_of_place = steps_of_place(s) };
     shape_footprint footprints[SCENE_KINDS_MAX];
 
+    if (!s->may_drop)
+        return BF_OK;
     mix_footprints(s, footprints);
     for (size_t k = 0; k < s->n_cargo; k++)
         b.radius = fmin(b.radius, footprints[k].bounding_radius);
@@ -183,7 +163,7 @@ bf_status review_belts(const scene *s, run_model model, review_warnings *ret_war
             belt->n_points > 0 ? copysign(1.0, polygon_area(belt->polygon, belt->n_points)) : 0.0;
         bool is_said = false;
         for (size_t m = 0; m < belt->n_points && !is_said; m++)
-            is_said = review_side(&b, model, k, m, turn, ret_warnings);
+            is_said = review_side(&b, k, m, turn, ret_warnings);
     }
     return review_parts(&b, ret_warnings, err);
 }

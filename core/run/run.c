@@ -61,6 +61,8 @@ const char *const run_model_words[] = { "macro", "micro", NULL };
 const double run_density_trusted = 1.4;
 const double run_overlap_trusted = 0.05;
 
+static const double rounding_of_parts = 1e-10; // of sums of densities, relative
+
 static const run_backend *const backends[RUN_MODEL_COUNT] = {
     [RUN_MACRO] = &run__macro, [RUN_MICRO] = &run__micro
 };
@@ -74,6 +76,13 @@ unsigned run_doubts(run_model model, const frame_end *end)
     if (end->overlap_share > run_overlap_trusted)
         doubts |= RUN_DOUBT_OVERLAP;
     return doubts;
+}
+
+double run_left(double came, double inside, double fallen)
+{
+    const double left = came - inside - fallen;
+
+    return fallen > 0.0 && left < rounding_of_parts * came ? 0.0 : left;
 }
 
 bool run_model_is_available(run_model model)
@@ -311,6 +320,7 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
                          .parts_start = r->parts_start,
                          .parts_end = load.parts,
                          .parts_entered = load.entered,
+                         .parts_fallen = load.fallen,
                          .peak = fmax(r->peak, load.peak),
                          .digest = r->backend->digest(r->solver),
                          .n_samples = r->samples.n,
@@ -328,7 +338,9 @@ static void fill_columns(run *r, const run_load *load, double *values)
 
     r->backend->count(r->solver, values);
     values += s->n_counters;
-    *values++ = r->parts_start + load->entered - load->parts;
+    *values++ = run_left(r->parts_start + load->entered, load->parts, load->fallen);
+    if (s->may_drop)
+        *values++ = load->fallen;
     for (size_t k = 0; k < s->n_feeds; k++, values += COLUMNS_OF_FEED) {
         r->balances[k] = r->backend->balance(r->solver, k);
         columns_put_feed(&r->balances[k], values);
@@ -337,12 +349,19 @@ static void fill_columns(run *r, const run_load *load, double *values)
         *values++ = r->control.eyes.states[k].is_blocked;
 }
 
+static double fallen_in_first(const run *r)
+{
+    return r->scene->may_drop && r->scene->n_feeds == 0 ? r->backend->fallen_in(r->solver, 0) : 0.0;
+}
+
 static void sample_figures(run *r, const run_load *load, const double *columns)
 {
     const figures_now now = { .t = time_now(r),
                               .inside = load->parts,
                               .entered = r->parts_start + load->entered,
                               .exited = columns[r->scene->n_counters],
+                              .fallen = load->fallen,
+                              .fallen_in_first = fallen_in_first(r),
                               .counters = columns,
                               .feeds = r->balances };
 

@@ -55,6 +55,10 @@ typedef struct run run;
 /// The words of the models, "macro" and "micro"; NULL-terminated.
 extern const char *const run_model_words[];
 
+/// Parts that left the domain, of those that came: less those inside and those that fell. Where all that went fell, 0 and
+/// not what rounding makes of it.
+double run_left(double came, double inside, double fallen);
+
 /// True if this build can solve scenarios with the model.
 bool run_model_is_available(run_model model);
 

@@ -36,18 +36,20 @@ typedef struct run_plan {
 typedef struct run_load {
     double parts;    ///< parts in the domain
     double entered;  ///< parts that entered since t = 0
+    double fallen;   ///< parts that fell off the belts since t = 0
     double peak;     ///< largest density; 0 where the model knows it at snapshots only
     uint64_t n_rows; ///< rows of FRAME_PARTS, see frame_parts
 } run_load;
 
-/// A part that left the domain.
+/// A part that left the domain, or fell off the belts.
 typedef struct run_departure {
-    uint64_t id;    ///< unique, rising in the order of entering
-    uint32_t kind;  ///< index into scene.cargo
-    uint32_t feed;  ///< index into scene.feeds; n_feeds: it was there at the start
-    double entered; ///< when it entered, s
-    double left;    ///< when it left, s
-    vec2 at;        ///< where, m
+    uint64_t id;     ///< unique, rising in the order of entering
+    uint32_t kind;   ///< index into scene.cargo
+    uint32_t feed;   ///< index into scene.feeds; n_feeds: it was there at the start
+    double entered;  ///< when it entered, s
+    double left;     ///< when it left, s
+    vec2 at;         ///< where, m
+    bool has_fallen; ///< off the belts
 } run_departure;
 
 /// Departures, borrowed from the model until the next tick.
@@ -78,6 +80,8 @@ typedef struct run_backend {
     /// Fill one value per counter, parts.
     void (*count)(const void *solver, double *ret_parts);
     run_load (*measure)(const void *solver);
+    /// Parts that fell in a counter since t = 0. Only for scenes without feeds whose may_drop is set.
+    double (*fallen_in)(const void *solver, size_t counter);
     /// Fill the density grid, n2 rows of n1, and measure it.
     bf_status (*snapshot)(void *solver, float *ret_rho, run_load *ret_load, bf_error *err);
     /// Fill the rows of FRAME_PARTS, ret_load->n_rows of the snapshot just taken. NULL: the model has no parts.
@@ -92,7 +96,7 @@ typedef struct run_backend {
     void (*tell_cargo)(const void *solver, figures *to);
 
     // At a tick, in this order (control.h). The time is that of the steps made.
-    /// Take the parts that left the domain since the last tick. NULL: the model has no parts. BF_ENOMEM.
+    /// Take the parts that left the domain or fell since the last tick. NULL: the model has no parts. BF_ENOMEM.
     bf_status (*depart)(void *solver, run_departures *ret_departures, bf_error *err);
     /// What a photo eye sees. BF_ENOMEM.
     bf_status (*look)(void *solver, size_t eye, run_view *ret_view, bf_error *err);

@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
 #include "core/feed/arrivals.h"
+#include "core/run/review_belts.h"
 #include "core/run/validity_table.h"
 #include "core/run/validity_text.h"
 #include "core/scene/layout.h"
@@ -38,6 +39,7 @@ typedef struct findings {
     double rate;              ///< of all feeds together at most, parts/s
     double n_fed;             ///< parts of feeds in the run
     bool is_turning;          ///< a plate turns
+    review_warnings falls;    ///< of places at which cargo gets off the belts
     validity_item items[VALIDITY_FIGURE_COUNT][VALIDITY_WAY_COUNT];
     bool has[VALIDITY_FIGURE_COUNT][VALIDITY_WAY_COUNT]; ///< the item is filled in
 } findings;
@@ -292,6 +294,15 @@ static void note_transfers(findings *f)
     for (size_t k = 0; k < f->s->n_belts; k++)
         note(f, VALIDITY_TRANSFER, 100.0 * f->rate / belt_capacity(f->s, &f->s->belts[k]),
              "/belts/%zu", k);
+}
+
+static bf_status note_falls(findings *f, bf_error *err)
+{
+    const bf_status status = review_belts(f->s, &f->falls, err);
+
+    if (status == BF_OK)
+        note_count(f, VALIDITY_FALLS, f->falls.n, f->falls.items[0].pointer);
+    return status;
 }
 
 // ---- feeds
@@ -687,6 +698,8 @@ static bf_status find(const scene *s, validity_subject subject, double overlap,
         status = layout_measure(s, &of, err);
     if (status == BF_OK)
         status = note_swept(f, &of, err);
+    if (status == BF_OK)
+        status = note_falls(f, err);
     if (status == BF_OK) {
         note_figures(f, &of);
         if (subject == VALIDITY_PARTS_MODEL && !isnan(overlap))

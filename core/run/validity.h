@@ -52,6 +52,7 @@ typedef enum validity_figure {
     VALIDITY_TURN,      ///< angle between the velocities of two belts, degrees
     VALIDITY_RATIO,     ///< of the speeds of two belts
     VALIDITY_TRANSFER, ///< what feeds offer of what the narrowest or slowest of several belts carries, %
+    VALIDITY_FALLS,    ///< places at which cargo gets off the belts (review_belts.h)
     VALIDITY_PLATES,   ///< plates that deflect cargo
     VALIDITY_GUIDES,   ///< plates along their belt
     VALIDITY_BENDS,    ///< of one plate

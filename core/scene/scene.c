@@ -7,6 +7,7 @@
 #include "core/scene/placement.h"
 #include "core/scene/plate_motion.h"
 #include "core/scene/shape.h"
+#include "core/scene/surroundings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -365,6 +366,8 @@ bf_status scene_resolve(scene *s, bf_error *err)
         s->n_counters = 1;
     }
     resolve_derived(s);
+    s->may_drop = surroundings_may_drop(
+        &(surroundings){ .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts });
     return BF_OK;
 }
 

@@ -94,6 +94,33 @@ shape_footprint shape_footprint_of(const scene_shape *shape)
     return f;
 }
 
+static vec2 find_centre(const shape_footprint *f)
+{
+    vec2 sum = { 0.0, 0.0 };
+
+    // Triangles with the first corner, by their areas.
+    for (size_t k = 1; k + 1 < f->n_corners; k++) {
+        const vec2 a = vec2_sub(f->corners[k], f->corners[0]);
+        const vec2 b = vec2_sub(f->corners[k + 1], f->corners[0]);
+        sum = vec2_add(sum, vec2_scale(vec2_add(a, b), vec2_cross(a, b) / 6.0));
+    }
+    return vec2_add(f->corners[0], vec2_scale(sum, 1.0 / f->area));
+}
+
+double shape_inner_radius(const scene_shape *shape)
+{
+    const shape_footprint f = shape_footprint_of(shape);
+    double least = INFINITY;
+
+    if (f.n_corners == 0)
+        return f.bounding_radius;
+    const vec2 centre = find_centre(&f);
+    for (size_t k = 0; k < f.n_corners; k++)
+        least = fmin(least, polygon_segment_distance(centre, f.corners[k],
+                                                     f.corners[(k + 1) % f.n_corners]));
+    return least;
+}
+
 /// Six times the volume of the cone from apex over the facet in the plane of three vertices, given
 /// by its unit normal: the facet is the hull of all the vertices that are marked to lie in it.
 static double measure_cone(const scene_shape *shape, const bool *is_in_plane, size_t first,

@@ -19,6 +19,10 @@ typedef struct shape_footprint {
 /// The footprint of a checked shape.
 shape_footprint shape_footprint_of(const scene_shape *shape);
 
+/// Distance from the centre of the area of a checked shape's footprint to its border, m: of a cylinder its radius, of a
+/// box half its least width.
+double shape_inner_radius(const scene_shape *shape);
+
 /// Volume of a checked shape, m3; of a hull by its facets.
 double shape_volume(const scene_shape *shape);
 

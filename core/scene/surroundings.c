@@ -2,14 +2,30 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
+#include "core/scene/shape.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
+// Radii matter where a belt has a border.
+static double smallest_bridge(const scene *s)
+{
+    double radius = INFINITY;
+    bool has_border = false;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        has_border = has_border || s->belts[k].n_points > 0;
+    for (size_t k = 0; has_border && k < s->n_cargo; k++)
+        radius = fmin(radius, shape_inner_radius(&s->cargo[k].shape));
+    return has_border ? radius : 0.0;
+}
+
 surroundings surroundings_of(const scene *s)
 {
-    surroundings around = { .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts };
+    surroundings around = {
+        .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts, .bridge = smallest_bridge(s)
+    };
 
     memcpy(around.edges, s->edges, sizeof around.edges);
     return around;
@@ -47,7 +63,7 @@ void surroundings_fini(surroundings *copy)
     *copy = (surroundings){ .n_belts = 0 };
 }
 
-size_t surroundings_belt_at(const surroundings *around, vec2 at)
+size_t surroundings_belt_below(const surroundings *around, vec2 at)
 {
     for (size_t k = around->n_belts; k-- > 0;) {
         const scene_belt *belt = &around->belts[k];
@@ -56,6 +72,137 @@ size_t surroundings_belt_at(const surroundings *around, vec2 at)
             return k;
     }
     return around->n_belts;
+}
+
+/// The directions in a convex cone with its tip in a point; once they span half a turn or more, the point is in their
+/// hull.
+typedef struct cone {
+    bool has_any;
+    bool is_hull; ///< the rest does not count any more
+    vec2 right;   ///< its sides, less than half a turn apart
+    vec2 left;
+} cone;
+
+static bool cone_holds(const cone *c, vec2 to)
+{
+    const double from_right = vec2_cross(c->right, to), to_left = vec2_cross(to, c->left);
+
+    // Of a cone that is a ray, the opposite direction is not in it.
+    return from_right >= 0.0 && to_left >= 0.0 &&
+           (from_right > 0.0 || to_left > 0.0 || vec2_dot(c->right, to) > 0.0);
+}
+
+static void cone_add(cone *c, vec2 to)
+{
+    if (!c->has_any) {
+        *c = (cone){ .has_any = true, .right = to, .left = to };
+    } else if (!cone_holds(c, to)) {
+        c->is_hull = c->is_hull || cone_holds(c, vec2_scale(to, -1.0));
+        if (vec2_cross(c->left, to) > 0.0)
+            c->left = to;
+        else
+            c->right = to;
+    }
+}
+
+/// Add what of a segment is nearer to a point than a radius. A segment's directions are between those of its ends.
+static void cone_add_segment(cone *c, vec2 at, double radius, vec2 start, vec2 end)
+{
+    const vec2 way = vec2_sub(end, start), to = vec2_sub(start, at);
+    const double a = vec2_dot(way, way), b = vec2_dot(way, to);
+    const double root = b * b - a * (vec2_dot(to, to) - radius * radius);
+
+    if (!(root > 0.0) || c->is_hull)
+        return;
+    const double first = fmax((-b - sqrt(root)) / a, 0.0), last = fmin((-b + sqrt(root)) / a, 1.0);
+    if (first > last)
+        return;
+    cone_add(c, vec2_add(to, vec2_scale(way, first)));
+    cone_add(c, vec2_add(to, vec2_scale(way, last)));
+}
+
+static vec2 mirror(const surroundings_line *side, vec2 at)
+{
+    const double height = vec2_dot(vec2_sub(at, side->at), side->inward);
+
+    return vec2_add(at, vec2_scale(side->inward, -2.0 * height));
+}
+
+/// Add a border of a belt, and its images beyond the sides of the domain.
+static void cone_add_border(cone *c, const surroundings *around, vec2 at, double radius, vec2 start,
+                            vec2 end)
+{
+    cone_add_segment(c, at, radius, start, end);
+    for (int k = 0; k < SCENE_SIDE_COUNT; k++) {
+        const surroundings_line side = surroundings_side(around, (scene_side)k);
+        if (surroundings_excess(around, (scene_side)k, at) > -radius)
+            cone_add_segment(c, at, radius, mirror(&side, start), mirror(&side, end));
+    }
+}
+
+/// True if a point is in the hull of what of the belts is nearer than a radius.
+static bool is_held(const surroundings *around, vec2 at, double radius)
+{
+    cone c = { .has_any = false };
+
+    for (size_t k = 0; k < around->n_belts && !c.is_hull; k++) {
+        const vec2 *polygon = around->belts[k].polygon;
+        const size_t n = around->belts[k].n_points;
+        for (size_t m = 0, last = n - 1; m < n; last = m++)
+            if (polygon_segment_distance(at, polygon[last], polygon[m]) < radius)
+                cone_add_border(&c, around, at, radius, polygon[last], polygon[m]);
+    }
+    return c.is_hull;
+}
+
+/// The nearest belt to a point, if it is nearer than a radius, and its nearest point.
+static size_t find_nearest(const surroundings *around, vec2 at, double radius, vec2 *ret_foot)
+{
+    double nearest = radius;
+    size_t belt = around->n_belts;
+
+    for (size_t k = 0; k < around->n_belts; k++) {
+        const vec2 *polygon = around->belts[k].polygon;
+        const size_t n = around->belts[k].n_points;
+        for (size_t m = 0, last = n - 1; m < n; last = m++) {
+            const vec2 foot = polygon_segment_nearest(at, polygon[last], polygon[m]);
+            const double distance = vec2_length(vec2_sub(at, foot));
+            if (distance > nearest || distance >= radius)
+                continue;
+            nearest = distance;
+            belt = k;
+            *ret_foot = foot;
+        }
+    }
+    return belt;
+}
+
+/// The belt that carries over a gap at a point that is under no belt.
+static size_t find_bridge(const surroundings *around, vec2 at, double radius)
+{
+    vec2 foot = at;
+    const size_t belt = find_nearest(around, at, radius, &foot);
+
+    if (belt == around->n_belts)
+        return belt;
+    const vec2 way = vec2_sub(at, foot);
+    const double beyond = fmin(1.0, 2.0 * SCENE_TOLERANCE / vec2_length(way));
+    return is_held(around, at, radius) &&
+                   is_held(around, vec2_add(foot, vec2_scale(way, beyond)), radius)
+               ? belt
+               : around->n_belts;
+}
+
+size_t surroundings_belt_under(const surroundings *around, vec2 at, double radius)
+{
+    const size_t belt = surroundings_belt_below(around, at);
+
+    return belt < around->n_belts ? belt : find_bridge(around, at, radius);
+}
+
+size_t surroundings_belt_at(const surroundings *around, vec2 at)
+{
+    return surroundings_belt_under(around, at, around->bridge);
 }
 
 double surroundings_border_distance(const surroundings *around, vec2 at)
@@ -70,6 +217,99 @@ double surroundings_border_distance(const surroundings *around, vec2 at)
                                                        belt->polygon[(m + 1) % belt->n_points]));
     }
     return nearest;
+}
+
+/// Most steps, of a few nanoseconds each, in which places under no belt are looked for.
+#define COVER_STEPS_MAX 3e6
+
+/// A straight border, and where its present piece, between two crossings with others, begins and ends on it, 0 to 1.
+typedef struct border_walk {
+    vec2 start;
+    vec2 way;
+    double from;
+    double to;
+} border_walk;
+
+/// Let the piece end where the border crosses a segment, if that is in it.
+static void cut_piece(border_walk *w, vec2 start, vec2 end)
+{
+    const vec2 along = vec2_sub(end, start), apart = vec2_sub(start, w->start);
+    const double sine = vec2_cross(w->way, along);
+    const double at = vec2_cross(apart, along) / sine, there = vec2_cross(apart, w->way) / sine;
+    const double slit = SURROUNDINGS_SLIT / vec2_length(w->way);
+
+    if (there >= -SURROUNDINGS_SLIT && there <= 1.0 + SURROUNDINGS_SLIT && at > w->from + slit)
+        w->to = fmin(w->to, at);
+}
+
+/// Find the end of the piece that begins at w->from.
+static void find_piece_end(const surroundings *around, border_walk *w)
+{
+    const scene_rect *d = &around->domain;
+
+    w->to = 1.0;
+    for (size_t k = 0; k < around->n_belts; k++) {
+        const vec2 *polygon = around->belts[k].polygon;
+        const size_t n = around->belts[k].n_points;
+        for (size_t m = 0, last = n - 1; m < n; last = m++)
+            cut_piece(w, polygon[last], polygon[m]);
+    }
+    cut_piece(w, (vec2){ d->x_min, d->y_min }, (vec2){ d->x_max, d->y_min });
+    cut_piece(w, (vec2){ d->x_min, d->y_max }, (vec2){ d->x_max, d->y_max });
+    cut_piece(w, (vec2){ d->x_min, d->y_min }, (vec2){ d->x_min, d->y_max });
+    cut_piece(w, (vec2){ d->x_max, d->y_min }, (vec2){ d->x_max, d->y_max });
+}
+
+static bool is_bare(const surroundings *around, vec2 at)
+{
+    double excess = -INFINITY;
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+        excess = fmax(excess, surroundings_excess(around, (scene_side)side, at));
+    return excess < 0.0 && surroundings_belt_below(around, at) == around->n_belts;
+}
+
+/// True if a place beside a border is under no belt. Beside a piece all places are alike.
+static bool is_bare_beside(const surroundings *around, vec2 start, vec2 end, double *steps,
+                           double steps_of_piece)
+{
+    border_walk w = { .start = start, .way = vec2_sub(end, start) };
+    const vec2 aside =
+        vec2_scale(vec2_turn_left(w.way), 0.5 * SURROUNDINGS_SLIT / vec2_length(w.way));
+
+    for (w.from = 0.0; w.from < 1.0; w.from = w.to) {
+        find_piece_end(around, &w);
+        const vec2 middle = vec2_add(start, vec2_scale(w.way, 0.5 * (w.from + w.to)));
+        *steps += steps_of_piece;
+        if (*steps > COVER_STEPS_MAX || is_bare(around, vec2_add(middle, aside)) ||
+            is_bare(around, vec2_sub(middle, aside)))
+            return true;
+    }
+    return false;
+}
+
+// Where some of the domain is under no belt, all of it is, or a belt ends beside that.
+bool surroundings_may_drop(const surroundings *around)
+{
+    const scene_rect *d = &around->domain;
+    const vec2 middle = { 0.5 * (d->x_min + d->x_max), 0.5 * (d->y_min + d->y_max) };
+    double steps = 0.0, steps_of_piece = 0.0;
+
+    for (size_t k = 0; k < around->n_belts; k++) {
+        if (around->belts[k].n_points == 0)
+            return false;
+        steps_of_piece += 3.0 * (double)around->belts[k].n_points;
+    }
+    if (around->n_belts > 0 && is_bare(around, middle))
+        return true;
+    for (size_t k = 0; k < around->n_belts; k++) {
+        const vec2 *polygon = around->belts[k].polygon;
+        const size_t n = around->belts[k].n_points;
+        for (size_t m = 0, last = n - 1; m < n; last = m++)
+            if (is_bare_beside(around, polygon[last], polygon[m], &steps, steps_of_piece))
+                return true;
+    }
+    return false;
 }
 
 bool surroundings_is_guide(vec2 along, vec2 belt)

@@ -2,12 +2,22 @@
 ///
 /// The only implementation, for both models, the placement of parts and the checks, of
 ///
-///     which belt carries a point (how fast it moves at a time: belt_speeds.h);
+///     which belt lies under a point, and which one carries what has its centre there (how fast it moves at a
+///     time: belt_speeds.h);
 ///     what a straight piece of a plate is: tangent, length, thickness and upstream side;
 ///     what a side of the domain is, and whether a point is outside.
 ///
 /// A solver may precompute from these functions the data of its loops.
 ///
+/// Carried  is a point under which a belt lies, and one in a gap that a part of radius r bridges: both the point and the
+///          place where the way to it from the nearest belt leaves that belt lie in the convex hull of what of the belts
+///          is nearer to them than r. A part whose lower face is a disk of radius r rests there on both sides of its
+///          centre; else it tips over. So a gap between two straight borders is bridged where it is narrower than r, and
+///          no belt carries anything beyond a border behind which nothing is. Beyond the sides of the domain lie the
+///          mirror images of the belts: a gap between a belt and a side is bridged where it is narrower than r/2. In a
+///          gap the nearest belt carries, of equally near ones the later one. r of a part is shape_inner_radius(): a
+///          cylinder's radius, half the least width of a box.
+///          What has its centre off every belt, in the domain, falls; where there is no belt at all, nothing does.
 /// Units    SI.
 /// Choice   borders of belts are taken with SCENE_TOLERANCE in favour of the belt. A piece that runs along
 ///          the belt is a guide and has no upstream side: the left one, seen from its start, is used, unless the nearest
@@ -29,6 +39,7 @@ typedef struct surroundings {
     scene_edge edges[SCENE_SIDE_COUNT]; ///< what its sides are
     size_t n_belts;                     ///< belts
     const scene_belt *belts;            ///< where they overlap the later one wins
+    double bridge; ///< r of the part that bridges least, m: what gaps places are carried over
 } surroundings;
 
 enum { SURROUNDINGS_JOINED = 8 }; ///< pieces on either side of a guide of which it takes the side
@@ -36,6 +47,9 @@ enum { SURROUNDINGS_JOINED = 8 }; ///< pieces on either side of a guide of which
 /// Sine of the angle between a piece and its belt up to which the piece is a guide, 0.1 degrees: typed coordinates are
 /// rounded.
 #define SURROUNDINGS_GUIDE_SINE 1.745e-3
+
+/// Narrower slits between belts are none, m.
+#define SURROUNDINGS_SLIT 2e-6
 
 /// A straight piece of a plate.
 typedef struct surroundings_piece {
@@ -66,8 +80,24 @@ BF_MUST_CHECK bf_status surroundings_copy(const surroundings *from, surroundings
 /// Free what a copy owns and zero it.
 void surroundings_fini(surroundings *copy);
 
-/// Index of the belt that carries a point; n_belts off every belt.
+/// Index of the belt that lies under a point; n_belts: none does.
+size_t surroundings_belt_below(const surroundings *around, vec2 at);
+
+/// Index of the belt that carries a part of radius r, m, whose centre is there; n_belts off every belt.
+size_t surroundings_belt_under(const surroundings *around, vec2 at, double radius);
+
+/// The same for the part that bridges least: a place where this is n_belts is off the belts.
 size_t surroundings_belt_at(const surroundings *around, vec2 at);
+
+/// True if what `belt`, one of the above for a place in the domain, does not carry falls there.
+static inline bool surroundings_falls(const surroundings *around, size_t belt)
+{
+    return around->n_belts > 0 && belt == around->n_belts;
+}
+
+/// True if there are belts, and a place in the domain, wider than SURROUNDINGS_SLIT, is under none: parts may fall. Exact
+/// unless it takes more than some 10 ms: then true.
+bool surroundings_may_drop(const surroundings *around);
 
 /// v_T of a belt, m/s, at which it moves when its factor (belt_speeds.h) is 1; zero for n_belts, off every belt.
 static inline vec2 surroundings_velocity_of(const surroundings *around, size_t belt)

@@ -191,9 +191,11 @@ typedef struct scene {
     scene_edge edges[SCENE_SIDE_COUNT]; ///< (default inflow, outflow, wall, wall)
     size_t n_belts;                     ///< (default one, "main")
     scene_belt *belts;                  ///< see there
-    size_t n_obstacles;                 ///< (default none)
-    scene_obstacle *obstacles;          ///< see there
-    size_t n_cargo;                     ///< kinds of cargo, >= 1 (default 1)
+    bool may_drop;             ///< some of the domain is under no belt: parts may fall; set by
+                               ///< scene_resolve()
+    size_t n_obstacles;        ///< (default none)
+    scene_obstacle *obstacles; ///< see there
+    size_t n_cargo;            ///< kinds of cargo, >= 1 (default 1)
     scene_cargo cargo[SCENE_KINDS_MAX]; ///< see there
     bool is_mix;                        ///< the document lists kinds; true where n_cargo > 1
     uint64_t cargo_seed;                ///< of the order in which parts get their kinds, < 2^53

@@ -153,10 +153,13 @@ static void print_result(const solving *s)
            e->stopped ? " (interrupted)" : "");
     if (s->scene.n_feeds > 0)
         printf("  parts        %.3f entered, %.3f inside, %.3f left the domain\n", e->parts_entered,
-               e->parts_end, e->parts_start + e->parts_entered - e->parts_end);
+               e->parts_end,
+               run_left(e->parts_start + e->parts_entered, e->parts_end, e->parts_fallen));
     else
         printf("  parts left   %.3f of %.3f in '%.*s', %.3f of %.3f in the domain\n", s->last_count,
                s->first_count, (int)n_id, s->columns.bytes, e->parts_end, e->parts_start);
+    if (s->scene.may_drop)
+        printf("  fallen       %.3f parts fell off the belts\n", e->parts_fallen);
     print_work(s);
     printf("  results      %s (%llu samples, %llu snapshots)\n", s->arguments->out,
            (unsigned long long)e->n_samples, (unsigned long long)e->n_snapshots);

@@ -5,7 +5,7 @@ import { isOver } from "./api.js";
 import { h } from "./dom.js";
 import { fixed, number, parts, quantity } from "./format.js";
 import { residenceOf } from "./key_figures.js";
-import { isFed } from "./series.js";
+import { fallsOf, isFed } from "./series.js";
 
 // Summaries of earlier versions do not say it among the key figures.
 function entered({ figures: known, summary, snapshots }) {
@@ -76,12 +76,17 @@ const withUnit = (text, unit) => (unit && /^[\d.]/.test(text) ? `${text} ${unit}
 export class KeyStrip {
   constructor() {
     this.list = h("dl", { class: "strip" });
-    this.element = h("section", { class: "card", "aria-label": "At a glance" }, this.list);
+    this.doubts = h("ul", { class: "warnings", "aria-label": "Lost parts", hidden: true });
+    this.element = h("section", { class: "card", "aria-label": "At a glance" }, this.list, this.doubts);
   }
 
   show(data) {
     this.list.replaceChildren(...figures.map(({ name, unit, value, text, sentence }) => h("div", {},
       h("dt", {}, name(data)), h("dd", {}, withUnit(text(value(data), data), unit)), h("dd", { class: "hint" }, sentence(data)))));
+    const falls = fallsOf(data.curve);
+    this.doubts.hidden = falls.length === 0;
+    this.doubts.replaceChildren(...falls.map(([words, values]) =>
+      h("li", {}, `${parts(values.at(-1), 3)} parts ${words}; they do not count as throughput.`)));
   }
 }
 

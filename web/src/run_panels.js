@@ -23,6 +23,7 @@ function cargoFacts(s) {
     ["Parts at start", parts(s.parts_start, 6)],
     s.parts_entered === undefined ? null : ["Parts that entered", parts(s.parts_entered, 6)],
     ["Parts through", parts(s.parts_left)],
+    s.parts_fallen === undefined ? null : ["Parts that fell off the belts", parts(s.parts_fallen)],
     ["Parts left on the belt", parts(s.parts_end)],
     s.end_reason === undefined ? null : ["Ended by", s.end_reason],
   ]);

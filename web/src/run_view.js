@@ -16,7 +16,7 @@ import { DownloadsPanel, scenarioPanel, summaryPanel } from "./run_panels.js";
 import { statePill } from "./runs_table.js";
 import { keyOf } from "./scale_bar.js";
 import { SceneControls } from "./scene_controls.js";
-import { contentOf, flowOf, isFed } from "./series.js";
+import { contentOf, fallsOf, flowOf, isFed } from "./series.js";
 import { DASHES, prefersStillness } from "./theme.js";
 import { segments } from "./transport.js";
 
@@ -145,7 +145,7 @@ export class RunView {
     if (what === "snapshots") this.showSnapshots();
     if (what === "run") this.showHead();
     if (what === "figures") this.showFigures();
-    if (what === "snapshots") this.strip.show(data);
+    if (what === "snapshots" || what === "curve") this.strip.show(data);
     if (what === "summary") this.finish();
     this.controls.show();
   }
@@ -188,7 +188,7 @@ export class RunView {
 
   showCurve() {
     const { curve, scenario, run, snapshots } = this.data;
-    const rows = this.shown === "flow" ? flowOf(scenario, curve) : contentOf(scenario, curve);
+    const rows = this.shown === "flow" ? flowOf(scenario, curve) : [...contentOf(scenario, curve), ...(isFed(scenario) ? [] : fallsOf(curve))];
     const curves = rows.map(([name, v], k) => ({ name, color: `run-${(k % 8) + 1}`, dash: DASHES[k % 8], t: curve.t, v }));
     if (!isFed(scenario)) {
       curves.push({ name: "left the belt", color: "muted", dash: [2, 4], t: curve.t, v: curve.columns.get("left_domain") ?? [] });

@@ -21,6 +21,8 @@ export function valueAt(times, values, t) {
   return values[k] + share * (values[k + 1] - values[k]);
 }
 
+const FALLEN_TOLD = 0.1; // parts: a density spreads without end
+
 const balance = ["offered", "admitted", "waiting", "discarded"]; // columns of each feed
 
 export function isFed({ feeds = [] }) {
@@ -44,7 +46,13 @@ export function flowOf(scenario, { columns }) {
   const { feeds = [] } = scenario;
   const sums = balance.map((what) => [what, sumOf(feeds.map(({ id }) => columns.get(`${id}.${what}`) ?? []))]);
   const seen = sums.filter(([what, values]) => what !== "discarded" || values.some((value) => value > 0));
-  return [...seen, ["exits", columns.get("left_domain") ?? []]];
+  return [...seen, ["exits", columns.get("left_domain") ?? []], ...fallsOf({ columns })];
+}
+
+// [words, values] of what fell off the belts, where anything did.
+export function fallsOf({ columns }) {
+  const values = columns.get("fallen") ?? [];
+  return values.at(-1) >= FALLEN_TOLD ? [["fell off the belts", values]] : [];
 }
 
 function sumOf([first = [], ...others]) {
@@ -59,7 +67,7 @@ export function contentOf({ counters, feeds = [] }, { columns }) {
 
 // Whether a column only ever rises or, without feeds, only falls: what has passed so far, or what is still to pass.
 export function isOneWay(scenario, column) {
-  return !isFed(scenario) || /^left_domain$|\.(?:offered|admitted|discarded)$/.test(column);
+  return !isFed(scenario) || /^(?:left_domain|fallen)$|\.(?:offered|admitted|discarded)$/.test(column);
 }
 
 // A curve minus another one, at its times that both have.

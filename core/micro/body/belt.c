@@ -1,4 +1,5 @@
-// Contacts with the plane z = 0: belts, and a surface at rest outside of them.
+// Contacts with the plane z = 0: that of the belts, which bears a part as long as one of them carries it; what of it is
+// over no belt drags as if it lay on that one. Without any belt it is a surface at rest.
 
 #include "core/micro/body/body_priv.h"
 
@@ -57,24 +58,48 @@ void body__update_belts(body_state *s, uint64_t n_before)
         s->belt_velocities[k] = in_space(s->common.around.belts[k].velocity, factors[k]);
 }
 
-vec3 body__belt_at(const body_state *s, double x, double y)
+/// How far part k bridges gaps, m.
+static double bridge_of(const body_state *s, size_t k)
 {
-    return s->belt_velocities[surroundings_belt_at(&s->common.around, (vec2){ x, y })];
+    return s->kinds[s->bodies[k].kind].inner_radius;
+}
+
+/// The cache of part k where it is now.
+static const body_belt_cache *find_belt(body_state *s, size_t k)
+{
+    body_belt_cache *cache = &s->belt_cache[k];
+    const surroundings *around = &s->common.around;
+    const vec2 at = { s->bodies[k].x.x, s->bodies[k].x.y };
+
+    if (!(vec2_length(vec2_sub(at, cache->at)) < cache->clearance)) {
+        cache->at = at;
+        cache->clearance =
+            surroundings_border_distance(around, at) - s->bounding_radius[k] - SCENE_TOLERANCE;
+        cache->belt = surroundings_belt_under(around, at, bridge_of(s, k));
+    }
+    return cache;
+}
+
+bool body__falls(body_state *s, size_t k)
+{
+    return surroundings_falls(&s->common.around, find_belt(s, k)->belt);
 }
 
 bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
 {
-    body_belt_cache *cache = &s->belt_cache[k];
-    vec2 at = { s->bodies[k].x.x, s->bodies[k].x.y };
+    const body_belt_cache *cache = find_belt(s, k);
 
-    if (!(vec2_length(vec2_sub(at, cache->at)) < cache->clearance)) {
-        cache->at = at;
-        cache->clearance = surroundings_border_distance(&s->common.around, at) -
-                           s->bounding_radius[k] - SCENE_TOLERANCE;
-        cache->belt = surroundings_belt_at(&s->common.around, at);
-    }
     *ret_velocity = s->belt_velocities[cache->belt];
     return cache->clearance > 0.0;
+}
+
+vec3 body__belt_at(body_state *s, size_t k, double x, double y)
+{
+    size_t belt = surroundings_belt_under(&s->common.around, (vec2){ x, y }, bridge_of(s, k));
+
+    if (belt == s->common.around.n_belts)
+        belt = find_belt(s, k)->belt;
+    return s->belt_velocities[belt];
 }
 
 /// Add a contact point if it has a normal force.
@@ -178,9 +203,10 @@ static double find_spin_torque(const body_state *s, const body_body *body, const
 }
 
 /// Friction (7) in the centre of pressure; in each contact point where several belts are under the body.
-static void add_sliding(const body_state *s, const body_body *body, const belt_pressure *p,
-                        const vec3 *belt, body_load *load)
+static void add_sliding(body_state *s, size_t k, const belt_pressure *p, const vec3 *belt,
+                        body_load *load)
 {
+    const body_body *body = &s->bodies[k];
     const micro_law *law = &s->kinds[body->kind].belt_law;
     vec3 velocity = body__velocity(body, p->middle);
 
@@ -191,7 +217,7 @@ static void add_sliding(const body_state *s, const body_body *body, const belt_p
         return;
     }
     for (size_t m = 0; m < p->n; m++) {
-        vec3 under = body__belt_at(s, p->at[m].x, p->at[m].y);
+        vec3 under = body__belt_at(s, k, p->at[m].x, p->at[m].y);
         body__add_force(load, body, p->at[m],
                         body__friction_force(law, p->force[m], vec3_sub(velocity, under)));
     }
@@ -214,6 +240,6 @@ void body__add_belt_forces(body_state *s, size_t k, body_load *load)
         return;
     for (size_t m = 0; m < p.n; m++)
         body__add_force(load, body, p.at[m], (vec3){ 0.0, 0.0, p.force[m] });
-    add_sliding(s, body, &p, is_one_belt ? &belt : NULL, load);
+    add_sliding(s, k, &p, is_one_belt ? &belt : NULL, load);
     load->torque.z += find_spin_torque(s, body, &p);
 }

@@ -35,7 +35,8 @@ static void place_parts(body_state *s, const micro_def *def)
                                         def->poses[k], def->start_velocity };
         body_body *body = &s->bodies[k];
         body__place_part(s, k, &arrival);
-        const size_t belt = surroundings_belt_at(&s->common.around, (vec2){ body->x.x, body->x.y });
+        const size_t belt = surroundings_belt_under(
+            &s->common.around, (vec2){ body->x.x, body->x.y }, s->kinds[body->kind].inner_radius);
         if (belt == s->common.speeds.n_belts)
             continue;
         vec2 v =

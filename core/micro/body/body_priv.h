@@ -59,6 +59,7 @@ typedef struct body_kind {
     bool is_cylinder;  ///< a cylinder, about the body's z axis
     double radius;     ///< of a cylinder; else of the disk with the footprint's area, m
     double half_width; ///< of a cylinder its radius; else half the least width of the footprint, m
+    double inner_radius;             ///< shape_inner_radius(): what gaps it bridges, m
     double footprint_radius;         ///< of the disk around the footprint, m
     double half_height;              ///< of a cylinder, m
     double mass;                     ///< kg
@@ -89,7 +90,7 @@ typedef struct body_map {
     size_t capacity; ///< room in plate
 } body_map;
 
-/// The neighbourhood in which one belt lies under all of a part.
+/// The neighbourhood in which one belt, or none, lies under all of a part.
 typedef struct body_belt_cache {
     vec2 at;          ///< centre of the part when this was computed, m
     double clearance; ///< distance from there within which it holds, m; < 0: not computed
@@ -183,8 +184,11 @@ void body__belt_fini(body_state *s); ///< Free them.
 /// Set the velocities of the belts for a step, before which n_before were made; by one thread.
 void body__update_belts(body_state *s, uint64_t n_before);
 
-/// Velocity of the belt under a point in this step; 0 off every belt.
-vec3 body__belt_at(const body_state *s, double x, double y);
+/// Velocity in this step of the belt under a point of part k, else of the one that carries the part; 0 where it falls.
+vec3 body__belt_at(body_state *s, size_t k, double x, double y);
+
+/// True if no belt carries part k.
+bool body__falls(body_state *s, size_t k);
 
 /// True if one belt is under all of part k, and its velocity in this step.
 bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity);
@@ -210,7 +214,7 @@ void body__add_boundary_forces(body_state *s, size_t k, body_load *load, body_re
 /// The angular velocity of a body after a step with a torque, N m; rad/s.
 vec3 body__integrate_spin(const body_state *s, const body_body *body, vec3 torque);
 
-/// Move part k by its velocities, and record if it has left the domain or has become unstable.
+/// Move part k by its velocities, and record if it has left the domain, has fallen or has become unstable.
 void body__move(body_state *s, size_t k, body_report *report);
 
 /// First part of a block, and the one after its last.

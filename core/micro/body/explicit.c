@@ -116,8 +116,10 @@ void body__move(body_state *s, size_t k, body_report *report)
             report->bad_part = k;
         return;
     }
-    s->common.presence[k] =
-        surroundings_is_outside(&s->common.around, (vec2){ body->x.x, body->x.y });
+    if (surroundings_is_outside(&s->common.around, (vec2){ body->x.x, body->x.y }))
+        s->common.presence[k] = MICRO_LEFT;
+    else if (body__falls(s, k))
+        s->common.presence[k] = MICRO_FELL;
 }
 
 static void move_part(body_state *s, size_t k, bool is_first, body_report *report)

@@ -297,7 +297,7 @@ static void find_belt_velocities(body_state *s, size_t k, body_constraint *const
     for (uint32_t m = 0; m < constraint->n; m++) {
         const body_constraint_point *point = &constraint->point[m];
         if (!is_one)
-            belt = body__belt_at(s, middle.x + point->x, middle.y + point->y);
+            belt = body__belt_at(s, k, middle.x + point->x, middle.y + point->y);
         constraint->belt_velocity[m] = (vec2){ belt.x, belt.y };
     }
 }

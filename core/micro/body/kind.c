@@ -127,6 +127,7 @@ bf_status body__kind_init(const micro_def *def, const micro_kind *from, body_kin
     kind->footprint_radius = shape_footprint_of(shape).bounding_radius;
     kind->radius = kind->is_cylinder ? shape->radius : sqrt(shape_footprint_of(shape).area / M_PI);
     kind->half_width = implicit_step_radius_of(shape);
+    kind->inner_radius = shape_inner_radius(shape);
     kind->half_height = kind->is_cylinder ? 0.5 * shape->height : 0.0;
     kind->bottom = hull_vertex(&kind->shape, hull_support(&kind->shape, down)).z;
     hull_mass mass = mass_of(shape, &kind->shape);

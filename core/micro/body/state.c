@@ -54,7 +54,8 @@ micro_part body__part(const void *state, size_t k)
                          .v = { body->v.x, body->v.y, body->v.z },
                          .w = { body->w.x, body->w.y, body->w.z },
                          .heading = atan2(r.row[1].x, r.row[0].x),
-                         .is_gone = s->common.presence[k] != 0 };
+                         .is_gone = s->common.presence[k] != MICRO_HERE,
+                         .has_fallen = s->common.presence[k] == MICRO_FELL };
 }
 
 /// Cosine of the largest angle by which a part that lies flat is tilted.
@@ -394,7 +395,7 @@ static bool load_items(const body_state *s, checkpoint_reader *r, loaded_state *
     saved_part saved;
 
     for (size_t k = 0; k < a->n; k++) {
-        if (!checkpoint_read(r, &saved, sizeof saved) || saved.presence > MICRO_FREE ||
+        if (!checkpoint_read(r, &saved, sizeof saved) || saved.presence >= MICRO_PRESENCE_COUNT ||
             saved.kind >= s->n_kinds)
             return false;
         a->bodies[k] = load_part(&saved);

@@ -166,12 +166,12 @@ static void start_parts(disk_state *s, const micro_def *def)
     disk__fill_slots(s);
     for (size_t k = 0; k < s->n; k++) {
         const scene_pose *pose = &def->poses[k];
-        const size_t belt = disk__belt_at(s, pose->x, pose->y);
         vec2 v = def->start_velocity;
-        if (belt < s->common.speeds.n_belts)
-            v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->common.speeds, belt, 0.0));
         s->now[k].x = pose->x;
         s->now[k].y = pose->y;
+        const size_t belt = disk__belt_under(s, &s->now[k]);
+        if (belt < s->common.speeds.n_belts)
+            v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->common.speeds, belt, 0.0));
         s->now[k].vx = v.x;
         s->now[k].vy = v.y;
         s->heading[k] = pose->heading;

@@ -63,11 +63,11 @@ typedef struct disk_candidate {
 /// Where a part near a border is.
 typedef enum disk_presence {
     DISK_HERE,  ///< in the domain
-    DISK_GONE,  ///< it left
-    DISK_GOING, ///< it left in a step that may be undone
+    DISK_GONE,  ///< it left or fell
+    DISK_GOING, ///< it did in a step that may be undone
 } disk_presence;
 
-/// A part near an open edge or the border of a belt: checked after each step.
+/// A part near an open edge or the border of a belt, or under which no belt lies: checked after each step.
 typedef struct disk_border_part {
     uint32_t slot;      ///< of the part
     disk_presence gone; ///< unless DISK_HERE, part and heading are what it left with
@@ -167,13 +167,13 @@ BF_MUST_CHECK bf_status disk__find_candidates(disk_state *s);
 BF_MUST_CHECK bf_status disk__find_border_parts(disk_state *s);
 
 /// After a step was written into `parts` (and headings): check the border parts first .. last - 1. Parts
-/// that left are frozen in their disk_border_part, which then says `left`, and moved far away and to rest in
+/// that left or fell are frozen in their disk_border_part, which then says `left`, and moved far away and to rest in
 /// `parts`; those at the border of a belt get the belt that is now under them. Does not modify other parts.
 void disk__update_border_parts(disk_state *s, disk *parts, size_t first, size_t last,
                                disk_presence left);
 
-/// Index of the belt under a point.
-uint16_t disk__belt_at(const disk_state *s, double x, double y);
+/// Index of the belt that carries a part: surroundings_belt_under().
+uint16_t disk__belt_under(const disk_state *s, const disk *part);
 
 /// The belts in a step, before which n_before were made: s->belts or, where speeds change, in *room.
 const disk_belt *disk__belts_in_step(const disk_state *s, uint64_t n_before, disk_belts *room);

@@ -381,7 +381,7 @@ static void put_back(disk_state *s)
         if (w->gone == DISK_GOING)
             put_back_gone(s, w);
         if (!s->is_uniform)
-            s->belt_under[w->slot] = disk__belt_at(s, s->now[w->slot].x, s->now[w->slot].y);
+            s->belt_under[w->slot] = disk__belt_under(s, &s->now[w->slot]);
     }
     s->tiling.n_put_back++;
 }

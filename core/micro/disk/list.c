@@ -292,9 +292,10 @@ disk disk__pad(const disk_state *s, size_t slot)
     return part;
 }
 
-uint16_t disk__belt_at(const disk_state *s, double x, double y)
+uint16_t disk__belt_under(const disk_state *s, const disk *part)
 {
-    return (uint16_t)surroundings_belt_at(&s->common.around, (vec2){ x, y });
+    return (uint16_t)surroundings_belt_under(&s->common.around, (vec2){ part->x, part->y },
+                                             part->radius);
 }
 
 static int count_partitions(const disk_state *s)

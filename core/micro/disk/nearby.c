@@ -133,10 +133,14 @@ static bool is_near_open_edge(const disk_state *s, const disk *part, double marg
            surroundings_is_outside(&s->common.around, (vec2){ part->x + margin, part->y + margin });
 }
 
+// True if the belt that carries a part may change while it moves by margin. Beyond all belts it may anywhere.
 static bool is_near_border(const disk_state *s, const disk *part, double margin)
 {
-    return surroundings_border_distance(&s->common.around, (vec2){ part->x, part->y }) <=
-           margin + SCENE_TOLERANCE;
+    const surroundings *around = &s->common.around;
+    const vec2 at = { part->x, part->y };
+
+    return surroundings_falls(around, surroundings_belt_below(around, at)) ||
+           surroundings_border_distance(around, at) <= margin + SCENE_TOLERANCE;
 }
 
 bf_status disk__find_border_parts(disk_state *s)
@@ -147,7 +151,7 @@ bf_status disk__find_border_parts(disk_state *s)
     for (size_t slot = 0; slot < s->n_live; slot++) {
         const disk *part = &s->now[slot];
         if (!s->is_uniform)
-            s->belt_under[slot] = disk__belt_at(s, part->x, part->y);
+            s->belt_under[slot] = disk__belt_under(s, part);
         if (!is_near_open_edge(s, part, margin) &&
             (s->is_uniform || !is_near_border(s, part, margin)))
             continue;
@@ -159,6 +163,17 @@ bf_status disk__find_border_parts(disk_state *s)
     return BF_OK;
 }
 
+// What a part is after a step; sets the belt that carries it.
+static int find_presence(disk_state *s, size_t slot, const disk *part)
+{
+    if (surroundings_is_outside(&s->common.around, (vec2){ part->x, part->y }))
+        return MICRO_LEFT;
+    if (s->is_uniform)
+        return MICRO_HERE;
+    s->belt_under[slot] = disk__belt_under(s, part);
+    return surroundings_falls(&s->common.around, s->belt_under[slot]) ? MICRO_FELL : MICRO_HERE;
+}
+
 void disk__update_border_parts(disk_state *s, disk *rows, size_t border_first, size_t border_last,
                                disk_presence left)
 {
@@ -167,12 +182,11 @@ void disk__update_border_parts(disk_state *s, disk *rows, size_t border_first, s
         disk *part = &rows[w->slot];
         if (w->gone != DISK_HERE)
             continue;
-        if (surroundings_is_outside(&s->common.around, (vec2){ part->x, part->y })) {
-            *w = (disk_border_part){ w->slot, left, s->heading[w->slot], *part };
-            s->common.presence[s->id_of[w->slot]] = MICRO_LEFT;
-            *part = disk__pad(s, w->slot);
-        } else if (!s->is_uniform) {
-            s->belt_under[w->slot] = disk__belt_at(s, part->x, part->y);
-        }
+        const int presence = find_presence(s, w->slot, part);
+        if (presence == MICRO_HERE)
+            continue;
+        *w = (disk_border_part){ w->slot, left, s->heading[w->slot], *part };
+        s->common.presence[s->id_of[w->slot]] = (uint8_t)presence;
+        *part = disk__pad(s, w->slot);
     }
 }

@@ -73,7 +73,8 @@ micro_part disk__part(const void *state, size_t k)
                          .v = { p.vx, p.vy, 0.0 },
                          .w = { 0.0, 0.0, p.spin },
                          .heading = p.heading,
-                         .is_gone = p.presence != MICRO_HERE };
+                         .is_gone = p.presence != MICRO_HERE,
+                         .has_fallen = p.presence == MICRO_FELL };
 }
 
 void disk__count_contact(micro_totals *totals, double overlap, double radius)
@@ -331,7 +332,7 @@ static bool are_parts_sound(const disk_state *s, const char *parts, size_t n)
     for (size_t k = 0; k < n; k++) {
         saved_part part;
         memcpy(&part, parts + k * sizeof part, sizeof part);
-        if (part.presence > MICRO_FREE || part.kind >= s->n_kinds)
+        if (part.presence >= MICRO_PRESENCE_COUNT || part.kind >= s->n_kinds)
             return false;
     }
     return true;

@@ -32,7 +32,7 @@ static size_t take(micro_solver *s)
         assert_true(k == 0 || left[k].part > left[k - 1].part);
         assert_true(micro_is_gone(s, left[k].part));
         assert_true(left[k].id == micro_id_of(s, left[k].part));
-        assert_true(left[k].x > 0.12 && left[k].y > 0.0 && left[k].y < 0.1);
+        assert_true(left[k].at.x > 0.12 && left[k].at.y > 0.0 && left[k].at.y < 0.1);
     }
     return n;
 }
@@ -152,7 +152,7 @@ static void departures_that_nobody_takes_keep_their_handles(void **state)
         assert_int_equal(micro_take_departures(s, left, 2), 2);
         assert_true(left[0].id == 0 && left[1].id == 1 && left[0].kind == 0);
         const micro_part last = micro_part_of(s, 0);
-        assert_true(last.is_gone && last.x[0] == left[0].x && last.x[1] == left[0].y);
+        assert_true(last.is_gone && last.x[0] == left[0].at.x && last.x[1] == left[0].at.y);
         assert_int_equal(helper_fed_belt_admit(s, 1, 0.06, 0.05), 0);
         assert_int_equal(micro_take_departures(s, left, 2), 1);
         assert_true(left[0].part == 2 && left[0].id == 2);
@@ -337,7 +337,7 @@ static void without_memory_nobody_enters_and_nothing_is_lost(void **state)
     }
 }
 
-enum { ENVELOPE = 40, IDS = 32, OWN_IDS = 2 }; // bytes before the payload, before the ids; parts
+enum { ENVELOPE = 40, IDS = 40, OWN_IDS = 2 }; // bytes before the payload, before the ids; parts
 
 // Writes a number into the payload of a checkpoint, and seals it again.
 static bf_buffer forge(const bf_buffer *saved, size_t at, uint64_t value)
@@ -369,6 +369,8 @@ static void forged_handles_and_ids_are_refused(void **state)
         { 0, UINT64_MAX, BF_ECORRUPT },   // so many
         { 8, OWN_IDS - 1, BF_ECORRUPT },  // next id: below one that is in use
         { 8, UINT64_MAX, BF_OK },         // after many
+        { 32, 1, BF_OK },                 // one that fell and was told
+        { 32, OWN_IDS + 1, BF_ECORRUPT }, // more than there ever were
         { IDS, 1, BF_ECORRUPT },          // an id twice
         { IDS + 8, OWN_IDS, BF_ECORRUPT } // an id that comes next
     };

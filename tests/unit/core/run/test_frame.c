@@ -34,8 +34,8 @@ static size_t make_frames(frame frames[FRAME_TYPE_COUNT])
     frames[n++] = (frame){ .type = FRAME_PROGRESS, .progress = { 99, 4800, 0.12375 } };
     frames[n++] = (frame){ .type = FRAME_CHECKPOINT, .bytes = { 78, 0, "" } };
     frames[n++] = (frame){ .type = FRAME_END,
-                           .end = { 1, 2, 4800, 6.0, 6, 192.0, 19.75, 8.5, 1.43, 0xdeadbeefcafe,
-                                    601, 61, 172, 8.2e5, 5, 0.25, 6e-4, 0.05 } };
+                           .end = { 1, 2, 4800, 6.0, 6, 192.0, 19.75, 8.5, 2.5, 1.43,
+                                    0xdeadbeefcafe, 601, 61, 172, 8.2e5, 5, 0.25, 6e-4, 0.05 } };
     frames[n++] = (frame){ .type = FRAME_PARTS, .parts = { 4, 0.4, 2, 3, values } };
     frames[n++] =
         (frame){ .type = FRAME_FIGURES, .figures = { .t = 1.5, .n = 3, .values = figure_values } };

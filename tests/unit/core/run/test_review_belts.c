@@ -25,12 +25,12 @@ static void make_scene(scene *s, double x_end, double x_begin)
         helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, second, 4);
 }
 
-static review_warnings warnings_of(scene *s, run_model model)
+static review_warnings warnings_of(scene *s)
 {
     review_warnings found = { 0 };
 
     helper_scene_resolve(s);
-    assert_int_equal(review_belts(s, model, &found, NULL), BF_OK);
+    assert_int_equal(review_belts(s, &found, NULL), BF_OK);
     scene_fini(s);
     return found;
 }
@@ -50,38 +50,31 @@ static void belts_that_go_on_are_in_order(void **unused)
 
     (void)unused;
     make_scene(&s, 1.0, 1.0);
-    assert_int_equal(warnings_of(&s, RUN_MICRO).n, 0);
+    assert_int_equal(warnings_of(&s).n, 0);
     make_scene(&s, 0.5, 0.5);
-    assert_int_equal(warnings_of(&s, RUN_MACRO).n, 0);
+    assert_int_equal(warnings_of(&s).n, 0);
     make_scene(&s, 0.6, 0.5);
-    assert_int_equal(warnings_of(&s, RUN_MACRO).n, 0);
+    assert_int_equal(warnings_of(&s).n, 0);
 }
 
 // The first of 101 places of the side that runs up from (0.5, 0).
 static void a_belt_that_ends_is_named_with_the_place(void **unused)
 {
-    const run_model models[] = { RUN_MICRO, RUN_MACRO };
+    scene s;
 
     (void)unused;
-    for (int k = 0; k < 2; k++) {
-        scene s;
-        make_scene(&s, 0.5, 0.513);
-        const review_warnings found = warnings_of(&s, models[k]);
-        assert_one(&found, "Cargo leaves the belts", "/belts/0/polygon_m", "(0.5, 0.00297) m");
-    }
+    make_scene(&s, 0.5, 0.5121);
+    const review_warnings found = warnings_of(&s);
+    assert_one(&found, "Cargo leaves the belts", "/belts/0/polygon_m", "(0.5, 0.00297) m");
 }
 
-// Parts glide across a gap below their radius.
-static void a_narrow_gap_is_one_for_the_density(void **unused)
+static void a_gap_below_a_radius_is_bridged(void **unused)
 {
     scene s;
 
     (void)unused;
-    make_scene(&s, 0.5, 0.51);
-    const review_warnings found = warnings_of(&s, RUN_MACRO);
-    assert_one(&found, "Belts leave a gap", "/belts/0/polygon_m", "(0.5, 0.00297) m");
-    make_scene(&s, 0.5, 0.51);
-    assert_int_equal(warnings_of(&s, RUN_MICRO).n, 0);
+    make_scene(&s, 0.5, 0.5119);
+    assert_int_equal(warnings_of(&s).n, 0);
 }
 
 static void a_plate_at_the_end_holds_cargo(void **unused)
@@ -91,7 +84,7 @@ static void a_plate_at_the_end_holds_cargo(void **unused)
     (void)unused;
     make_scene(&s, 0.5, 1.0);
     helper_scene_add_obstacle(&s, (vec2[]){ { 0.5, 0.0 }, { 0.5, 0.6 } }, 2, SCENE_SEALED);
-    assert_int_equal(warnings_of(&s, RUN_MICRO).n, 0);
+    assert_int_equal(warnings_of(&s).n, 0);
 }
 
 static void parts_off_every_belt_are_counted(void **unused)
@@ -101,7 +94,7 @@ static void parts_off_every_belt_are_counted(void **unused)
     (void)unused;
     make_scene(&s, 1.0, 1.0);
     s.belts[0].polygon[0].x = s.belts[0].polygon[3].x = 0.2;
-    const review_warnings found = warnings_of(&s, RUN_MICRO);
+    const review_warnings found = warnings_of(&s);
     assert_one(&found, "Cargo starts off every belt", "/initial", "1 of 1 parts");
 }
 
@@ -110,7 +103,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(belts_that_go_on_are_in_order),
         cmocka_unit_test(a_belt_that_ends_is_named_with_the_place),
-        cmocka_unit_test(a_narrow_gap_is_one_for_the_density),
+        cmocka_unit_test(a_gap_below_a_radius_is_bridged),
         cmocka_unit_test(a_plate_at_the_end_holds_cargo),
         cmocka_unit_test(parts_off_every_belt_are_counted),
     };
