@@ -425,6 +425,22 @@ static void close_edges(const scene *s, velocity_field *f)
     }
 }
 
+/// Close the faces beside cells off every belt over which no belt moves: dispersion is no force that could push cargo
+/// off a belt over its side.
+static void close_off_sides(velocity_field *f)
+{
+    const size_t n1 = f->grid.n1, n2 = f->grid.n2;
+
+    for (size_t j = 0; j < n2; j++)
+        for (size_t i = 1; i < n1; i++)
+            if (f->off[j * n1 + i - 1] != f->off[j * n1 + i] && f->v1[j * (n1 + 1) + i] == 0.0)
+                f->closed1[j * (n1 + 1) + i] = 1;
+    for (size_t j = 1; j < n2; j++)
+        for (size_t i = 0; i < n1; i++)
+            if (f->off[(j - 1) * n1 + i] != f->off[j * n1 + i] && f->v2[j * n1 + i] == 0.0)
+                f->closed2[j * n1 + i] = 1;
+}
+
 static void stop_at_closed(double *v, const uint8_t *closed, size_t n)
 {
     for (size_t k = 0; k < n; k++)
@@ -481,6 +497,8 @@ void velocity_field_update(velocity_field *f, const scene *s)
     memset(f->closed2, 0, n_faces2);
     (void)closed_lines_visit(s, close_line, f);
     close_edges(s, f);
+    if (f->off != NULL && !is_congested(s))
+        close_off_sides(f);
     if (is_congested(s)) {
         fill_ones(f->aperture1, n_faces1);
         fill_ones(f->aperture2, n_faces2);

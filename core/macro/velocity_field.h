@@ -21,7 +21,8 @@
 /// A cell whose centre is off every belt (surroundings.h) carries nothing: what comes into it falls. So that cargo comes
 /// there where a belt ends within a cell, a face off every belt has the velocity of the belt under the centre of a cell
 /// beside it, if that moves over the face into one off every belt. Where the cells are too large for a gap, which lies
-/// between two centres, what crosses it falls in the cell behind it.
+/// between two centres, what crosses it falls in the cell behind it. With the dispersive closure the faces beside cells off
+/// every belt are closed where no belt moves over them: else saturated cargo would disperse off the sides of belts.
 ///
 /// Walls of the domain are closed lines, and so are sides with a feed, whose density enters in the cells beside them
 /// (core/feed/density_entry.h).

@@ -149,6 +149,11 @@ export const badScenarios = [
     "/belts/1/id"],
   ["two counters of one id", (s) => s.counters.push({ id: "upstream", x_m: [0, 0.1] }),
     "/counters/1/id"],
+  ["a counter with the name of what fell off the belts",
+    (s) => {
+      s.counters[0].id = "fallen";
+      s.belts[0].polygon_m = [[0, 0], [0.9, 0], [0.9, 0.6], [0, 0.6]];
+    }, "/counters/0/id"],
   ["a counter inside out", (s) => (s.counters[0].x_m = [0.75, 0]), "/counters/0/x_m"],
   ["an obstacle of one point", (s) => (s.obstacles = [{ path_m: [[0.5, 0.1]] }]),
     "/obstacles/0/path_m"],

@@ -14,7 +14,7 @@ import { parameterAt } from "../../web/src/parameters.js";
 import { bodyOf } from "../../web/src/plate.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
-import { columnsOf, contentOf, differenceOf, flowOf, rateOf, valueAt } from "../../web/src/series.js";
+import { columnsOf, contentOf, differenceOf, fallsOf, flowOf, rateOf, valueAt } from "../../web/src/series.js";
 import { intervalOf, pointsOf } from "../../web/src/study_points.js";
 import { daemon } from "./daemon.mjs";
 
@@ -182,6 +182,9 @@ test("a fed run's flow is the sum of its feeds and the exits, its content the co
   assert.deepEqual(columnsOf(scenario).map(([name]) => name), [...columns.keys()]);
   assert.deepEqual(flowOf(scenario, { columns }),
     [["offered", [0, 6]], ["admitted", [0, 4]], ["waiting", [0, 2]], ["exits", [0, 1]]]);
+  assert.deepEqual(fallsOf({ columns: new Map([["fallen", [0, 0.01]]]) }), []); // a density spreads without end
+  columns.set("fallen", [0, 3]);
+  assert.deepEqual(flowOf(scenario, { columns }).at(-1), ["fell off the belts", [0, 3]]);
   assert.deepEqual(contentOf(scenario, { columns }),
     [["parts upstream", [0, 3]], ["a: waiting", [0, 1]], ["b: waiting", [0, 1]]]);
 });

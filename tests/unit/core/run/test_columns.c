@@ -53,6 +53,30 @@ static void a_scene_without_feeds_has_counters_and_left_domain(void **state)
     assert_int_equal(columns_count(&s), 3);
 }
 
+static void what_fell_has_a_column_where_parts_may_fall(void **state)
+{
+    static scene_counter fallen = { .id = "fallen" };
+    const scene s = {
+        .n_counters = 1, .counters = counters, .n_feeds = 1, .feeds = feeds, .may_drop = true
+    };
+    const scene taken = { .n_counters = 1, .counters = &fallen, .may_drop = true };
+    const scene free_name = { .n_counters = 1, .counters = &fallen };
+    char name[COLUMN_NAME_SIZE];
+    bf_faults faults = { 0 };
+
+    (void)state;
+    assert_int_equal(columns_count(&s), 7);
+    columns_name(&s, 2, name);
+    assert_string_equal(name, "fallen");
+    columns_name(&s, 3, name);
+    assert_string_equal(name, "west.offered");
+    columns_check(&free_name, &faults);
+    assert_int_equal(faults.n, 0);
+    columns_check(&taken, &faults);
+    assert_int_equal(faults.n, 1);
+    assert_string_equal(faults.items[0].pointer, "/counters/0/id");
+}
+
 static void a_balance_fills_the_columns_of_its_feed(void **state)
 {
     const feed_balance balance = {
@@ -130,6 +154,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(columns_stand_in_the_order_of_the_table),
         cmocka_unit_test(a_scene_without_feeds_has_counters_and_left_domain),
+        cmocka_unit_test(what_fell_has_a_column_where_parts_may_fall),
         cmocka_unit_test(a_balance_fills_the_columns_of_its_feed),
         cmocka_unit_test(a_counter_with_the_name_of_another_column_is_a_fault),
         cmocka_unit_test(results_are_due_at_the_first_step_at_or_past_each_multiple),
