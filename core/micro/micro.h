@@ -23,8 +23,7 @@
 ///          its index in the definition, or what micro_admit() returns. The lowest free handle is used first, so
 ///          that their number is that of the parts that were in the domain at the same time.
 /// Ids      are never used again: 0 .. n_parts - 1 of the definition's parts, then rising in order of admission.
-/// Threads  a solver belongs to one thread at a time and uses n_threads itself; the result has the same
-///          bits for any number of them.
+/// Threads  a solver belongs to one thread at a time and uses n_threads itself; any number gives the same bits.
 /// Errors   as in core/macro/macro.h; pointers are those of a scenario.
 
 #pragma once
@@ -32,7 +31,6 @@
 #include "core/base/buffer.h"
 #include "core/base/status.h"
 #include "core/scene/scene.h"
-#include "core/scene/shape.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -132,14 +130,8 @@ typedef struct micro_place {
     bool is_flat;    ///< as at its start: its footprint is that of its kind at pose
     scene_pose pose; ///< of the origin of its footprint; of its centre of mass if not is_flat
     double radius;   ///< of the disk around pose that holds it, m
-    vec2 half;       ///< of the rectangle about pose that holds it if not is_flat, half its sides
-                     ///< along the heading and across, m
+    vec2 half; ///< sides of the rectangle that holds it if not is_flat, along and across, halved, m
 } micro_place;
-
-/// What a part covers at its pose: `flat`, the footprint of its kind, or where it is tilted the rectangle that holds it,
-/// which is made in *room.
-const shape_footprint *micro_footprint(const micro_place *place, const shape_footprint *flat,
-                                       shape_footprint *room);
 
 /// Totals of the current state and of the run so far.
 typedef struct micro_totals {

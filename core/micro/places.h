@@ -36,6 +36,11 @@ typedef struct places {
     uint32_t recent[PLACES_RECENT_MAX]; ///< their handles
 } places;
 
+/// What a part covers at its pose: `flat`, the footprint of its kind, or where it is tilted the rectangle that holds it,
+/// which is made in *room.
+const shape_footprint *micro_footprint(const micro_place *place, const shape_footprint *flat,
+                                       shape_footprint *room);
+
 /// The parts of a solver.
 typedef struct places_parts {
     const micro_backend *backend; ///< see there

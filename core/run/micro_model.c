@@ -4,6 +4,7 @@
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
 #include "core/micro/hardness.h"
+#include "core/micro/places.h"
 #include "core/run/beam.h"
 #include "core/run/micro_feeds.h"
 #include "core/run/micro_press.h"

@@ -4,6 +4,7 @@
 #include "core/micro/body/parts.h"
 
 #include "core/base/memory.h"
+#include "core/scene/shape.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,6 +3,7 @@
 
 #include "core/base/buffer.h"
 #include "core/base/memory.h"
+#include "core/micro/places.h"
 #include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
