@@ -431,14 +431,14 @@ static bool swings_onto(const plate_pieces *pieces, size_t obstacle, const vec2 
                         double least, double largest, double step)
 {
     const scene_obstacle *o = &pieces->s->obstacles[obstacle];
-    const double reach = plate_motion_radius(o);
-    const double n_steps = fmin(ceil((largest - least) * reach / step), SWINGS_MAX);
+    const double radius = plate_motion_radius(o);
+    const double n_steps = fmin(ceil((largest - least) * radius / step), SWINGS_MAX);
     double distance = (double)INFINITY;
     vec2 plate[4];
 
     for (size_t k = 0; k < n; k++)
         distance = fmin(distance, polygon_segment_distance(o->pivot, inlet[k], inlet[(k + 1) % n]));
-    if (distance > reach + step)
+    if (distance > radius + step)
         return false;
     for (int k = 0; k <= (int)n_steps; k++)
         for (size_t m = 0; m + 1 < o->n_points; m++) {

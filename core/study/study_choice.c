@@ -90,7 +90,7 @@ static bool is_known(const study *s, const candidates *c)
 }
 
 // Take those out of the set whose second value is worse.
-static void keep_second_best(const study *s, candidates *c)
+static void drop_second_worse(const study *s, candidates *c)
 {
     const double sign = s->definition.is_second_maximized ? -1.0 : 1.0;
     double least = (double)INFINITY, width = 0.0;
@@ -159,7 +159,7 @@ static void choose(const study *s, candidates *c, bool *ret_is_in, study_choice 
         ret_is_in[c->points[k]] = c->are_in[k];
         choice->n_set += c->are_in[k];
     }
-    keep_second_best(s, c);
+    drop_second_worse(s, c);
     choice->best = middle_of(s, c);
 }
 
