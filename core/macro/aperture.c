@@ -1,13 +1,25 @@
 #include "core/macro/aperture.h"
 
 #include "core/base/polygon.h"
-#include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
 
+// What a side of an outlet costs, in radii of a part, by the angle of the plate and by frictions, see aperture.h.
+typedef struct side_law {
+    double angle;    // times sin^2(theta)
+    double cargo;    // times sqrt(mu_c) - sqrt(0.15)
+    double handling; // times sqrt(mu_h) - sqrt(0.19)
+} side_law;
+
 // Fitted to the microscopic model.
-static const double tip_factor = 2.1;
+static const side_law end_law = { 1.2, 2.0, 0.4 };
+static const side_law wall_law = { 0.9, 0.7, 0.4 };
+static const double fitted_cargo = 0.15,
+                    fitted_handling = 0.19; // mu at which frictions add nothing
+static const double acceleration = 0.15;    // of v_T^2/(mu_b g)
+static const double shallow = 4.0;          // times sin(theta): w of aperture.h
+static const double most_of_way = 0.9, most_to_end = 0.45;
 
 // The end of a plate and how it goes on.
 typedef struct plate_end {
@@ -16,13 +28,22 @@ typedef struct plate_end {
     vec2 extension; // to where it goes on from the tip, m
 } plate_end;
 
+// What is opposite of a plate's end across the belt.
+typedef enum opposite_kind {
+    OPPOSITE_NOTHING, // the border of the domain
+    OPPOSITE_SIDE,    // a wall, a guide, the side of a plate
+    OPPOSITE_END,     // of another plate
+} opposite_kind;
+
+typedef struct opposite {
+    opposite_kind kind;
+    double way;      // to it, m
+    double friction; // mu_h of an OPPOSITE_SIDE
+} opposite;
+
 double aperture_radius(const scene *s)
 {
-    double radius = 0.0;
-
-    for (size_t k = 0; k < s->n_cargo; k++)
-        radius = fmax(radius, sqrt(shape_footprint_of(&s->cargo[k].shape).area / M_PI));
-    return radius;
+    return sqrt(scene_mean_footprint(s) / M_PI);
 }
 
 // True if nothing closes the space beside a plate's end: no wall and no other plate is nearer than a part's radius.
@@ -42,18 +63,86 @@ static bool is_free(const scene *s, const surroundings *around, size_t obstacle,
     return true;
 }
 
+// How far a segment is from a point in a unit direction, m; INFINITY if it does not lie there.
+static double way_to_segment(vec2 at, vec2 toward, vec2 start, vec2 end)
+{
+    const vec2 to = vec2_sub(start, at), along = vec2_sub(end, start);
+    const double across = vec2_cross(toward, along);
+    const double part = vec2_cross(to, toward) / across, way = vec2_cross(to, along) / across;
+
+    return part >= 0.0 && part <= 1.0 && way > 0.0 ? way : INFINITY;
+}
+
+// Another plate's end counts within 45 degrees of the direction, so that a funnel's need not be exactly opposite.
+static opposite find_opposite(const scene *s, const surroundings *around, size_t obstacle, vec2 tip,
+                              vec2 toward)
+{
+    const double handling = s->micro.contact[SCENE_HANDLING_CARGO].friction;
+    const scene_rect *d = &s->domain;
+    opposite found = { OPPOSITE_NOTHING, d->x_max - d->x_min + d->y_max - d->y_min, 0.0 };
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
+        const vec2 inward = surroundings_side(around, (scene_side)side).inward;
+        const double way =
+            surroundings_excess(around, (scene_side)side, tip) / vec2_dot(toward, inward);
+        if (way > 0.0 && way < found.way)
+            found =
+                (opposite){ s->edges[side] == SCENE_EDGE_WALL ? OPPOSITE_SIDE : OPPOSITE_NOTHING,
+                            way, s->micro.wall_friction };
+    }
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *o = &s->obstacles[k];
+        for (size_t m = 0; k != obstacle && m + 1 < o->n_points; m++) {
+            const double way = way_to_segment(tip, toward, o->path[m], o->path[m + 1]);
+            if (way < found.way)
+                found = (opposite){ OPPOSITE_SIDE, way, handling };
+        }
+    }
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *o = &s->obstacles[k];
+        const vec2 ends[2] = { o->path[0], o->path[o->n_points - 1] };
+        for (int end = 0; k != obstacle && end < 2; end++) {
+            const vec2 to = vec2_sub(ends[end], tip);
+            const double way = vec2_dot(to, toward);
+            if (way > M_SQRT1_2 * vec2_length(to) && way <= found.way + SCENE_LENGTH_MIN)
+                found = (opposite){ OPPOSITE_END, way, handling };
+        }
+    }
+    return found;
+}
+
+static double cost_of(const side_law *law, double sine, const scene *s, double handling)
+{
+    const double cargo = s->micro.contact[SCENE_CARGO_CARGO].friction;
+
+    return law->angle * sine * sine + law->cargo * (sqrt(cargo) - sqrt(fitted_cargo)) +
+           law->handling * (sqrt(handling) - sqrt(fitted_handling));
+}
+
 // How a plate goes on beyond its end.
-static vec2 extension_of(const scene *s, vec2 outward, vec2 belt)
+static vec2 extension_of(const scene *s, const surroundings *around, size_t obstacle,
+                         const plate_end *e, vec2 belt)
 {
     const double speed = vec2_length(belt);
+    const scene_micro *parts = &s->micro;
 
     if (speed == 0.0)
         return (vec2){ 0.0, 0.0 };
-    const vec2 across = vec2_scale(vec2_turn_left(belt), 1.0 / speed);
-    const double sine = vec2_dot(outward, across);
-    const double length = tip_factor * aperture_radius(s) * sine * sine;
+    const vec2 left = vec2_scale(vec2_turn_left(belt), 1.0 / speed);
+    const double sine = vec2_dot(e->outward, left);
+    const vec2 toward = vec2_scale(left, sine < 0.0 ? -1.0 : 1.0);
+    const opposite other = find_opposite(s, around, obstacle, e->tip, toward);
+    const double handling = parts->contact[SCENE_HANDLING_CARGO].friction;
+    const double stopping =
+        speed * speed / (parts->contact[SCENE_CONVEYOR_CARGO].friction * parts->gravity);
+    double radii = cost_of(&end_law, sine, s, handling);
 
-    return vec2_scale(across, sine < 0.0 ? -length : length);
+    if (other.kind == OPPOSITE_SIDE)
+        radii += cost_of(&wall_law, sine, s, other.friction);
+    const double length =
+        fmin(1.0, shallow * fabs(sine)) * (radii * aperture_radius(s) + acceleration * stopping);
+    const double most = (other.kind == OPPOSITE_END ? most_to_end : most_of_way) * other.way;
+    return vec2_scale(toward, fmax(fmin(length, most), 0.0));
 }
 
 // One axis of the grid: its faces, cells along their normal (m, faces 0 .. n_normal) and beside each other.
@@ -167,10 +256,12 @@ static void apply_end(const scene *s, velocity_field *f, const surroundings *aro
         { f, 1, g->d2, g->d1, g->lower2, g->lower1, (ptrdiff_t)g->n2, (ptrdiff_t)g->n1 },
     };
 
-    if (!is_free(s, around, (size_t)(obstacle - s->obstacles), e.tip))
+    const size_t index = (size_t)(obstacle - s->obstacles);
+
+    if (!is_free(s, around, index, e.tip))
         return;
     e.outward = vec2_scale(along, 1.0 / vec2_length(along));
-    e.extension = extension_of(s, e.outward, belt);
+    e.extension = extension_of(s, around, index, &e, belt);
     for (int axis = 0; axis < 2; axis++)
         cover_strips(&axes[axis], &e);
 }

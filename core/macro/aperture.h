@@ -1,14 +1,20 @@
 /// How much of the outlet beside a plate's free end is lost to cargo: apertures of faces, for the congested closure.
 ///
-/// Parts that come along a plate turn around its end, and the first ones pass it at a distance: the outlet is as if
-/// the plate went on across the belt by
+/// Parts that come along a plate turn around its end and pass it at a distance, rub against each other, and have to be
+/// brought to the belt's speed again. So the outlet is as if the plate went on across the belt by
 ///
-///     delta = tip r sin^2(theta)
+///     delta = w (r (1.2 sin^2(theta) + 2 a + 0.4 b) + 0.15 v_T^2/(mu_b g))
+///             + w r (0.9 sin^2(theta) + 0.7 a + 0.4 b)           if a wall, a guide or a plate's side is opposite,
+///                                                                not another plate's end
+///     a = sqrt(mu_c) - sqrt(0.15)     b = sqrt(mu_h) - sqrt(0.19)     w = min(1, 4 sin(theta))
 ///
-/// with r the radius of the parts' footprint and theta the angle between plate and belt. In the microscopic
-/// model the rate through funnels of openings w is kappa rho_max v_T (w - 2 delta): a line through four openings
-/// gives delta, which is that of a single plate of the angle too (core/macro/congested/README.md). The plate's own end is
-/// exact as well: of a face that plate and extension cover in part, the rest stays open.
+/// but not below 0, nor by more than 45 % of the way to the other end, 90 % of that to what else is opposite. r is the
+/// radius of a disk with the mean footprint of the parts, theta the angle between plate and belt, v_T^2/(2 mu_b g) the
+/// length in which the belt brings a part to its speed; mu_b, mu_c and mu_h are the frictions of cargo on belts, on
+/// cargo and on what handles it, for a wall that of walls. w is the rule's end at guides, which lose nothing.
+///
+/// Fitted to the microscopic model (tests/validation/lines.py, core/macro/congested/README.md). The plate's own end
+/// is exact as well: of a face that plate and extension cover in part, the rest stays open.
 ///
 /// Units    SI.
 
@@ -17,7 +23,7 @@
 #include "core/base/status.h"
 #include "core/macro/velocity_field.h"
 
-/// Radius of the footprint of the largest kind of cargo, m.
+/// Radius of a disk with the mean footprint of the cargo, by the shares of its kinds, m.
 double aperture_radius(const scene *s);
 
 /// Fill the apertures of a field whose closed faces are complete, and reopen closed ones that plates cover in

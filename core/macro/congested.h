@@ -15,7 +15,8 @@
 ///
 ///     k = slope/(lambda v_T) at most 1    the belt's friction mu tanh(lambda |slip|) brakes what is faster than it
 ///     B = beyond rho_j v_T                most of that
-///     L = lateral rho_j v_T               most speed across the belt
+///     L = rho_j max(lateral v_T, v_X)     most speed across the belt; v_X the fastest of another belt across it,
+///                                         which brings cargo as fast
 ///     tan(phi) = friction tanh(lambda v_T/2), s = slip of cargo against its belt, 0 .. rho_j v_T:
 ///                                         internal friction of cargo that is held back
 ///     soft(x, a) = sgn(x) max(|x| - a, 0)

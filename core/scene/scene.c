@@ -213,18 +213,24 @@ static double mean_packing(const scene *s)
     return sum / area;
 }
 
-// The Gaussian of a part (18) has the paper's proportion to it: 2 cm for a radius of 12 mm. Cells that are longer would miss it
-// between their centres.
-static double derived_initial_mollifier(const scene *s)
+double scene_mean_footprint(const scene *s)
 {
-    const double edge = scene_cell_edge(s), paper = 2500.0 * 0.012 * 0.012;
     double sum = 0.0, area = 0.0;
 
     for (size_t k = 0; k < s->n_cargo; k++) {
         sum += s->cargo[k].share;
         area += s->cargo[k].share * shape_footprint_of(&s->cargo[k].shape).area;
     }
-    const double of_parts = cut_to_four_digits(paper * M_PI * sum / area);
+    return area / sum;
+}
+
+// The Gaussian of a part (18) has the paper's proportion to it: 2 cm for a radius of 12 mm. Cells that are longer would miss it
+// between their centres.
+static double derived_initial_mollifier(const scene *s)
+{
+    const double edge = scene_cell_edge(s), paper = 2500.0 * 0.012 * 0.012;
+    const double of_parts = cut_to_four_digits(paper * M_PI / scene_mean_footprint(s));
+
     return edge > 0.0 && isfinite(edge) ? fmin(of_parts, 1.0 / (edge * edge)) : of_parts;
 }
 

@@ -77,6 +77,9 @@ double scene_cell_edge(const scene *s);
 /// calculates with 2004 parts/m2 for the 2004.69 of its cylinders, and its results depend on it.
 double scene_packing_density(const scene *s);
 
+/// Mean area of the footprint of a part, by the shares of the kinds, m2.
+double scene_mean_footprint(const scene *s);
+
 /// Largest |v_T| of all belts, m/s: the speed of the fastest belt at the factor 1.
 double scene_belt_speed(const scene *s);
 

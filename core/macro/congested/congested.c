@@ -63,10 +63,11 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
             return false;
     }
     c->belts = memory_alloc(def->n_belts + 1, sizeof *c->belts);
+    c->lateral = memory_alloc(def->n_belts + 1, sizeof *c->lateral);
     for (size_t k = 0; c->belts != NULL && k < def->n_belts; k++)
         c->belts[k] = def->belts[k].velocity;
     memcpy(c->closed_edge, def->one_way, sizeof c->closed_edge);
-    return c->belts != NULL;
+    return c->belts != NULL && c->lateral != NULL;
 }
 
 // Members of a law that every solver has, and those that only solvers have that are not forward.
@@ -181,6 +182,7 @@ congested *congested_destroy(congested *c)
         memory_free(c->belt[axis]);
     }
     memory_free(c->belts);
+    memory_free(c->lateral);
     memory_free(c->storage);
     memory_free(c->is_uniform);
     memory_free(c->range);

@@ -138,6 +138,7 @@ struct congested {
     uint16_t *belt[2];      ///< belt under these faces
     size_t n_belts;         ///< belts
     vec2 *belts;            ///< v_T of each, and zero off every belt, m/s
+    double *lateral;        ///< most speed of cargo across each of them, m/s
     uint8_t closed_edge[4]; ///< west, east, south, north: nothing is corrected across it
     ptrdiff_t half_stride;  ///< floats from half row to half row
     float *storage;         ///< of all half rows
@@ -145,19 +146,18 @@ struct congested {
     float *excess[2];       ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
     congested_uniform uniform;          ///< of a forward solver
-    bool *is_uniform;       ///< per row, colour and group: all faces have the law `uniform`
-    congested_range *range; ///< per row: the active cells of this step
-    congested_range *found; ///< per row: those that the row itself asks for
-    ptrdiff_t first_row;    ///< first row with active cells
-    ptrdiff_t last_row;     ///< row after the last
-    double density_limit;   ///< density at which the run fails
-    float ratio, steepness; ///< dx1/dx2, and its square, by which pressures count along x2
-    float relaxation;       ///< omega dx1 / (2 (1 + ratio^2) dt)
-    float lambda;           ///< dt/dx1
-    congested_slot *slots;  ///< two of each thread, used in turn
-    macro_state stage;      ///< density after the first stage and its spans (muscl; else NULL)
-    double *stage_storage;  ///< of all rows below (muscl; else NULL)
-    congested_rows *rows;   ///< of each thread (muscl; else NULL)
+    bool *is_uniform;              ///< per row, colour and group: all faces have the law `uniform`
+    congested_range *range;        ///< per row: the active cells of this step
+    congested_range *found;        ///< per row: those that the row itself asks for
+    ptrdiff_t first_row, last_row; ///< first row with active cells, and the one after the last
+    double density_limit;          ///< density at which the run fails
+    float ratio, steepness;        ///< dx1/dx2, and its square, by which pressures count along x2
+    float relaxation;              ///< omega dx1 / (2 (1 + ratio^2) dt)
+    float lambda;                  ///< dt/dx1
+    congested_slot *slots;         ///< two of each thread, used in turn
+    macro_state stage;     ///< density after the first stage and its spans (muscl; else NULL)
+    double *stage_storage; ///< of all rows below (muscl; else NULL)
+    congested_rows *rows;  ///< of each thread (muscl; else NULL)
 };
 
 /// Row j of half rows; cell k is element k.

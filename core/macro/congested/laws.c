@@ -16,7 +16,8 @@ typedef struct face_state {
     double aperture; // 0 closed .. 1 open
     double belt_e;   // v_T
     double belt_t;
-    double stat_e; // v_stat
+    double lateral; // most across the belt, either way
+    double stat_e;  // v_stat
     double stat_t;
 } face_state;
 
@@ -40,7 +41,7 @@ static face_slot slot_of(const congested *c, int axis, ptrdiff_t i, ptrdiff_t j)
 static void set_across(const congested *c, const face_slot *f, const face_state *x, double speed,
                        double lateral)
 {
-    const double most = lateral_most * c->jam_density * speed, open = x->scale * x->aperture;
+    const double most = c->jam_density * x->lateral, open = x->scale * x->aperture;
 
     f->law->lower[f->at] = (float)(open * fmin(0.0, -most - c->jam_density * lateral));
     f->law->upper[f->at] = (float)(open * fmax(0.0, most - c->jam_density * lateral));
@@ -117,6 +118,7 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
                 .aperture = is_edge_closed(s, c, axis, i, j) ? 0.0 : aperture,
                 .belt_e = axis == 0 ? v_t.x : v_t.y,
                 .belt_t = axis == 0 ? v_t.y : -v_t.x,
+                .lateral = c->lateral[belt],
                 // The solver's velocity is that of the flux, which has the aperture in it.
                 .stat_e = aperture > 0.0 ? v[i] / aperture : 0.0,
                 .stat_t = (axis == 0 ? 1.0 : -1.0) * factor * c->transverse[axis][at]
@@ -142,7 +144,9 @@ static void set_uniform(const macro_solver *s, congested *c)
                                 .gain = &others[2],
                                 .at_rest = &others[3] };
     const face_slot slot = { &law, 0 };
-    face_state x = { .scale = 1.0, .aperture = 1.0, .belt_e = speed, .stat_e = speed };
+    face_state x = {
+        .scale = 1.0, .aperture = 1.0, .belt_e = speed, .lateral = c->lateral[0], .stat_e = speed
+    };
 
     set_face(c, &slot, &x);
     if (speed == 0.0)
@@ -181,13 +185,26 @@ static void find_uniform_groups(const macro_solver *s, congested *c, ptrdiff_t r
     }
 }
 
+// What another belt brings goes on across a belt as fast as it came.
+static double most_across(const macro_solver *s, const congested *c, size_t belt)
+{
+    const double own = vec2_length(c->belts[belt]);
+    double most = lateral_most * s->factors[belt] * own;
+
+    for (size_t k = 0; own > 0.0 && k < c->n_belts; k++)
+        most = fmax(most, s->factors[k] * fabs(vec2_cross(c->belts[belt], c->belts[k])) / own);
+    return most;
+}
+
 void congested_update(macro_solver *s)
 {
     congested *c = s->congested;
 
     c->has_standing = false;
-    for (size_t k = 0; k < c->n_belts; k++)
+    for (size_t k = 0; k < c->n_belts; k++) {
         c->has_standing |= s->factors[k] * vec2_length(c->belts[k]) == 0.0;
+        c->lateral[k] = most_across(s, c, k);
+    }
     set_axis(s, c, 0);
     set_axis(s, c, 1);
     if (!c->is_forward)

@@ -377,7 +377,7 @@ static void make_image(scene *s, double width, bool is_image, bool is_transposed
 }
 
 // Both runs side by side; the largest difference of their densities, and of the mass that has left, a part of all.
-static void check_image(double width, bool is_transposed, double most_difference)
+static void check_image(double width, bool is_transposed, double most_difference, double most_mass)
 {
     const scene_rect heap = { 0.0, 0.45, 0.0, width }, turned = { 0.0, width, 0.0, 0.45 };
     scene s, image;
@@ -393,7 +393,7 @@ static void check_image(double width, bool is_transposed, double most_difference
         helper_macro_advance(solver, 5);
         helper_macro_advance(other, 5);
         assert_true(largest_difference(solver, other, is_transposed) <= most_difference);
-        assert_near(macro_measure(solver).mass, macro_measure(other).mass, 1e-5 * mass);
+        assert_near(macro_measure(solver).mass, macro_measure(other).mass, most_mass * mass);
     }
     assert_true(macro_measure(solver).mass < 0.9 * mass);
     macro_destroy(solver);
@@ -405,20 +405,21 @@ static void check_image(double width, bool is_transposed, double most_difference
 // What the iteration may leave of a density. Where red cells become red ones the order of its sums alone differs.
 static const double left_of_density = 3e-3;
 
-// With an even number of rows red cells become black ones, which are relaxed later: cells at the rim of the jam may differ.
+// With an even number of rows red cells become black ones, which are relaxed later: cells at the rim of the jam may differ,
+// and what leaves by as much as the iteration leaves of the densities at the outlet.
 static void a_mirrored_scene_gives_the_mirrored_density(void **state)
 {
     (void)state;
-    check_image(0.51, false, left_of_density);
-    check_image(0.5, false, 0.1);
+    check_image(0.51, false, left_of_density, 1e-5);
+    check_image(0.5, false, 0.1, 1e-4);
 }
 
 // The belt along +x2 is computed by the laws for any direction, which are coupled.
 static void a_belt_along_the_other_axis_gives_the_transposed_density(void **state)
 {
     (void)state;
-    check_image(0.51, true, left_of_density);
-    check_image(0.5, true, left_of_density);
+    check_image(0.51, true, left_of_density, 1e-5);
+    check_image(0.5, true, left_of_density, 1e-5);
 }
 
 // Against a wall comes rho v, and rho_j (1 + lateral) v is the most that a jam sends back: from two thirds more than
