@@ -153,7 +153,8 @@ static void note_load(findings *f, const layout *of)
         return;
     for (size_t k = 0; k < f->s->n_feeds; k++)
         note(f, VALIDITY_QUEUE,
-             length_before(f->s, &f->s->feeds[k], &f->s->obstacles[of->opening.index]),
+             length_before(f->s, &f->s->feeds[k], &f->s->obstacles[of->opening.index]) /
+                 f->diameter,
              "/feeds/%zu", k);
 }
 

@@ -42,7 +42,7 @@ typedef enum validity_figure {
     VALIDITY_SWEPT,   ///< the narrowest that plates come to where they turn, diameters
     VALIDITY_HEAP,    ///< parts at the start for each diameter of the narrowest opening
     VALIDITY_LOAD,    ///< what feeds offer of what the narrowest opening passes when it is full, %
-    VALIDITY_QUEUE,   ///< belt upstream of an opening that feeds may fill, m
+    VALIDITY_QUEUE,   ///< belt upstream of an opening that feeds may fill, diameters
     VALIDITY_PARTS,   ///< parts at the start and of feeds
     VALIDITY_BATCH,   ///< parts that arrive at once
     VALIDITY_SPEED,   ///< of a belt, m/s

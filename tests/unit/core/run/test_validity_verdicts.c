@@ -86,6 +86,13 @@ static void light_cans(scene *s)
     s->cargo[0].shape.height = 0.03;
 }
 
+static void barrels(scene *s)
+{
+    thin_feed(s);
+    s->cargo[0].shape.radius = 0.4;
+    s->cargo[0].mass = 300.0;
+}
+
 static void cartons(scene *s)
 {
     thin_feed(s);
@@ -101,16 +108,16 @@ static void pencils_and_kegs(scene *s)
     thin_feed(s);
 }
 
-static void rubber_belt(scene *s)
+static void icy_belt(scene *s)
 {
     congested(s);
-    s->micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.4;
+    s->micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.1;
 }
 
 static void rough_walls(scene *s)
 {
     congested(s);
-    s->micro.wall_friction = 0.8;
+    s->micro.wall_friction = 1.0;
 }
 
 static void sharp_friction(scene *s)
@@ -141,6 +148,12 @@ static void fast_takeaway(scene *s)
 
     thin_feed(s);
     helper_scene_add_belt(s, (vec2){ 1.0, 0.0 }, half, 4);
+}
+
+static void full_takeaway(scene *s)
+{
+    fast_takeaway(s);
+    s->feeds[0].rate = 460.0;
 }
 
 static void three_guides(scene *s)
@@ -183,24 +196,26 @@ static const struct {
     { "the same as soft parts", nothing, true, 0.7, VALIDITY_OVERLAP, false },
     { "a thin feed", thin_feed, false, 0.0, INSIDE, false },
     { "a thin feed of parts", thin_feed, true, 0.01, INSIDE, false },
-    { "a feed beyond the outlet", full_feed, false, 0.0, VALIDITY_LOAD, false },
+    { "a feed beyond the outlet", full_feed, false, 0.0, INSIDE, false },
     { "the same, dispersive", full_dispersive_feed, false, 0.0, VALIDITY_LOAD, false },
     { "a long queue of parts", long_queue, true, 0.01, VALIDITY_QUEUE, false },
     { "batches", batches, false, 0.0, VALIDITY_BATCH, true },
-    { "cans", cans, false, 0.0, VALIDITY_DIAMETER, false },
-    { "their mass", light_cans, false, 0.0, VALIDITY_MASS, false },
+    { "cans", cans, false, 0.0, VALIDITY_TIPPING, false },
+    { "their outlet", light_cans, false, 0.0, VALIDITY_OPENING, false },
+    { "barrels", barrels, false, 0.0, VALIDITY_DIAMETER, false },
+    { "their mass", barrels, false, 0.0, VALIDITY_MASS, false },
     { "cans that can tip", cans, true, 0.01, VALIDITY_TIPPING, false },
     { "fed cartons", cartons, false, 0.0, VALIDITY_SHAPE, false },
     { "fed cartons in space", cartons, true, 0.01, VALIDITY_SHAPE, true },
     { "a mix of masses", pencils_and_kegs, true, 0.01, VALIDITY_MASSES, true },
-    { "a rubber belt", rubber_belt, false, 0.0, VALIDITY_BELT_FRICTION, false },
+    { "an icy belt", icy_belt, false, 0.0, VALIDITY_BELT_FRICTION, false },
     { "rough walls", rough_walls, false, 0.0, VALIDITY_WALL_FRICTION, false },
     { "sharp friction", sharp_friction, false, 0.0, VALIDITY_SMOOTHING, false },
     { "another jam density", other_jam, false, 0.0, VALIDITY_CONSTANTS, true },
     { "a belt that is stopped", commanded_belt, false, 0.0, VALIDITY_SCHEDULES, false },
     { "who stops it", commanded_belt, false, 0.0, VALIDITY_COMMANDS, true },
     { "a fast takeaway", fast_takeaway, false, 0.0, VALIDITY_RATIO, false },
-    { "its load", fast_takeaway, false, 0.0, VALIDITY_TRANSFER, true },
+    { "its load", full_takeaway, false, 0.0, VALIDITY_TRANSFER, false },
     { "many guides", three_guides, false, 0.0, VALIDITY_GUIDES, false },
     { "a plate that swings", swinging_plate, false, 0.0, VALIDITY_MOTIONS, false },
     { "what it comes to", swinging_plate, false, 0.0, VALIDITY_SWEPT, true },

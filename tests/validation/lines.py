@@ -1,0 +1,297 @@
+#!/usr/bin/env python3
+"""Fed lines of any goods in both models at their defaults: the rate of the density next to that of the parts.
+
+Lengths are in diameters d of the parts, times in d/v, v the speed of the belt, so that a row says what is the same for
+pills and for drums. Constants of the closure `congested` are chosen by the rows `development` alone; the rows `apart`
+are drawn at random, and nothing is fitted to them.
+"""
+
+import argparse
+import csv
+import json
+import math
+import os
+import random
+import statistics
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from solver import Failed, Program
+
+TREE = Path(__file__).resolve().parents[2]
+MOST_OFF, MOST_MEAN = 0.08, 0.04
+WIDTH, LENGTH = 14.0, 40.0  # of a belt, d
+WARM_UP, MEASURED = 60.0, 140.0  # d/v
+HEIGHT = 0.8  # of a part, d
+MASS = 900.0  # kg/m3: the rates of hard parts do not depend on it
+
+
+@dataclass
+class Line:
+    set: str
+    group: str
+    layout: str = "plate"
+    d: float = 0.066  # diameter of a part, m
+    v: float = 0.4  # m/s
+    angle: float = 60.0  # of the plates to the belt, degrees
+    opening: float = 5.5  # d
+    load: float = 1.4  # parts offered, of d/v for each d of the opening
+    parts: float = 0.15  # friction of parts on each other
+    plates: float = 0.19  # on plates and walls
+    belt: float = 1.0
+    sizes: tuple = (1.0,)  # of the kinds, d, in equal numbers
+    box: tuple = ()  # length and width of a box, d
+    turned: float = 0.0  # of the belt, degrees
+    foot: float = 20.0  # of belt upstream of the plates, d
+    ratio: float = 1.0  # speed of the second belt to that of the first
+
+    @property
+    def name(self):
+        told = [f"{self.layout} {self.angle:g}, {self.opening:g} d", f"{1000 * self.d:g} mm", f"{self.v:g} m/s",
+                f"{self.parts:g}/{self.plates:g}/{self.belt:g}"]
+        if self.load != 1.4:
+            told.append(f"load {self.load:g}")
+        if self.box:
+            told.append("box " + " x ".join(f"{side:g}" for side in self.box))
+        if len(self.sizes) > 1:
+            told.append("sizes " + ", ".join(f"{size:g}" for size in self.sizes))
+        if self.foot != 20.0:
+            told.append(f"foot {self.foot:g}")
+        if self.turned:
+            told.append(f"turned {self.turned:g}")
+        if self.ratio != 1.0:
+            told.append(f"ratio {self.ratio:g}")
+        return "; ".join(told)
+
+    def cargo(self):
+        kinds = []
+        for size in self.sizes:
+            d = size * self.d
+            shape = {"type": "cylinder", "radius_m": d / 2, "height_m": HEIGHT * d}
+            volume = math.pi / 4 * d * d * HEIGHT * d
+            if self.box:
+                length, width = (side * d for side in self.box)
+                shape = {"type": "box", "length_m": length, "width_m": width, "height_m": HEIGHT * width}
+                volume = length * width * HEIGHT * width
+            kinds.append({"shape": shape, "mass_kg": MASS * volume})
+        return kinds if len(kinds) > 1 else kinds[0]
+
+    def plates_of(self, foot):
+        """Paths of the plates in the frame of the belt, in d: s along it, e across it."""
+        slope = 1.0 / math.tan(math.radians(self.angle))
+        across = WIDTH - self.opening
+        if self.layout == "plate":
+            return [[(foot, 0.0), (foot + across * slope, across)]]
+        if self.layout == "funnel":
+            tip = foot + across / 2 * slope
+            return [[(foot, 0.0), (tip, across / 2)], [(foot, WIDTH), (tip, WIDTH - across / 2)]]
+        if self.layout == "free":
+            gap = self.opening / 2
+            return [[(foot, gap), (foot + across * slope, WIDTH - gap)]]
+        if self.layout == "lane":  # guides that narrow the belt, and go on along it
+            tip = foot + across / 2 * slope
+            return [[(foot, 0.0), (tip, across / 2), (tip + 12.0, across / 2)],
+                    [(foot, WIDTH), (tip, WIDTH - across / 2), (tip + 12.0, WIDTH - across / 2)]]
+        return []
+
+    def document(self, substream):
+        d, v, unit = self.d, self.v, self.d / self.v
+        foot = self.foot
+        paths = self.plates_of(foot)
+        ends = [s for path in paths for s, _ in path]
+        length = max(ends + [LENGTH - 8.0]) + 8.0
+        placed = self.transfer(length) if self.layout == "transfer" else (
+            self.oblique(paths, length) if self.turned else self.straight(paths, length))
+        arrivals = "regular" if self.load < 1.0 else "poisson"
+        feed = {"arrivals": arrivals, "rate_per_s": round(self.load * self.opening * v / d, 5), **placed.pop("feed")}
+        return {
+            "name": self.name, "duration_s": round((WARM_UP + MEASURED) * unit, 4),
+            "warmup_s": round(WARM_UP * unit, 4), "substream": substream, **placed, "feeds": [feed],
+            "cargo": self.cargo(),
+            "contacts": {"cargo_cargo": {"friction": self.parts}, "handling_cargo": {"friction": self.plates},
+                         "conveyor_cargo": {"friction": self.belt}},
+            "output": {"curve_every_s": round(unit, 5), "snapshot_every_s": round(40 * unit, 5)},
+        }
+
+    def scaled(self, path):
+        return [[round(s * self.d, 9), round(e * self.d, 9)] for s, e in path]
+
+    def straight(self, paths, length):
+        d = self.d
+        belts = [{"velocity_m_s": [self.v, 0.0]}]
+        if self.ratio != 1.0:
+            at = round(0.6 * length * d, 6)
+            belts.append({"velocity_m_s": [self.ratio * self.v, 0.0],
+                          "polygon_m": [[at, 0], [length * d, 0], [length * d, WIDTH * d], [at, WIDTH * d]]})
+        return {"domain": {"x_m": [0, length * d], "y_m": [0, WIDTH * d]}, "belts": belts,
+                "obstacles": [{"path_m": self.scaled(path)} for path in paths], "feed": {"edge": "west"}}
+
+    def oblique(self, paths, length):
+        d = self.d
+        cos, sin = math.cos(math.radians(self.turned)), math.sin(math.radians(self.turned))
+        margin = 1.0
+
+        def turned(place):
+            s, e = place
+            return [(margin + WIDTH * sin + s * cos - e * sin) * d, (margin + s * sin + e * cos) * d]
+
+        corners = [turned((s, e)) for s in (0.0, length) for e in (0.0, WIDTH)]
+        guides = [[(0.0, 0.0), (length, 0.0)], [(length, WIDTH), (0.0, WIDTH)]]
+        return {
+            "domain": {"x_m": [0, max(x for x, _ in corners) + margin * d],
+                       "y_m": [0, max(y for _, y in corners) + margin * d]},
+            "edges": {side: "outflow" for side in ("west", "east", "south", "north")},
+            "belts": [{"velocity_m_s": [self.v * cos, self.v * sin]}],
+            "obstacles": [{"path_m": [turned(place) for place in path]} for path in guides + paths],
+            "feed": {"line_m": [turned((1.5, 1.0)), turned((1.5, WIDTH - 1.0))]},
+        }
+
+    def transfer(self, length):
+        """A belt of the width `opening` onto another one of the same width at a right angle."""
+        d, w, at = self.d, self.opening, 24.0
+        east, north = at + w, w + 20.0
+        return {
+            "domain": {"x_m": [0, east * d], "y_m": [0, north * d]},
+            "edges": {"west": "inflow", "east": "wall", "south": "wall", "north": "outflow"},
+            "belts": [{"velocity_m_s": [self.v, 0], "polygon_m": self.scaled([(0, 0), (at, 0), (at, w), (0, w)])},
+                      {"velocity_m_s": [0, self.ratio * self.v],
+                       "polygon_m": self.scaled([(at, 0), (east, 0), (east, north), (at, north)])}],
+            "obstacles": [{"path_m": self.scaled([(at, w), (0, w)])}],
+            "feed": {"edge": "west", "y_m": [round(0.5 * d, 6), round((w - 0.5) * d, 6)]},
+        }
+
+
+def development():
+    """The rows that constants were fitted to, by group."""
+    groups = {
+        "plate": [dict(angle=a, opening=o, d=d) for a, o, d in (
+            (30, 5.5, .066), (45, 4, .024), (45, 7, .2), (60, 3.5, .41), (60, 5.5, .066), (60, 8, .01), (75, 4.5, .066),
+            (75, 7, .3), (90, 5, .041), (90, 8, .066), (50, 6, .6), (37, 5, .085))],
+        "friction": [dict(parts=p, plates=h, belt=b, angle=a, opening=o) for p, h, b, a, o in (
+            (.15, 0, 1, 60, 5.5), (.15, .1, 1, 60, 5.5), (.15, .4, 1, 60, 5.5), (.15, .8, 1, 60, 5.5), (.5, .19, 1, 60, 5.5),
+            (.8, .5, 1, 60, 5.5), (.3, .3, .3, 60, 5.5), (.15, .19, .2, 60, 5.5), (.3, .2, .5, 45, 5.5),
+            (.2, .35, .25, 75, 5.5), (.4, .4, .4, 45, 5.5), (.1, .3, .6, 90, 5.5), (.25, .12, .15, 75, 5.5),
+            (0, 0, 1, 75, 5.5), (.5, .19, 1, 60, 4), (.5, .19, 1, 60, 9), (.5, .19, 1, 90, 5.5), (.3, .19, 1, 75, 7),
+            (.3, .19, 1, 60, 5.5), (.8, .19, 1, 60, 8), (.5, .19, 1, 45, 5.5), (.4, .19, 1, 30, 6), (.05, .19, 1, 60, 6),
+            (.05, .19, 1, 45, 8))],
+        "speed": [dict(v=v, d=d, angle=a, opening=o) for v, d, a, o in (
+            (.1, .066, 60, 5.5), (.2, .024, 60, 5.5), (.8, .066, 60, 5.5), (1.2, .1, 60, 5.5), (2, .066, 60, 5.5),
+            (.15, .41, 60, 5.5), (.6, .3, 60, 5.5), (1, .024, 60, 5.5), (2, .066, 60, 4), (2, .066, 60, 9),
+            (1.5, .066, 75, 6), (2, .066, 90, 6))],
+        "funnel": [dict(layout="funnel", angle=a, opening=o, parts=p, plates=h, v=v) for a, o, p, h, v in (
+            (30, 6, .15, .19, .4), (45, 5, .15, .19, .4), (45, 8, .15, .19, .4), (60, 6, .15, .19, .4), (60, 9, .15, .19, .4),
+            (70, 7, .15, .19, .4), (75, 5.5, .15, .19, .4), (80, 5.5, .15, .19, .4), (90, 6, .15, .19, .4),
+            (90, 9, .15, .19, .4), (60, 6, .5, .19, .4), (75, 7, .4, .3, .4), (60, 6, .15, .19, 2), (80, 8, .15, .19, 1.2),
+            (80, 8, .15, 0, .4), (80, 8, .15, .5, .4))],
+        "queue": [dict(layout=l, angle=a, opening=o, foot=f, load=q, parts=p, d=d) for l, a, o, f, q, p, d in (
+            ("plate", 60, 5.5, 8, 2.3, .15, .066), ("plate", 60, 5.5, 40, 2.3, .15, .066),
+            ("funnel", 75, 7, 8, 1.9, .15, .066), ("funnel", 75, 7, 40, 1.9, .15, .066),
+            ("plate", 60, 5.5, 40, 2.3, .5, .066), ("plate", 90, 7, 40, 1.9, .15, .024),
+            ("plate", 60, 5.5, 40, 2.3, .15, .024), ("plate", 75, 5.5, 40, 2.3, .3, .2),
+            ("funnel", 60, 7, 40, 1.9, .5, .066), ("plate", 45, 5.5, 40, 2.3, .15, .066))],
+        "light": [dict(load=q, angle=a) for q, a in ((.4, 60), (.7, 60), (.85, 60), (.6, 45), (.9, 75), (.5, 90))],
+        "free": [dict(layout="free", angle=a, opening=o) for a, o in ((60, 8), (45, 7))],
+        "turned": [dict(turned=t, angle=a) for t, a in ((30, 60), (45, 60), (20, 75), (60, 45))],
+        "lane": [dict(layout="lane", angle=a, opening=o, plates=h) for a, o, h in (
+            (20, 4, .19), (15, 6, .3), (30, 5, .1), (30, 3.5, .3))],
+        "belts": [dict(layout="none", opening=WIDTH, load=q, ratio=r) for q, r in ((.55, .5), (.4, .6))]
+        + [dict(ratio=1.6), dict(ratio=.7)],
+        "transfer": [dict(layout="transfer", opening=10, load=q, ratio=r) for q, r in ((.4, 1), (.6, 1), (.8, .8), (1, 1))],
+        "mix": [dict(sizes=z, angle=a) for z, a in (((1, 1.5), 60), ((.7, 1), 60), ((1, 1.3, 1.8), 60), ((.8, 1.2), 75))],
+        "box": [dict(box=(1.15, .86), d=.21, angle=60, opening=6, layout="plate", parts=.3, plates=.25, belt=.5, v=.5)],
+    }
+    return [Line("development", group, **row) for group, rows in groups.items() for row in rows]
+
+
+def apart():
+    """Rows drawn at random over what planners build; their seed was fixed before any of them was solved."""
+    draw, made = random.Random(20141), []
+
+    def between(low, high, digits=2):
+        return round(draw.uniform(low, high), digits)
+
+    def log_between(low, high):
+        return float(f"{math.exp(draw.uniform(math.log(low), math.log(high))):.2g}")
+
+    for layout, n in (("plate", 16), ("funnel", 6), ("free", 2), ("transfer", 3), ("mix", 3)):
+        for _ in range(n):
+            row = dict(layout="plate" if layout == "mix" else layout, angle=between(30, 90, 0), opening=between(3.5, 9, 1),
+                       d=log_between(.01, .6), v=log_between(.1, 1.2), parts=between(.05, .8), plates=between(.05, .8),
+                       belt=between(.2, 1), foot=between(8, 40, 0), load=1.4)
+            if layout == "transfer":
+                row.update(opening=between(6, 12, 1), load=between(.4, 1), ratio=between(.8, 1.4), angle=60, foot=20.0)
+            if layout == "free":
+                row.update(opening=between(7, 9, 1))
+            if layout == "mix":
+                row.update(sizes=(1.0, between(1.1, 2)))
+            made.append(Line("apart", layout, **row))
+    return made
+
+
+def rows():
+    return development() + apart()
+
+
+def read_curve(folder):
+    with open(folder / "curve.csv", newline="") as file:
+        return [(float(row["t_s"]), float(row["left_domain"]), float(row["upstream"])) for row in csv.DictReader(file)]
+
+
+def rate(curve, warm_up):
+    """Parts/s that left after the warm-up."""
+    first, last = next(row for row in curve if row[0] >= warm_up - 1e-9), curve[-1]
+    return (last[1] - first[1]) / (last[0] - first[0])
+
+
+def compare(program, line, substreams):
+    document = line.document(0)
+    warm_up = document["warmup_s"]
+    micro = [program.solve("micro", line.document(k)) for k in range(substreams)]
+    macro = program.solve("macro", document)
+    curves = [read_curve(run.folder) for run in micro]
+    rates = [rate(curve, warm_up) for curve in curves]
+    curve = read_curve(macro.folder)
+    mean = [statistics.mean(rows) for rows in zip(*[[row[2] for row in c] for c in curves])]
+    gap = statistics.mean(abs(a - b[2]) for a, b in zip(mean, curve)) / max(mean)
+    summary = [json.loads((run.folder / "summary.json").read_text()) for run in micro]
+    return {"micro": statistics.mean(rates), "spread": statistics.stdev(rates) if substreams > 1 else math.nan,
+            "macro": rate(curve, warm_up), "gap": gap, "overlap": max(s["largest_overlap_share"] for s in summary),
+            "cpu": (statistics.mean(run.cpu_s for run in micro), macro.cpu_s), "entered": summary[0]["parts_entered"]}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", help="development, apart, or groups (default all)")
+    parser.add_argument("--substreams", type=int, default=2, help="runs of a row by moving parts (default %(default)s)")
+    parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
+    parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    options = parser.parse_args()
+    program = Program(options.program, options.out / "runs")
+    chosen = [row for row in rows() if not options.names or {row.set, row.group} & set(options.names)]
+    errors = {"development": [], "apart": []}
+    print(f"{'set':11} {'group':9} {'parts/s':>8} {'+-%':>5} {'density':>8} {'off %':>6} {'gap %':>5}  row")
+    with ThreadPoolExecutor(options.jobs) as pool:
+        runs = [pool.submit(compare, program, row, options.substreams) for row in chosen]
+        for row, run in zip(chosen, runs):
+            try:
+                of = run.result()
+            except Failed as failure:
+                print(f"{row.set:11} {row.group:9} failed: {failure} {row.name}", flush=True)
+                continue
+            off = of["macro"] / of["micro"] - 1.0 if of["micro"] > 0 else math.inf
+            errors[row.set].append(abs(off))
+            print(f"{row.set:11} {row.group:9} {of['micro']:8.2f} {100 * of['spread'] / max(of['micro'], 1e-9):5.1f} "
+                  f"{of['macro']:8.2f} {100 * off:6.1f} {100 * of['gap']:5.1f}  {row.name}"
+                  f"{' *' if abs(off) > MOST_OFF else ''}", flush=True)
+    for name, of in errors.items():
+        if of:
+            print(f"{name}: mean {100 * statistics.mean(of):.1f} %, largest {100 * max(of):.1f} %, "
+                  f"{sum(e > MOST_OFF for e in of)} of {len(of)} beyond {100 * MOST_OFF:g} %")
+    sys.exit(any(max(of) > MOST_OFF or statistics.mean(of) > MOST_MEAN for of in errors.values() if of))
+
+
+if __name__ == "__main__":
+    main()
