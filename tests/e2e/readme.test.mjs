@@ -7,7 +7,7 @@ import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
-import { binaries, isSanitized, root, temporaryFolder, within } from "./setup.mjs";
+import { binaries, isSanitized, patience, root, temporaryFolder, within } from "./setup.mjs";
 
 const readme = readFileSync(path.join(root, "README.md"), "utf8");
 
@@ -24,7 +24,8 @@ function run(command, args, folder) {
     child.stderr.on("data", (chunk) => (output += chunk));
     child.on("close", (status) => resolve({ status, output }));
   });
-  return within(done, "the README's lines");
+  // Studies compute at a low priority beside other stories.
+  return within(done, "the README's lines", 2 * patience);
 }
 
 test("the README's lines submit Example 1, stream it to its end and read its results", { skip: isSanitized }, async (t) => {
