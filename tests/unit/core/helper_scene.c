@@ -71,6 +71,25 @@ scene_belt *helper_scene_add_belt(scene *s, vec2 velocity, const vec2 *polygon, 
     return b;
 }
 
+scene_feed *helper_scene_add_feed(scene *s, scene_side edge, scene_arrivals arrivals, double rate)
+{
+    scene_feed *all = memory_alloc(s->n_feeds + 1, sizeof *all);
+
+    BF_CHECK(all != NULL);
+    if (s->n_feeds > 0)
+        memcpy(all, s->feeds, s->n_feeds * sizeof *all);
+    memory_free(s->feeds);
+    s->feeds = all;
+    scene_feed *f = &all[s->n_feeds++];
+    scene_feed_init(f);
+    f->is_edge = true;
+    f->edge = edge;
+    f->demand = SCENE_DEMAND_RATE;
+    f->arrivals = arrivals;
+    f->rate = rate;
+    return f;
+}
+
 void helper_scene_schedule(scene_belt *belt, size_t n, const double *times, const double *factors)
 {
     belt->speed_schedule = (scene_speed_schedule){ .n_times = n,

@@ -49,15 +49,7 @@ static void make_line(scene *s, const goods *of, double duration)
     s->cargo[0].shape = of->shape;
     s->cargo[0].mass = of->mass;
     s->cargo[0].material = (scene_material){ 210e9, 0.28 };
-    s->n_feeds = 1;
-    s->feeds = memory_alloc(1, sizeof *s->feeds);
-    assert_non_null(s->feeds);
-    scene_feed_init(s->feeds);
-    s->feeds[0].is_edge = true;
-    s->feeds[0].edge = SCENE_WEST;
-    s->feeds[0].demand = SCENE_DEMAND_RATE;
-    s->feeds[0].arrivals = SCENE_ARRIVALS_POISSON;
-    s->feeds[0].rate = 6.0 * 0.4 / w;
+    helper_scene_add_feed(s, SCENE_WEST, SCENE_ARRIVALS_POISSON, 6.0 * 0.4 / w);
     s->duration = duration;
     s->output.curve_every = 0.1;
     s->output.snapshot_every = duration;

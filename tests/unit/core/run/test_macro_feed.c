@@ -24,14 +24,7 @@ static void make_scene(scene *s, scene_closure closure, scene_scheme scheme, dou
     s->macro.scheme = scheme;
     s->macro.step = 0.0;
     helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, NULL, 0);
-    s->n_feeds = 1;
-    s->feeds = memory_alloc(1, sizeof *s->feeds);
-    assert_non_null(s->feeds);
-    scene_feed_init(s->feeds);
-    s->feeds[0].is_edge = true;
-    s->feeds[0].edge = SCENE_WEST;
-    s->feeds[0].demand = SCENE_DEMAND_RATE;
-    s->feeds[0].rate = rate;
+    helper_scene_add_feed(s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, rate);
 }
 
 // A column of cells at the outlet, and one in the middle.

@@ -87,14 +87,7 @@ static void test_a_long_run_is_followed_for_a_part_of_it(void **state)
 
     (void)state;
     make_scene(&s, 10000.0);
-    s.n_feeds = 1;
-    s.feeds = memory_alloc(1, sizeof *s.feeds);
-    assert_non_null(s.feeds);
-    scene_feed_init(s.feeds);
-    s.feeds[0].is_edge = true;
-    s.feeds[0].edge = SCENE_WEST;
-    s.feeds[0].demand = SCENE_DEMAND_RATE;
-    s.feeds[0].rate = 20.0;
+    helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
     s.output.curve_every = s.output.snapshot_every = 1.0;
     check_scene(&s, RUN_MACRO);
     const prediction_load load = load_of(&s);

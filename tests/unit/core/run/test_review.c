@@ -22,15 +22,9 @@ static void make_scene(scene *s, bool has_second)
     helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, NULL, 0);
     if (has_second)
         helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, right, 4);
-    s->n_feeds = 1;
-    s->feeds = memory_alloc(1, sizeof *s->feeds);
-    scene_feed_init(&s->feeds[0]);
-    s->feeds[0].is_edge = true;
-    s->feeds[0].edge = SCENE_WEST;
-    s->feeds[0].line[0].y = 0.1;
-    s->feeds[0].line[1].y = 0.5;
-    s->feeds[0].demand = SCENE_DEMAND_RATE;
-    s->feeds[0].rate = 1.0;
+    scene_feed *feed = helper_scene_add_feed(s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 1.0);
+    feed->line[0].y = 0.1;
+    feed->line[1].y = 0.5;
 }
 
 // The warnings about a scene, which is freed.

@@ -1,6 +1,5 @@
 // Whole runs of both models over two belts with a gap: what is bridged, what falls, and what is told of it.
 
-#include "core/base/memory.h"
 #include "core/figures/figure.h"
 #include "core/run/run.h"
 #include "core/run/validity.h"
@@ -43,14 +42,7 @@ static void make_fed(scene *s, double gap, scene_closure closure)
     s->initial.type = SCENE_INITIAL_EMPTY;
     s->macro.closure = closure;
     add_belts(s, gap);
-    s->n_feeds = 1;
-    s->feeds = memory_alloc(1, sizeof *s->feeds);
-    scene_feed_init(s->feeds);
-    s->feeds[0].is_edge = true;
-    s->feeds[0].edge = SCENE_WEST;
-    s->feeds[0].demand = SCENE_DEMAND_RATE;
-    s->feeds[0].arrivals = SCENE_ARRIVALS_REGULAR;
-    s->feeds[0].rate = 20.0;
+    helper_scene_add_feed(s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
     s->warmup = 4.0;
     helper_scene_resolve(s);
     bf_faults faults = { 0 };

@@ -37,15 +37,7 @@ static const struct {
 
 static void add_feed(scene *s, double rate)
 {
-    s->n_feeds = 1;
-    s->feeds = memory_alloc(1, sizeof *s->feeds);
-    assert_non_null(s->feeds);
-    scene_feed_init(s->feeds);
-    s->feeds[0].is_edge = true;
-    s->feeds[0].edge = SCENE_WEST;
-    s->feeds[0].demand = SCENE_DEMAND_RATE;
-    s->feeds[0].arrivals = SCENE_ARRIVALS_POISSON;
-    s->feeds[0].rate = rate;
+    helper_scene_add_feed(s, SCENE_WEST, SCENE_ARRIVALS_POISSON, rate);
 }
 
 // A photo eye across the belt at x, m.
