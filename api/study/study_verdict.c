@@ -82,21 +82,18 @@ static void append_points(char *text, const about *a, const bool *are_meant)
             n_between += value_of(a, p, 0) >= least && value_of(a, p, 0) <= largest;
         }
     if (a->document->n_parameters > 1 || (n > LISTED && n_between > n)) {
-        append(text, "%.0f", (double)n);
-        append(text, " of %.0f points", (double)n_all);
+        append(text, "%zu of %zu points", n, n_all);
         return;
     }
     append_name(text, a->document->parameters[0].pointer);
     if (n >= 3 && n_between == n) {
-        append(text, " %.6g", least);
-        append(text, " to %.6g", largest);
+        append(text, " %.6g to %.6g", least, largest);
         return;
     }
     const char *separator = " ";
     for (size_t p = a->choice->first; p < a->choice->end; p++)
         if (are_meant[p]) {
-            append(text, "%s", separator);
-            append(text, "%.6g", value_of(a, p, 0));
+            append(text, "%s%.6g", separator, value_of(a, p, 0));
             separator = ", ";
         }
 }
@@ -127,10 +124,10 @@ static void say_equal(json_out *w, const about *a)
         append_points(text, a, a->is_in);
         append(text, ". ");
     } else {
-        append(text, "No other of the %.0f points is as good. ", (double)c->n_candidates);
+        append(text, "No other of the %zu points is as good. ", c->n_candidates);
     }
-    append(text, "Less than %.3g ", c->indifference);
-    append(text, "%s%scounts as equal", unit != NULL ? unit : "", unit != NULL ? " " : "");
+    append(text, "Less than %.3g %s%scounts as equal", c->indifference, unit != NULL ? unit : "",
+           unit != NULL ? " " : "");
     if (has_chance)
         append(text, ", and what chance leaves open with %.4g %% confidence",
                100.0 * d->method.confidence);
@@ -141,8 +138,7 @@ static void say_equal(json_out *w, const about *a)
         append(text, ", then as the middle.");
     }
     if (c->n_set > 1 && has_chance)
-        append(text, " %.0f more runs of each would halve what chance leaves open.",
-               3.0 * (double)n_runs);
+        append(text, " %zu more runs of each would halve what chance leaves open.", 3 * n_runs);
     write_sentence(w, c->n_set > 1 ? "equal" : "alone", text);
 }
 
@@ -170,9 +166,7 @@ static void say_edges(json_out *w, const about *a)
             from = 0.5 * low;
         append(text, "The best point is at the edge of the range, ");
         append_name(text, p->pointer);
-        append(text, " %.6g: try", best);
-        append(text, " %.4g", from);
-        append(text, " to %.4g.", to);
+        append(text, " %.6g: try %.4g to %.4g.", best, from, to);
         write_sentence(w, "edge", text);
     }
 }
@@ -213,36 +207,19 @@ static void say_confirmed(json_out *w, const about *a, bool *are_meant)
     find_runs(a, &n_least, &n_most);
     append(text, "The microscopic model compared ");
     append_points(text, a, are_meant);
-    append(text, " with each other, by %.0f", (double)n_least);
+    append(text, " with each other, by %zu", n_least);
     if (n_most > n_least)
-        append(text, " to %.0f", (double)n_most);
-    append(text, "%s", n_most > 1 ? " runs each" : " run each");
-    append(text, "%s", study_is_decided(a->study) ? "." : "; which is best is not decided.");
+        append(text, " to %zu", n_most);
+    append(text, "%s%s", n_most > 1 ? " runs each" : " run each",
+           study_is_decided(a->study) ? "." : "; which is best is not decided.");
     if (least <= largest) {
-        append(text, " The macroscopic model says %+.1f %%", 100.0 * least);
-        append(text, " to %+.1f %% of their values.", 100.0 * largest);
+        append(text, " The macroscopic model says %+.1f %% to %+.1f %% of their values.",
+               100.0 * least, 100.0 * largest);
     }
     write_sentence(w, study_is_decided(a->study) ? "confirmed" : "undecided", text);
 }
 
 // ---- what is offered
-
-static bf_status offered_of(const scene *s, double *ret_per_h, bf_error *err)
-{
-    double sum = 0.0;
-
-    for (size_t k = 0; k < s->n_feeds; k++) {
-        feed_arrivals *arrivals = NULL;
-        const bf_status status = feed_arrivals_create(&s->feeds[k], s->substream, &arrivals, err);
-        if (status != BF_OK)
-            return status;
-        sum +=
-            feed_arrivals_until(arrivals, s->duration) - feed_arrivals_until(arrivals, s->warmup);
-        feed_arrivals_destroy(arrivals);
-    }
-    *ret_per_h = s_per_h * sum / (s->duration - s->warmup);
-    return BF_OK;
-}
 
 // Parts/h that all feeds offer; NAN where it is no question of this study.
 static bf_status find_offered(const about *a, double *ret_per_h, bf_error *err)
@@ -266,8 +243,10 @@ static bf_status find_offered(const about *a, double *ret_per_h, bf_error *err)
     memory_free(faults);
     if (status != BF_OK)
         return status;
-    if (s.n_feeds > 0 && s.duration > s.warmup)
-        status = offered_of(&s, ret_per_h, err);
+    if (s.n_feeds > 0 && s.duration > s.warmup) {
+        status = feed_offered(&s, s.warmup, s.duration, ret_per_h, err);
+        *ret_per_h *= s_per_h / (s.duration - s.warmup);
+    }
     scene_fini(&s);
     return status;
 }

@@ -65,6 +65,10 @@ feed_arrivals *feed_arrivals_destroy(feed_arrivals *a);
 /// Lambda(t), parts, at most `count`; t = INFINITY: all that will ever arrive, which may be INFINITY.
 double feed_arrivals_until(const feed_arrivals *a, double t);
 
+/// What all feeds of a checked scene offer together from one time to another, s, parts; it may be INFINITY. BF_ENOMEM.
+BF_MUST_CHECK bf_status feed_offered(const scene *s, double from, double to, double *ret_parts,
+                                     bf_error *err);
+
 /// The first time at which Lambda is at least `level` > 0, s; INFINITY: it never is.
 double feed_arrivals_time(const feed_arrivals *a, double level);
 

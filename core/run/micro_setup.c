@@ -118,23 +118,6 @@ static bf_status set_surroundings(const scene *s, run__micro_setup *setup, bf_er
     return status;
 }
 
-// How many parts of the feeds arrive in the run, or INFINITY.
-static bf_status count_arrivals(const scene *s, double *ret_n, bf_error *err)
-{
-    double n = 0.0;
-
-    for (size_t k = 0; k < s->n_feeds; k++) {
-        feed_arrivals *arrivals = NULL;
-        const bf_status status = feed_arrivals_create(&s->feeds[k], s->substream, &arrivals, err);
-        if (status != BF_OK)
-            return status;
-        n += feed_arrivals_until(arrivals, s->duration);
-        feed_arrivals_destroy(arrivals);
-    }
-    *ret_n = n;
-    return BF_OK;
-}
-
 // Parts that may be in the domain at the same time: those at the start and of the feeds, at most what fits.
 static bf_status set_expected(const scene *s, micro_def *def, bf_error *err)
 {
@@ -144,7 +127,7 @@ static bf_status set_expected(const scene *s, micro_def *def, bf_error *err)
 
     if (s->n_feeds == 0)
         return BF_OK;
-    const bf_status status = count_arrivals(s, &n_fed, err);
+    const bf_status status = feed_offered(s, 0.0, s->duration, &n_fed, err);
     def->n_parts_expected =
         (size_t)fmax(fmin((double)def->n_parts + n_fed, fmin(fits, SCENE_PARTS_MAX)), 1.0);
     return status;

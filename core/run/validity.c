@@ -337,10 +337,9 @@ static bf_status sum_feeds(findings *f, bf_error *err)
         if (status != BF_OK)
             return status;
         f->rate += feed_arrivals_largest_rate(arrivals);
-        f->n_fed += feed_arrivals_until(arrivals, f->s->duration);
         feed_arrivals_destroy(arrivals);
     }
-    return BF_OK;
+    return feed_offered(f->s, 0.0, f->s->duration, &f->n_fed, err);
 }
 
 // ---- what moves
