@@ -12,22 +12,18 @@ leave the domain after the warm-up. Known are
     closure     that of the microscopic model, which both closures of the macroscopic model should have at any load.
 """
 
-import argparse
-import csv
 import math
-import os
 import statistics
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from documents import CLOSURES, MICRO
+from fed import options_of, rate
 from layouts import DIAMETER_M as D
 from layouts import SPEED_M_S, WIDTH_M, funnel, single
 from solver import Program
 
-TREE = Path(__file__).resolve().parents[2]
 OFFERED_PER_M = 700.0  # parts offered for each metre that the belt moves: more than any outlet here passes
 FILLED_M = 8.0  # the belt has moved so far when the queue is there
 MEASURED_M = 30.0
@@ -125,30 +121,15 @@ def compare_closures(program, pool, substreams):
     return is_missed
 
 
-def rate(folder, warmup):
-    """Parts/s that left after the warm-up."""
-    with open(folder / "curve.csv", newline="") as file:
-        gone = [(float(row["t_s"]), float(row["left_domain"])) for row in csv.DictReader(file)]
-    (t_0, n_0), (t_1, n_1) = next(row for row in gone if row[0] >= warmup - 1e-9), gone[-1]
-    return (n_1 - n_0) / (t_1 - t_0)
-
-
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("groups", nargs="*", help="queue, queue-paper, queue-rough, queue-smooth, "
-                        "speed, funnel-6d, funnel-10d, closure (default all)")
-    parser.add_argument("--substreams", type=int, default=3, help="runs of a row (default %(default)s)")
-    parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
-    parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    options = parser.parse_args()
+    options = options_of(__doc__, "queue, queue-paper, queue-rough, queue-smooth, speed, funnel-6d, funnel-10d, closure", 3)
     program = Program(options.program, options.out / "runs")
-    chosen = [row for row in rows() if not options.groups or row.group in options.groups]
+    chosen = [row for row in rows() if not options.names or row.group in options.names]
     with ThreadPoolExecutor(options.jobs) as pool:
         runs = [[pool.submit(program.solve, "micro", fed(row, k)) for k in range(options.substreams)]
                 for row in chosen]
         first, missed = {}, 0
-        if not options.groups or "closure" in options.groups:
+        if not options.names or "closure" in options.names:
             missed += compare_closures(program, pool, options.substreams)
         print(f"{'group':12} {'row':16} {'parts/s':>8} {'+-':>6} {'ratio':>7} {'known':>7} {'off %':>6} {'most':>5}")
         for row, made in zip(chosen, runs):

@@ -7,21 +7,18 @@ The constants of core/micro/hardness.h and the steps in space were chosen with t
 the set `apart`.
 """
 
-import argparse
 import ast
 import json
 import math
-import os
 import statistics
 import struct
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 
+from fed import options_of
 from solver import Failed, Program
 
-TREE = Path(__file__).resolve().parents[2]
 HARDER = 100.0
 MOST_OFF, MOST_OVERLAP = 0.03, 0.05
 
@@ -157,13 +154,7 @@ def compare(program, scene, substreams):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", help="development, apart, or names of scenes (default all)")
-    parser.add_argument("--substreams", type=int, default=3, help="runs of a scene (default %(default)s)")
-    parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
-    parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    options = parser.parse_args()
+    options = options_of(__doc__, "development, apart, or names of scenes", 3)
     program = Program(options.program, options.out / "runs", has_snapshots=True)
     chosen = [s for s in SCENES if not options.names or s.group in options.names or s.name in options.names]
     missed = 0

@@ -6,21 +6,16 @@ pills and for drums. Constants of the closure `congested` are chosen by the rows
 are drawn at random, and nothing is fitted to them.
 """
 
-import argparse
-import csv
-import json
 import math
-import os
 import random
 import statistics
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 
+from fed import options_of, rate, read_column
 from solver import Failed, Program
 
-TREE = Path(__file__).resolve().parents[2]
 MOST_OFF, MOST_MEAN = 0.08, 0.04
 WIDTH, LENGTH = 14.0, 40.0  # of a belt, d
 WARM_UP, MEASURED = 60.0, 140.0  # d/v
@@ -234,15 +229,8 @@ def rows():
     return development() + apart()
 
 
-def read_curve(folder):
-    with open(folder / "curve.csv", newline="") as file:
-        return [(float(row["t_s"]), float(row["left_domain"]), float(row["upstream"])) for row in csv.DictReader(file)]
-
-
-def rate(curve, warm_up):
-    """Parts/s that left after the warm-up."""
-    first, last = next(row for row in curve if row[0] >= warm_up - 1e-9), curve[-1]
-    return (last[1] - first[1]) / (last[0] - first[0])
+def upstream(run):
+    return [n for _, n in read_column(run.folder, "upstream")]
 
 
 def compare(program, line, substreams):
@@ -250,25 +238,15 @@ def compare(program, line, substreams):
     warm_up = document["warmup_s"]
     micro = [program.solve("micro", line.document(k)) for k in range(substreams)]
     macro = program.solve("macro", document)
-    curves = [read_curve(run.folder) for run in micro]
-    rates = [rate(curve, warm_up) for curve in curves]
-    curve = read_curve(macro.folder)
-    mean = [statistics.mean(rows) for rows in zip(*[[row[2] for row in c] for c in curves])]
-    gap = statistics.mean(abs(a - b[2]) for a, b in zip(mean, curve)) / max(mean)
-    summary = [json.loads((run.folder / "summary.json").read_text()) for run in micro]
+    rates = [rate(run.folder, warm_up) for run in micro]
+    mean = [statistics.mean(values) for values in zip(*[upstream(run) for run in micro])]
+    gap = statistics.mean(abs(a - b) for a, b in zip(mean, upstream(macro))) / max(mean)
     return {"micro": statistics.mean(rates), "spread": statistics.stdev(rates) if substreams > 1 else math.nan,
-            "macro": rate(curve, warm_up), "gap": gap, "overlap": max(s["largest_overlap_share"] for s in summary),
-            "cpu": (statistics.mean(run.cpu_s for run in micro), macro.cpu_s), "entered": summary[0]["parts_entered"]}
+            "macro": rate(macro.folder, warm_up), "gap": gap}
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", help="development, apart, or groups (default all)")
-    parser.add_argument("--substreams", type=int, default=2, help="runs of a row by moving parts (default %(default)s)")
-    parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
-    parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    options = parser.parse_args()
+    options = options_of(__doc__, "development, apart, or groups", 2)
     program = Program(options.program, options.out / "runs")
     chosen = [row for row in rows() if not options.names or {row.set, row.group} & set(options.names)]
     errors = {"development": [], "apart": []}

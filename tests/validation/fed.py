@@ -1,0 +1,32 @@
+"""What the commands about fed lines have in common: their options, and the flow that left."""
+
+import argparse
+import csv
+import os
+from pathlib import Path
+
+TREE = Path(__file__).resolve().parents[2]
+
+
+def options_of(description, chosen, substreams):
+    """The command line; `chosen` says what its words name."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", help=f"{chosen} (default all)")
+    parser.add_argument("--substreams", type=int, default=substreams, help="runs of a row (default %(default)s)")
+    parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
+    parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    return parser.parse_args()
+
+
+def read_column(folder, column):
+    """Times and values of a column of a run's curve."""
+    with open(folder / "curve.csv", newline="") as file:
+        return [(float(row["t_s"]), float(row[column])) for row in csv.DictReader(file)]
+
+
+def rate(folder, warmup):
+    """Parts/s that left after the warm-up."""
+    gone = read_column(folder, "left_domain")
+    (t_0, n_0), (t_1, n_1) = next(row for row in gone if row[0] >= warmup - 1e-9), gone[-1]
+    return (n_1 - n_0) / (t_1 - t_0)
