@@ -61,12 +61,12 @@ static void make_world(world *w, int solver, scene_shape_type shape, double gap)
     }
 }
 
-// Rows of parts that end 0.1 m before the border; neighbours touch each other.
+// Rows of parts that end 10 mm before the border; neighbours touch each other.
 static void add_rows(world *w, size_t n_rows)
 {
     for (size_t row = 0; row < n_rows; row++)
         for (size_t k = 0; k < COLUMNS; k++)
-            w->poses[w->def.n_parts++] = (scene_pose){ BORDER - 0.1 - 2.0 * RADIUS * (double)row,
+            w->poses[w->def.n_parts++] = (scene_pose){ BORDER - 0.01 - 2.0 * RADIUS * (double)row,
                                                        0.1 + 2.0 * RADIUS * (double)k, 0.0 };
 }
 
@@ -196,7 +196,7 @@ static uint64_t run_rows(const world *w, int n_threads, bool is_interrupted)
 
     def.n_threads = n_threads;
     micro_solver *s = helper_micro_start(&def);
-    helper_micro_advance_to(s, 0.3);
+    helper_micro_advance_to(s, 0.05);
     assert_int_equal(micro_fallen(s), COLUMNS); // the first row; the next one is 24 mm behind
     if (is_interrupted) {
         assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
@@ -206,7 +206,7 @@ static uint64_t run_rows(const world *w, int n_threads, bool is_interrupted)
         assert_int_equal(micro_fallen(s), COLUMNS);
         buffer_fini(&saved);
     }
-    helper_micro_advance_to(s, 0.33);
+    helper_micro_advance_to(s, 0.1);
     assert_int_equal(micro_fallen(s), 2 * COLUMNS);
     const uint64_t digest = micro_digest(s);
     micro_destroy(s);
