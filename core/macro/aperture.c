@@ -15,11 +15,12 @@ typedef struct side_law {
 // Fitted to the microscopic model.
 static const side_law end_law = { 1.2, 2.0, 0.4 };
 static const side_law wall_law = { 0.9, 0.7, 0.4 };
-static const double fitted_cargo = 0.15,
-                    fitted_handling = 0.19; // mu at which frictions add nothing
+static const double fitted_cargo = 0.15;    // mu_c at which friction adds nothing
+static const double fitted_handling = 0.19; // mu_h, same
 static const double acceleration = 0.15;    // of v_T^2/(mu_b g)
 static const double shallow = 4.0;          // times sin(theta): w of aperture.h
-static const double most_of_way = 0.9, most_to_end = 0.45;
+static const double most_of_way = 0.9;      // that an extension takes
+static const double most_to_end = 0.45;     // same, of two that come towards each other
 
 // The end of a plate and how it goes on.
 typedef struct plate_end {
@@ -105,7 +106,7 @@ static opposite find_opposite(const scene *s, const surroundings *around, size_t
             const vec2 to = vec2_sub(ends[end], tip);
             const double way = vec2_dot(to, toward);
             if (way > M_SQRT1_2 * vec2_length(to) && way <= found.way + SCENE_LENGTH_MIN)
-                found = (opposite){ OPPOSITE_END, way, handling };
+                found = (opposite){ OPPOSITE_END, way, 0.0 };
         }
     }
     return found;

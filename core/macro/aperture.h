@@ -11,7 +11,7 @@
 /// but not below 0, nor by more than 45 % of the way to the other end, 90 % of that to what else is opposite. r is the
 /// radius of a disk with the mean footprint of the parts, theta the angle between plate and belt, v_T^2/(2 mu_b g) the
 /// length in which the belt brings a part to its speed; mu_b, mu_c and mu_h are the frictions of cargo on belts, on
-/// cargo and on what handles it, for a wall that of walls. w is the rule's end at guides, which lose nothing.
+/// cargo and on what handles it, for a wall that of walls. w lets delta go to 0 at guides, whose ends cost nothing.
 ///
 /// Fitted to the microscopic model (tests/validation/lines.py, core/macro/congested/README.md). The plate's own end
 /// is exact as well: of a face that plate and extension cover in part, the rest stays open.
