@@ -6,9 +6,11 @@
 #include "api/http/http_priv.h"
 #include "api/json/json_out.h"
 #include "api/results/compare_json.h"
+#include "api/results/compare_verdict.h"
 #include "core/base/memory.h"
 #include "core/compare/compare.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -22,6 +24,8 @@ typedef struct entry {
     bf_buffer columns;           // of its curve
     compare_figures figures;     // of its curve
     compare_measures measures;   // against the reference, which is a; not filled of itself
+    bool has_side;               // its scenario can be read by this version:
+    compare_side side;           // what verdicts are about
 } entry;
 
 // What one request compares.
@@ -32,6 +36,8 @@ typedef struct comparison {
     entry entries[API_COMPARE_MAX];
     char column[COLUMN_NAME_SIZE]; // that is compared
 } comparison;
+
+static const double s_per_h = 3600.0;
 
 enum { PIECE_SAMPLES = 4096 }; // of a run's curve that are read at once
 
@@ -286,6 +292,51 @@ static bf_status measure_entry(exchange *x, const comparison *c, const compare_c
     return status == BF_OK ? BF_OK : refuse_curves(x, e, status, &why, err);
 }
 
+// What is known of an entry whose curve was measured. A scenario that an earlier version stored may not be read any more.
+static bf_status find_side(exchange *x, entry *e, bf_error *err)
+{
+    const api_services *services = x->services;
+    bf_buffer scenario = { 0 };
+
+    e->has_side = true;
+    if (!e->is_run) {
+        e->side = (compare_side){ .throughput_per_h = s_per_h * e->figures.throughput,
+                                  .error_per_h = (double)NAN,
+                                  .needs_s = (double)NAN };
+        return BF_OK;
+    }
+    bf_status status =
+        services->read_text(services->context, e->id, API_TEXT_SCENARIO, &scenario, err);
+    if (status == BF_OK)
+        status = compare_verdict_side(e->run.model, scenario.bytes, scenario.n, e->run.figures,
+                                      strlen(e->run.figures), &e->side, err);
+    buffer_fini(&scenario);
+    e->has_side = status == BF_OK;
+    return status == BF_ECORRUPT ? BF_OK : status;
+}
+
+// A run that is compared with counts has the throughput of the same column.
+static bf_status write_verdicts(json_out *w, const comparison *c, const entry *e, bf_error *err)
+{
+    const entry *reference = &c->entries[c->reference];
+    compare_side a = reference->side, b = e->side;
+
+    verdicts *all = memory_alloc(1, sizeof *all);
+    if (all == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    if (!a.is_run || !b.is_run) {
+        a.throughput_per_h = s_per_h * reference->figures.throughput;
+        b.throughput_per_h = s_per_h * e->figures.throughput;
+        a.error_per_h = b.error_per_h = (double)NAN;
+    }
+    if (reference->has_side && e->has_side)
+        compare_verdict_find(&a, &b, all);
+    json_out_key(w, "verdicts");
+    verdict_write_all(w, all);
+    memory_free(all);
+    return BF_OK;
+}
+
 static bf_status measure_curves(exchange *x, comparison *c, bf_error *err)
 {
     entry *reference = &c->entries[c->reference];
@@ -329,12 +380,15 @@ static bf_status write_measures(exchange *x, json_out *w, const comparison *c, c
                                 bf_error *err)
 {
     size_t n_pairs = c->n - 1;
-
+    const bf_status status = write_verdicts(w, c, e, err);
+    if (status != BF_OK)
+        return status;
     json_out_key(w, "curve");
     members_write(w, &compare_json_measures, &e->measures);
     json_out_key(w, "density");
     const entry *reference = &c->entries[c->reference];
-    return handlers__write_density(x, w, reference->is_run ? reference->id : NULL,
+    const bool are_wanted = exchange__whole(x, "densities") == 1;
+    return handlers__write_density(x, w, reference->is_run && are_wanted ? reference->id : NULL,
                                    e->is_run ? e->id : NULL, n_pairs, err);
 }
 
@@ -383,6 +437,8 @@ static bf_status compare_all(exchange *x, comparison *c, bf_error *err)
         status = choose_column(x, c, err);
     if (status == BF_OK)
         status = measure_curves(x, c, err);
+    for (size_t i = 0; i < c->n && status == BF_OK; i++)
+        status = find_side(x, &c->entries[i], err);
     if (status != BF_OK)
         return status;
     exchange__cache_revalidate(x);

@@ -297,6 +297,13 @@ const param routes__with_vtk = { .name = "vtk",
                                  .most = 1,
                                  .help = "1: with files for ParaView beside the others" };
 
+const param routes__with_densities = { .name = "densities",
+                                       .in = "query",
+                                       .kind = &param_flag,
+                                       .default_text = "1",
+                                       .most = 1,
+                                       .help = "0: without the densities, which take most time" };
+
 const param routes__start_parts = { .name = "parts",
                                     .in = "query",
                                     .kind = &param_whole,

@@ -43,6 +43,7 @@ extern const param routes__picture_width;
 extern const param routes__picture_colormap;
 extern const param routes__picture_max;
 extern const param routes__with_vtk;
+extern const param routes__with_densities;
 extern const param routes__start_parts;
 extern const param routes__followed_runs;
 extern const param routes__inline_grids;

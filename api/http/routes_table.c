@@ -604,13 +604,14 @@ static const route table[] = {
       .scope = API_SCOPE_READ,
       .formats = "json",
       .params = PARAMS(&routes__compared_a, &routes__compared_b, &routes__compared_runs,
-                       &routes__reference, &routes__column),
+                       &routes__reference, &routes__column, &routes__with_densities),
       .id = "compareRuns",
       .tag = "Comparison",
       .summary = "Measures between the curves and densities of two to eight runs and measurements",
       .help = "Two by `a` and `b`, or two to eight by `runs`, each with the reference. Curves are "
               "compared over the time that both have, densities at common times if the grids are "
-              "the same. 409 if a run has nothing to compare yet, 422 if curves have no common "
+              "the same. A sentence says what the throughputs are to each other. 409 if a run has "
+              "nothing to compare yet, 422 if curves have no common "
               "column or time; `errors` names the parameter.",
       .refusals = "404 409 422",
       .answers = { { 200, "Comparison", "Cache-Control", "The measures" } } },

@@ -12,6 +12,7 @@
 #include "api/results/results.h"
 #include "api/results/run_json.h"
 #include "api/results/service_json.h"
+#include "api/results/verdict.h"
 #include "api/scenario/examples.h"
 #include "api/scenario/goods_json.h"
 #include "api/scenario/review_members.h"
@@ -43,8 +44,12 @@ static const member density_measures_members[] = {
 ROWS("DensityMeasures", density_measures);
 
 #define MEASURES                                                                                   \
-    ROW("curve", "#CurveMeasures", "Between the curves"),                                          \
-        ROW("density", "#DensityMeasures", "Between the densities", .null = "one was measured")
+    ROW("verdicts", "[#Verdict]",                                                                  \
+        "What the throughputs are to each other, in sentences: models_agree, models_disagree, "    \
+        "more, less, equal, same, uncertain or no_throughput"),                                    \
+        ROW("curve", "#CurveMeasures", "Between the curves"),                                      \
+        ROW("density", "#DensityMeasures", "Between the densities",                                \
+            .null = "one was measured, or not wanted")
 static const member compared_two_members[] = {
     ROW("a", "#Compared", "The first one"),
     ROW("b", "#Compared", "The second one"),
@@ -130,7 +135,9 @@ static const member best_members[] = {
         .null = "not known: one run of each point, or a method that searches"),
     ROW("indifference", "number", "A difference of the first objective that counts as none",
         .flags = MEMBER_OPTIONAL),
-    ROW("verdicts", "[#StudyVerdict]", "What this says, in sentences"),
+    ROW("verdicts", "[#Verdict]",
+        "What this says, in sentences: equal, alone, one_run_each, everything_through, edge, "
+        "no_chance, confirmed, undecided or unconfirmed"),
     ROW("is_decided", "boolean", "Of screen: the selection ended by itself, with its confidence",
         .flags = MEMBER_OPTIONAL),
     ROW("confirmed", "[#ConfirmedPoint]", "Of screen: the points that the microscopic model tried",
@@ -148,14 +155,6 @@ static const member set_point_members[] = {
     ROW("parameters", "#NumbersByName", "Its numbers, by their pointers"),
 };
 ROWS("StudySetPoint", set_point);
-
-static const member verdict_members[] = {
-    ROW("kind", "string",
-        "equal, alone, one_run_each, everything_through, edge, no_chance, confirmed, "
-        "undecided or unconfirmed"),
-    ROW("text", "string", "A sentence or some, in English"),
-};
-ROWS("StudyVerdict", verdict);
 
 static const member point_members[] = {
     ROW("point", "#Count", "Its number"),
@@ -255,7 +254,8 @@ static const openapi_schema table[] = {
     OBJECT(best, "What a study found so far"),
     OBJECT(point, "A point of a study"),
     OBJECT(set_point, "A point that may be the best one"),
-    OBJECT(verdict, "A sentence about what a study found"),
+    OBJECT(verdict_members, "What results say, in sentences"),
+    OBJECT(verdict_figure_members, "A figure that a verdict rests on"),
     OBJECT(value, "A value of a point, from the trials that it has"),
     OBJECT(probability, "A probability"),
     OBJECT(confirmed, "A point that both models tried"),

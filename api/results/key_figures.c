@@ -253,3 +253,15 @@ bf_status key_figures_read(const char *json, size_t n_json, const char *columns,
     json_in_free(root);
     return status;
 }
+
+bf_status key_figures_read_run(const char *json, size_t n, double *ret_values, bf_error *err)
+{
+    json_t *root = NULL;
+
+    const bf_status status = parse(json, n, &root, err);
+    if (status != BF_OK)
+        return status;
+    (void)read_item(FIGURE_OF_RUN, root, ret_values);
+    json_in_free(root);
+    return BF_OK;
+}

@@ -2,6 +2,7 @@
 
 #include "api/json/json_out.h"
 #include "api/json/members.h"
+#include "api/results/run_verdict.h"
 #include "api/scenario/review_members.h"
 #include "api/scenario/scenario.h"
 #include "api/scenario/scenario_members.h"
@@ -36,6 +37,7 @@ typedef struct summary_view {
     run_review review;
     review_warnings warnings; // with those of the review
     const key_figures *figures;
+    verdicts verdicts; // about it
     const char *scenario;
     size_t n_scenario;
 } summary_view;
@@ -246,6 +248,13 @@ static const member summary_members[] = {
            "Throughput, residence, queues, jams, gaps; missing in summaries of versions that did "
            "not say so",
            .applies = has_figures),
+    MEMBER("verdicts", array, AT(verdicts.items),
+           "What the run says, in sentences: everything_through, queue_at_inlet, inlet_limit, "
+           "queue_grows, belt_fills or throughput of a belt that is fed, drained or not_drained of "
+           "another, bridges or pauses, too_short, not_compared; missing in summaries of versions "
+           "that did not say so",
+           .table = &verdict_members, .offset_n = AT(verdicts.n), .limit = VERDICTS_MAX,
+           .flags = MEMBER_OPTIONAL),
     MEMBER("warnings", warnings, 0, "Reasons to doubt the results"),
     MEMBER("warning_details", array, AT(warnings.items),
            "The same warnings, each with its parts; missing in summaries of versions that did not "
@@ -307,6 +316,12 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
                         .scenario = scenario,
                         .n_scenario = n_scenario };
     status = run_review_of(&s, model, &of.review, err);
+    const run_verdict_subject subject = { .scene = &s,
+                                          .review = &of.review,
+                                          .end = end,
+                                          .values = figures->n > 0 ? figures->values : NULL };
+    if (status == BF_OK)
+        status = run_verdict_find(&subject, &of.verdicts, err);
     scene_fini(&s);
     if (status != BF_OK)
         return status;

@@ -190,6 +190,20 @@ static void write_set(json_out *w, const study_document *d, const study *s,
     json_out_key_number(w, "indifference", choice->indifference);
 }
 
+static bf_status write_verdicts(json_out *w, study_document *d, const study *s,
+                                const study_choice *choice, const bool *is_in, bf_error *err)
+{
+    verdicts *all = memory_alloc(1, sizeof *all);
+
+    if (all == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    const bf_status status = study_verdict_find(d, s, choice, is_in, all, err);
+    json_out_key(w, "verdicts");
+    verdict_write_all(w, all);
+    memory_free(all);
+    return status;
+}
+
 static bf_status write_found(json_out *w, study_document *d, const study *s, bool *is_in,
                              bf_error *err)
 {
@@ -204,7 +218,7 @@ static bf_status write_found(json_out *w, study_document *d, const study *s, boo
     else
         write_point(w, d, s, choice.best);
     write_set(w, d, s, &choice, is_in);
-    status = study_verdicts_write(w, d, s, &choice, is_in, err);
+    status = write_verdicts(w, d, s, &choice, is_in, err);
     if (d->method.type == STUDY_SCREEN)
         write_confirmed(w, d, s, is_in);
     if (d->method.type == STUDY_CALIBRATE)

@@ -5,11 +5,10 @@
 #include "core/feed/arrivals.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { TEXT_SIZE = 800, LISTED = 6 };
+enum { LISTED = 6 };
 
 static const double s_per_h = 3600.0, confidence_of_means = 0.95;
 
@@ -22,25 +21,8 @@ typedef struct about {
     const study *study;
     const study_choice *choice;
     const bool *is_in;
+    verdicts *verdicts; // that were found
 } about;
-
-static void write_sentence(json_out *w, const char *kind, const char *text)
-{
-    json_out_object(w);
-    json_out_key_string(w, "kind", kind);
-    json_out_key_string(w, "text", text);
-    json_out_object_end(w);
-}
-
-__attribute__((format(printf, 2, 3))) static void append(char *text, const char *format, ...)
-{
-    const size_t n = strlen(text);
-    va_list arguments;
-
-    va_start(arguments, format);
-    vsnprintf(text + n, TEXT_SIZE - n, format, arguments);
-    va_end(arguments);
-}
 
 static bool has_value(const study *s, size_t point)
 {
@@ -56,16 +38,16 @@ static double value_of(const about *a, size_t point, size_t parameter)
 // ---- points in words
 
 // The last word of a pointer that is not a number, "angle_deg".
-static void append_name(char *text, const char *pointer)
+static void say_name(verdict *v, const char *pointer)
 {
     const char *slash = strrchr(pointer, '/');
     const bool is_index = slash != NULL && slash[1] >= '0' && slash[1] <= '9';
 
-    append(text, "%s", slash == NULL || is_index ? pointer : slash + 1);
+    verdict_say(v, "%s", slash == NULL || is_index ? pointer : slash + 1);
 }
 
 // "angle_deg 45 to 63" where these are all that were compared in between, "angle_deg 40, 45, 63", or "7 of 9 points".
-static void append_points(char *text, const about *a, const bool *are_meant)
+static void say_points(verdict *v, const about *a, const bool *are_meant)
 {
     double least = (double)INFINITY, largest = -(double)INFINITY;
     size_t n = 0, n_between = 0, n_all = 0;
@@ -82,73 +64,76 @@ static void append_points(char *text, const about *a, const bool *are_meant)
             n_between += value_of(a, p, 0) >= least && value_of(a, p, 0) <= largest;
         }
     if (a->document->n_parameters > 1 || (n > LISTED && n_between > n)) {
-        append(text, "%zu of %zu points", n, n_all);
+        verdict_say(v, "%zu of %zu points", n, n_all);
         return;
     }
-    append_name(text, a->document->parameters[0].pointer);
+    say_name(v, a->document->parameters[0].pointer);
     if (n >= 3 && n_between == n) {
-        append(text, " %.6g to %.6g", least, largest);
+        verdict_say(v, " %.6g to %.6g", least, largest);
         return;
     }
     const char *separator = " ";
     for (size_t p = a->choice->first; p < a->choice->end; p++)
         if (are_meant[p]) {
-            append(text, "%s%.6g", separator, value_of(a, p, 0));
+            verdict_say(v, "%s%.6g", separator, value_of(a, p, 0));
             separator = ", ";
         }
 }
 
-static void append_figure(char *text, const study_document *d, size_t value)
+static void say_figure(verdict *v, const study_document *d, size_t value)
 {
     char word[STUDY_DOCUMENT_COLUMN];
 
     study_document_column(d, value, word);
-    append(text, "%s", word);
+    verdict_say(v, "%s", word);
 }
 
 // ---- the sentences
 
-static void say_equal(json_out *w, const about *a)
+static void say_equal(const about *a)
 {
     const study_document *d = a->document;
     const study_choice *c = a->choice;
     const char *unit = figure_table[d->objectives[0].figure].unit;
     const bool has_chance = study_has_chance(a->study, c->best);
     const size_t n_runs = study_point_at(a->study, c->best).n_trials;
-    char text[TEXT_SIZE] = "";
+    verdict *v = verdict_add(a->verdicts, c->n_set > 1 ? "equal" : "alone");
+    char word[STUDY_DOCUMENT_COLUMN];
 
+    study_document_column(d, 0, word);
     if (c->n_set > 1) {
-        append(text, "Equally good in ");
-        append_figure(text, d, 0);
-        append(text, ": ");
-        append_points(text, a, a->is_in);
-        append(text, ". ");
+        verdict_say(v, "Equally good in ");
+        say_figure(v, d, 0);
+        verdict_say(v, ": ");
+        say_points(v, a, a->is_in);
+        verdict_say(v, ". ");
     } else {
-        append(text, "No other of the %zu points is as good. ", c->n_candidates);
+        verdict_say(v, "No other of the %zu points is as good. ", c->n_candidates);
     }
-    append(text, "Less than %.3g %s%scounts as equal", c->indifference, unit != NULL ? unit : "",
-           unit != NULL ? " " : "");
+    verdict_say(v, "Less than %.3g %s%scounts as equal", c->indifference, unit != NULL ? unit : "",
+                unit != NULL ? " " : "");
     if (has_chance)
-        append(text, ", and what chance leaves open with %.4g %% confidence",
-               100.0 * d->method.confidence);
-    append(text, ".");
+        verdict_say(v, ", and what chance leaves open with %.4g %% confidence",
+                    100.0 * d->method.confidence);
+    verdict_say(v, ".");
     if (c->n_set > 1 && d->n_objectives > 1) {
-        append(text, " Of them this one was chosen by ");
-        append_figure(text, d, 1);
-        append(text, ", then as the middle.");
+        verdict_say(v, " Of them this one was chosen by ");
+        say_figure(v, d, 1);
+        verdict_say(v, ", then as the middle.");
     }
     if (c->n_set > 1 && has_chance)
-        append(text, " %zu more runs of each would halve what chance leaves open.", 3 * n_runs);
-    write_sentence(w, c->n_set > 1 ? "equal" : "alone", text);
+        verdict_advise(v, "%zu more runs of each would halve what chance leaves open.", 3 * n_runs);
+    verdict_rests_on(v, word, "", study_sample(a->study, c->best, 0).mean);
+    verdict_rests_on(v, "indifference", "", c->indifference);
+    verdict_rests_on(v, "runs_of_each", "", (double)n_runs);
 }
 
-static void say_edges(json_out *w, const about *a)
+static void say_edges(const about *a)
 {
     for (size_t k = 0; k < a->document->n_parameters; k++) {
         const study_document_parameter *p = &a->document->parameters[k];
         const double best = value_of(a, a->choice->best, k);
         double low = best, high = best;
-        char text[TEXT_SIZE] = "";
 
         for (size_t point = 0; point < study_points(a->study); point++) {
             low = fmin(low, value_of(a, point, k));
@@ -164,10 +149,14 @@ static void say_edges(json_out *w, const about *a)
                                       : (is_log ? high * step * step : high + 2.0 * step);
         if (low > 0.0 && from <= 0.0)
             from = 0.5 * low;
-        append(text, "The best point is at the edge of the range, ");
-        append_name(text, p->pointer);
-        append(text, " %.6g: try %.4g to %.4g.", best, from, to);
-        write_sentence(w, "edge", text);
+        verdict *v = verdict_add(a->verdicts, "edge");
+        verdict_say(v, "The best point is at the edge of the range, ");
+        say_name(v, p->pointer);
+        verdict_say(v, " %.6g.", best);
+        verdict_advise(v, "Try %.4g to %.4g.", from, to);
+        verdict_rests_on(v, p->pointer, "", best);
+        verdict_rests_on(v, "try_from", "", from);
+        verdict_rests_on(v, "try_to", "", to);
     }
 }
 
@@ -183,18 +172,18 @@ static void find_runs(const about *a, size_t *ret_least, size_t *ret_most)
     }
 }
 
-static void say_confirmed(json_out *w, const about *a, bool *are_meant)
+static void say_confirmed(const about *a, bool *are_meant)
 {
     double least = (double)INFINITY, largest = -(double)INFINITY;
     size_t n_least, n_most;
-    char text[TEXT_SIZE] = "";
 
     if (a->choice->first == 0) {
-        write_sentence(
-            w, "unconfirmed",
-            "By the macroscopic model alone; the microscopic model has not confirmed it yet.");
+        verdict_say(verdict_add(a->verdicts, "unconfirmed"),
+                    "By the macroscopic model alone; the microscopic model has not confirmed it "
+                    "yet.");
         return;
     }
+    verdict *v = verdict_add(a->verdicts, study_is_decided(a->study) ? "confirmed" : "undecided");
     for (size_t p = a->choice->first; p < a->choice->end; p++) {
         const double micro = study_sample(a->study, p, 0).mean;
         const double macro = study_sample(a->study, study_point_at(a->study, p).confirmed, 0).mean;
@@ -205,18 +194,19 @@ static void say_confirmed(json_out *w, const about *a, bool *are_meant)
         }
     }
     find_runs(a, &n_least, &n_most);
-    append(text, "The microscopic model compared ");
-    append_points(text, a, are_meant);
-    append(text, " with each other, by %zu", n_least);
+    verdict_say(v, "The microscopic model compared ");
+    say_points(v, a, are_meant);
+    verdict_say(v, " with each other, by %zu", n_least);
     if (n_most > n_least)
-        append(text, " to %zu", n_most);
-    append(text, "%s%s", n_most > 1 ? " runs each" : " run each",
-           study_is_decided(a->study) ? "." : "; which is best is not decided.");
+        verdict_say(v, " to %zu", n_most);
+    verdict_say(v, "%s%s", n_most > 1 ? " runs each" : " run each",
+                study_is_decided(a->study) ? "." : "; which is best is not decided.");
     if (least <= largest) {
-        append(text, " The macroscopic model says %+.1f %% to %+.1f %% of their values.",
-               100.0 * least, 100.0 * largest);
+        verdict_say(v, " The macroscopic model says %+.1f %% to %+.1f %% of their values.",
+                    100.0 * least, 100.0 * largest);
+        verdict_rests_on(v, "macro_to_micro_least", "", least);
+        verdict_rests_on(v, "macro_to_micro_largest", "", largest);
     }
-    write_sentence(w, study_is_decided(a->study) ? "confirmed" : "undecided", text);
 }
 
 // ---- what is offered
@@ -251,9 +241,8 @@ static bf_status find_offered(const about *a, double *ret_per_h, bf_error *err)
     return status;
 }
 
-static bf_status say_through(json_out *w, const about *a, bool *are_meant, bf_error *err)
+static bf_status say_through(const about *a, bool *are_meant, bf_error *err)
 {
-    char text[TEXT_SIZE] = "Everything that is offered";
     double offered;
     size_t n = 0;
 
@@ -270,55 +259,58 @@ static bf_status say_through(json_out *w, const about *a, bool *are_meant, bf_er
     }
     if (n == 0)
         return BF_OK;
-    append(text, ", %.6g parts/h, gets through at ", offered);
-    append_points(text, a, are_meant);
-    append(text, ".");
-    write_sentence(w, "everything_through", text);
+    verdict *v = verdict_add(a->verdicts, "everything_through");
+    verdict_say(v, "Everything that is offered, %.6g parts/h, gets through at ", offered);
+    say_points(v, a, are_meant);
+    verdict_say(v, ".");
+    verdict_rests_on(v, "offered_per_h", "", offered);
     return BF_OK;
 }
 
-static bf_status say_all(json_out *w, const about *a, bool *are_meant, bf_error *err)
+static void say_one_run(const about *a)
+{
+    verdict *v = verdict_add(a->verdicts, "one_run_each");
+
+    verdict_say(v, "Parts arrive by chance and each point was solved once: which is best may be "
+                   "luck.");
+    verdict_advise(v, "Ask for at least 5 replications.");
+}
+
+static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
 {
     const study_document *d = a->document;
     const bool is_search = d->method.type == STUDY_DIRECT || d->method.type == STUDY_CMAES;
     const bool has_chance = study_document_definition(d).has_chance;
 
     if (a->choice->is_known && a->choice->n_candidates > 1)
-        say_equal(w, a);
+        say_equal(a);
     else if (!is_search && !a->choice->is_known)
-        write_sentence(
-            w, "one_run_each",
-            "Parts arrive by chance and each point was solved once: which is best may be "
-            "luck. Ask for at least 5 replications.");
-    const bf_status status = say_through(w, a, are_meant, err);
+        say_one_run(a);
+    const bf_status status = say_through(a, are_meant, err);
     if (status != BF_OK)
         return status;
-    say_edges(w, a);
+    say_edges(a);
     if (!has_chance && d->replications > 1 && d->method.type != STUDY_SCREEN)
-        write_sentence(
-            w, "no_chance",
-            "Nothing is left to chance, so each point was solved once: replications would "
-            "be the same run.");
+        verdict_say(verdict_add(a->verdicts, "no_chance"),
+                    "Nothing is left to chance, so each point was solved once: replications would "
+                    "be the same run.");
     memset(are_meant, 0, study_points(a->study) * sizeof *are_meant);
     if (d->method.type == STUDY_SCREEN)
-        say_confirmed(w, a, are_meant);
+        say_confirmed(a, are_meant);
     return BF_OK;
 }
 
-bf_status study_verdicts_write(json_out *w, study_document *document, const study *s,
-                               const study_choice *choice, const bool *is_in, bf_error *err)
+bf_status study_verdict_find(study_document *document, const study *s, const study_choice *choice,
+                             const bool *is_in, verdicts *ret_verdicts, bf_error *err)
 {
-    const about a = { document, s, choice, is_in };
-    bf_status status = BF_OK;
+    const about a = { document, s, choice, is_in, ret_verdicts };
 
-    json_out_key(w, "verdicts");
-    json_out_array(w);
-    if (choice->best != SIZE_MAX && document->method.type != STUDY_CALIBRATE) {
-        bool *are_meant = memory_alloc(study_points(s), sizeof *are_meant);
-        status = are_meant == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                                   : say_all(w, &a, are_meant, err);
-        memory_free(are_meant);
-    }
-    json_out_array_end(w);
+    if (choice->best == SIZE_MAX || document->method.type == STUDY_CALIBRATE)
+        return BF_OK;
+    bool *are_meant = memory_alloc(study_points(s), sizeof *are_meant);
+    if (are_meant == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    const bf_status status = say_all(&a, are_meant, err);
+    memory_free(are_meant);
     return status;
 }

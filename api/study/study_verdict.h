@@ -1,4 +1,4 @@
-/// What a study says, in sentences: each with a kind, for programs.
+/// What a study says, in sentences (api/results/verdict.h).
 ///
 ///     equal               several points may be best, which ones, and by what this one was chosen
 ///     alone               no other point may be best
@@ -12,11 +12,11 @@
 
 #pragma once
 
-#include "api/json/json_out.h"
+#include "api/results/verdict.h"
 #include "api/study/study_document.h"
 #include "core/study/study_choice.h"
 
-/// Write the member "verdicts", a list of objects. BF_ENOMEM.
-BF_MUST_CHECK bf_status study_verdicts_write(json_out *w, study_document *document, const study *s,
-                                             const study_choice *choice, const bool *is_in,
-                                             bf_error *err);
+/// Add the verdicts about a study. BF_ENOMEM.
+BF_MUST_CHECK bf_status study_verdict_find(study_document *document, const study *s,
+                                           const study_choice *choice, const bool *is_in,
+                                           verdicts *ret_verdicts, bf_error *err);

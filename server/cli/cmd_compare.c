@@ -1,7 +1,9 @@
 #include "server/cli/cmd.h"
 
 #include "api/results/compare_json.h"
+#include "api/results/compare_verdict.h"
 #include "core/compare/compare.h"
+#include "server/base/file_io.h"
 
 #include <argp.h>
 #include <math.h>
@@ -21,6 +23,7 @@ typedef struct compare_arguments {
 typedef struct compare_result {
     compare_figures figures;
     compare_measures measures; // against the reference; all NAN for itself
+    compare_side side;         // what verdicts are about
 } compare_result;
 
 enum { KEY_COLUMN = 'c', KEY_JSON = 'j' };
@@ -89,6 +92,49 @@ static void print_row(const compare_result *r, const char *path)
     printf("%s\n", path);
 }
 
+// A run whose directory has a summary is known, of anything else only the curve.
+static bf_status find_side(const char *path, compare_result *r, bf_error *err)
+{
+    bf_buffer summary = { 0 };
+    bf_error why = { 0 };
+
+    bf_status status = file_io_read(path, "summary.json", CMD_CURVE_BYTES_MAX, &summary, &why);
+    if (status == BF_OK)
+        status = compare_verdict_side_of_summary(summary.bytes, summary.n, &r->side, &why);
+    buffer_fini(&summary);
+    if (status == BF_ENOMEM)
+        return bf_fail(err, status, "", "out of memory");
+    if (status != BF_OK)
+        r->side = (compare_side){ .error_per_h = NAN, .needs_s = NAN };
+    return BF_OK;
+}
+
+// What b is to the first one. Where one is known by its curve alone, both are.
+static void find_verdicts(const compare_result *a, const compare_result *b, verdicts *ret_all)
+{
+    compare_side of_a = a->side, of_b = b->side;
+
+    if (!of_a.is_run || !of_b.is_run) {
+        of_a.throughput_per_h = 3600.0 * a->figures.throughput;
+        of_b.throughput_per_h = 3600.0 * b->figures.throughput;
+        of_a.error_per_h = of_b.error_per_h = NAN;
+    }
+    *ret_all = (verdicts){ 0 };
+    compare_verdict_find(&of_a, &of_b, ret_all);
+}
+
+static void print_verdicts(const compare_arguments *a, const compare_result *results)
+{
+    static verdicts all;
+
+    for (size_t i = 1; i < a->n; i++) {
+        find_verdicts(&results[0], &results[i], &all);
+        for (size_t k = 0; k < all.n; k++)
+            printf("\n%s: %s", a->paths[i], all.items[k].text);
+    }
+    putchar('\n');
+}
+
 static void print_table(const compare_arguments *a, const compare_result *results)
 {
     print_head(titles);
@@ -97,11 +143,13 @@ static void print_table(const compare_arguments *a, const compare_result *result
     printf("\n");
     for (size_t i = 0; i < a->n; i++)
         print_row(&results[i], a->paths[i]);
+    print_verdicts(a, results);
 }
 
 static bf_status print_json(const compare_arguments *a, const compare_result *results,
                             bf_error *err)
 {
+    static verdicts all;
     bf_buffer text = { 0 };
     json_out w = json_out_to(&text);
 
@@ -121,6 +169,9 @@ static bf_status print_json(const compare_arguments *a, const compare_result *re
         json_out_object(&w);
         json_out_key_string(&w, "a", a->paths[0]);
         json_out_key_string(&w, "b", a->paths[i]);
+        find_verdicts(&results[0], &results[i], &all);
+        json_out_key(&w, "verdicts");
+        verdict_write_all(&w, &all);
         json_out_key(&w, "curve");
         members_write(&w, &compare_json_measures, &results[i].measures);
         json_out_object_end(&w);
@@ -187,6 +238,8 @@ static bf_status measure_all(const compare_arguments *a, compare_result *results
         status = fail_curve(status, &why, a->paths[0], err);
     for (size_t i = 1; i < a->n && status == BF_OK; i++)
         status = measure(a->paths[i], a->column, &reference, &results[i], err);
+    for (size_t i = 0; i < a->n && status == BF_OK; i++)
+        status = find_side(a->paths[i], &results[i], err);
     cmd_curve_fini(&curve);
     return status;
 }
@@ -218,7 +271,9 @@ int cmd_compare(int argc, char **argv)
                "A curve has drained when 1 % of its parts are left; throughput counts from 10 % to "
                "90 % of what left. l1 is the mean, l2 the root mean square, largest the largest "
                "distance over the common interval; gaps are of the curve minus the first one. "
-               "What does not exist is '-'.",
+               "What does not exist is '-'. A sentence for each but the first says what its "
+               "throughput "
+               "is to that of the first one.",
     };
     compare_arguments arguments = { .column = NULL };
     bf_error err = { 0 };

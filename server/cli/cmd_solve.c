@@ -1,6 +1,7 @@
 #include "server/cli/cmd.h"
 
 #include "api/results/results.h"
+#include "api/results/run_verdict.h"
 #include "api/scenario/scenario.h"
 #include "core/run/run.h"
 #include "server/base/clock.h"
@@ -165,6 +166,30 @@ static void print_result(const solving *s)
            (unsigned long long)e->n_samples, (unsigned long long)e->n_snapshots);
 }
 
+// What the run says, a line each.
+static bf_status print_verdicts(const solving *s, bf_error *err)
+{
+    verdicts *all = calloc(1, sizeof *all);
+    run_review *review = calloc(1, sizeof *review);
+    bf_status status = BF_OK;
+
+    if (all == NULL || review == NULL)
+        status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+    if (status == BF_OK)
+        status = run_review_of(&s->scene, s->arguments->subject.model, review, err);
+    const run_verdict_subject of = { .scene = &s->scene,
+                                     .review = review,
+                                     .end = &s->end,
+                                     .values = (const double *)(const void *)s->figures.bytes };
+    if (status == BF_OK)
+        status = run_verdict_find(&of, all, err);
+    for (size_t k = 0; status == BF_OK && k < all->n; k++)
+        printf("%s\n", all->items[k].text);
+    free(review);
+    free(all);
+    return status;
+}
+
 static bf_status draw_result(const solving *s, bf_error *err)
 {
     char *path = strdup(s->arguments->out);
@@ -190,7 +215,8 @@ static cmd_exit solve(solving *s, const char *command)
         status = finish(s, &err);
     if (status == BF_OK) {
         print_result(s);
-        if (isatty(STDOUT_FILENO))
+        status = s->end.stopped ? BF_OK : print_verdicts(s, &err);
+        if (status == BF_OK && isatty(STDOUT_FILENO))
             status = draw_result(s, &err);
     }
     if (status != BF_OK)

@@ -21,7 +21,7 @@ const hasFma = !isX86 || /^flags.*\bfma\b/m.test(readFileSync("/proc/cpuinfo", "
 // The members of a summary that are results: not timings, not what is said about the run and what follows from its document, and
 // not that itself, which api/openapi.json has.
 function resultsOf(text) {
-  const { warnings, warning_details, validity, closure, cell_m, scenario, ...results } = JSON.parse(text);
+  const { verdicts, warnings, warning_details, validity, closure, cell_m, scenario, ...results } = JSON.parse(text);
   return JSON.stringify(results, (name, value) => (/^(wall_time_s|threads|\w+_steps_per_s)$/.test(name) ? 0 : value));
 }
 

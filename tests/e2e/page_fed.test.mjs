@@ -93,6 +93,7 @@ test("both models of a fed run stand in one plot, and in the list with what went
     Array.from({ length: 2 }, () => ["offered", "admitted", "waiting", "exits"]).flat());
   await showsValue(page, "offered", 60);
   const measures = (await d.get(`/v1/compare?a=${ids[0]}&b=${ids[1]}&column=left_domain`)).json;
+  await page.getByRole("group", { name: "What this says" }).getByText(measures.verdicts[0].text).waitFor();
   await page.getByText("Agreement").click();
   const gap = page.locator(".measures tbody tr", { hasText: "Mean gap" }).locator("td").last();
   await gap.getByText(/\d/).waitFor();
@@ -109,9 +110,10 @@ test("key figures are the daemon's, with their units and definitions, and the li
   const d = await daemon(t);
   const page = await openPage(t, d);
   const [id] = await submitBoth(d);
-  const { key_figures: figures } = (await d.get(`/v1/runs/${id}/summary`)).json;
+  const { key_figures: figures, verdicts } = (await d.get(`/v1/runs/${id}/summary`)).json;
   const { RunFigures: described } = (await d.get("/openapi.json")).json.components.schemas;
   await visit(page, `#/runs/${id}`);
+  await page.getByRole("region", { name: "Summary" }).getByText(verdicts[0].text).waitFor();
   const panel = page.getByRole("region", { name: "Key figures" });
   const throughput = panel.locator("dl > div", { hasText: "Throughput" }).first().locator("dd span");
   await throughput.getByText("parts/h").waitFor();

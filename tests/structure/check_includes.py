@@ -28,7 +28,7 @@ ARROWS = {
     "api/json": {"core/base", "core/scene", "api/json"},
     "api/scenario": {"core/base", "core/scene", "core/run", "api", "api/json", "api/scenario"},
     "api/study": API_CORE | {"core/feed", "api", "api/json", "api/scenario", "api/results", "api/study"},
-    "api/results": API_CORE | {"api", "api/json", "api/scenario", "api/results"},
+    "api/results": API_CORE | {"core/feed", "api", "api/json", "api/scenario", "api/results"},
     "api/http": API_CORE | API,
     "api/openapi": API_CORE | API,
 }

@@ -1,7 +1,7 @@
 // Two to eight runs side by side under one clock, their curves beside them, below what they come to: key figures, how far they
 // agree, and how they were computed.
 
-import { isOver, listRuns } from "./api.js";
+import { getJson, isOver, listRuns } from "./api.js";
 import { Cinema } from "./cinema.js";
 import { CompareCurves } from "./compare_curves.js";
 import { chipsOf, differences } from "./differences.js";
@@ -13,7 +13,7 @@ import { MeasuresTable } from "./measures.js";
 import { address, go, note } from "./router.js";
 import { isGoing } from "./run_actions.js";
 import { RunData } from "./run_data.js";
-import { fold, solverTable } from "./run_panels.js";
+import { fold, solverTable, verdictLines } from "./run_panels.js";
 import { statePill } from "./runs_table.js";
 import { SceneControls } from "./scene_controls.js";
 
@@ -111,6 +111,7 @@ export class CompareView {
       note({ reference: this.reference === 0 ? "" : this.runs[this.reference].id });
       this.curves.setReference(this.reference);
       this.showTables();
+      this.showVerdicts();
       this.measure();
     } } }, this.titles.map((title, k) => h("option", { value: String(k) }, title)));
     box.value = String(this.reference);
@@ -155,7 +156,8 @@ export class CompareView {
     this.agreementFold = agreement.firstChild;
     this.agreementFold.addEventListener("toggle", () => this.measure());
     return [
-      h("section", { class: "card", "aria-labelledby": "figures-title" }, h("h2", { id: "figures-title" }, "Key figures"), this.keyTable.element),
+      h("section", { class: "card", "aria-labelledby": "figures-title" }, h("h2", { id: "figures-title" }, "Key figures"),
+        this.verdicts = h("div", { role: "group", "aria-label": "What this says", hidden: true }), this.keyTable.element),
       agreement,
       fold("Computation", "What the solvers did; it says nothing about the belt.", this.solver),
     ];
@@ -165,6 +167,20 @@ export class CompareView {
     const headOf = (k) => this.headOf(k);
     this.keyTable.show(this.runs, this.reference, headOf);
     this.solver.replaceChildren(solverTable(this.runs, headOf));
+  }
+
+  // What the throughputs are to that of the reference, once all runs have ended.
+  async showVerdicts() {
+    const { runs, reference } = this;
+    if (runs.length < 2 || !runs.every(({ run }) => isOver(run))) return;
+    const answer = await getJson(`v1/compare?${new URLSearchParams({ runs: runs.map(({ id }) => id).join(","), reference: runs[reference].id, densities: 0 })}`)
+      .catch(() => null);
+    if (this.isGone || reference !== this.reference || answer === null) return;
+    this.verdicts.hidden = false;
+    this.verdicts.replaceChildren(...answer.pairs.map(({ b, verdicts }) => {
+      const k = runs.findIndex(({ id }) => id === b);
+      return h("div", {}, runs.length > 2 ? h("strong", {}, this.markOf(k), this.titles[k]) : null, verdictLines(verdicts));
+    }));
   }
 
   // Of a run, or behind them of measured counts.
@@ -193,6 +209,7 @@ export class CompareView {
     this.curves.setReference(this.reference);
     this.controls.show();
     this.showTables();
+    this.showVerdicts();
     this.measure();
     const active = runs.filter(({ run }) => !isOver(run));
     if (active.length > 0) {
@@ -214,6 +231,7 @@ export class CompareView {
     if (what === "summary") {
       data.state.show(data.run);
       this.showTables();
+      this.showVerdicts();
       this.measure();
     }
     this.controls.show();

@@ -91,12 +91,18 @@ function warningItem({ title, meaning, detail }) {
     detail ? h("details", {}, h("summary", {}, "Details"), readable(detail)) : null);
 }
 
+// The server's sentences; what a planner can do stands at their ends.
+export function verdictLines(verdicts = []) {
+  return verdicts.map(({ kind, text }) => h("p", { class: "verdict", data: { kind } }, readable(text)));
+}
+
 export function summaryPanel(data) {
   const { summary, run } = data;
   const faults = run.error ? [h("li", { class: "fault" }, readable(run.error.detail))] : [];
   const warnings = summary?.warning_details?.map(warningItem) ?? (summary?.warnings ?? []).map((text) => h("li", {}, readable(text)));
   return h("section", { class: "card", "aria-labelledby": "summary-title" },
     h("h2", { id: "summary-title" }, "Summary"),
+    ...verdictLines(summary?.verdicts),
     faults.length + warnings.length > 0
       ? h("ul", { class: "warnings", "aria-label": "Warnings" }, faults, warnings) : null,
     summary ? [cargoFacts(summary),

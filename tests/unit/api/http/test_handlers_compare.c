@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/api/helper_document.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -68,6 +69,31 @@ static void two_runs_are_compared_in_curve_and_density(void **state)
         (float)json_number_value(json_object_get(json_array_get(items, 1), "mean_abs")), 0.25F,
         1e-6F);
     json_decref(root);
+}
+
+// One line by both models, 10 % apart, and without what takes time.
+static void two_runs_are_told_apart_in_a_sentence(void **state)
+{
+    bf_buffer scenario = document_resolve("{" DOCUMENT_NEEDED "}");
+    helper_run *a = ask_add_run(RUN_SUCCEEDED), *b = ask_add_run(RUN_SUCCEEDED);
+
+    (void)state;
+    a->scenario = b->scenario = scenario.bytes;
+    b->record.model = RUN_MICRO;
+    snprintf(a->record.figures, sizeof a->record.figures, "{\"sustained_throughput_per_h\":1100}");
+    snprintf(b->record.figures, sizeof b->record.figures, "{\"sustained_throughput_per_h\":1000}");
+    ask_get("/v1/compare", "a=" ID_1 "&b=" ID_2 "&densities=0", NULL, 200);
+    json_t *root = helper_json(&ask_response);
+    const json_t *said = json_array_get(json_object_get(root, "verdicts"), 0);
+    assert_string_equal(text_at(said, "kind"), "models_disagree");
+    assert_non_null(strstr(text_at(said, "text"), "1100 against 1000 parts/h"));
+    assert_true(json_is_null(json_object_get(root, "density")));
+    json_decref(root);
+    ask_get("/v1/compare", "runs=" ID_1 "," ID_2 "&densities=2", NULL, 400);
+    a->scenario = "{}"; // of a version that had other documents
+    ask_get("/v1/compare", "a=" ID_1 "&b=" ID_2, NULL, 200);
+    assert_true(ask_body_has("\"verdicts\":[]"));
+    buffer_fini(&scenario);
 }
 
 static void densities_on_different_grids_are_not_compared(void **state)
@@ -361,6 +387,7 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         ASK_TEST(two_runs_are_compared_in_curve_and_density),
+        ASK_TEST(two_runs_are_told_apart_in_a_sentence),
         ASK_TEST(densities_on_different_grids_are_not_compared),
         ASK_TEST(only_snapshots_of_common_times_are_compared),
         ASK_TEST(many_snapshots_are_thinned_out_but_for_the_last),

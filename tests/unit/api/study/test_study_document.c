@@ -443,10 +443,10 @@ static void a_deterministic_study_is_solved_once_and_names_what_is_equal(void **
                                          "{\"kind\":\"equal\",\"text\":\"Equally good in "
                                          "throughput_per_h: angle_deg 45 to 63. Less than 36 "
                                          "parts/h counts as equal. Of them this one was chosen by "
-                                         "residence_s.mean, then as the middle.\"}",
+                                         "residence_s.mean, then as the middle.\"",
                                          "{\"kind\":\"everything_through\",\"text\":\"Everything "
                                          "that is offered, 7200 parts/h, gets "
-                                         "through at angle_deg 45 to 63.\"}",
+                                         "through at angle_deg 45 to 63.\"",
                                          "{\"kind\":\"no_chance\",",
                                          NULL };
     assert_says(&d, s, texts);
@@ -466,10 +466,10 @@ static void a_best_point_at_the_edge_is_told(void **state)
     assert_int_equal(study_advance(s, NULL), BF_OK);
     static const char *const texts[] = { "{\"kind\":\"alone\",\"text\":\"No other of the 5 points "
                                          "is as good. Less than 5 parts/h counts as "
-                                         "equal.\"}",
+                                         "equal.\"",
                                          "{\"kind\":\"edge\",\"text\":\"The best point is at the "
-                                         "edge of the range, angle_deg 40: try 20 to "
-                                         "50.\"}",
+                                         "edge of the range, angle_deg 40. Try 20 to "
+                                         "50.\"",
                                          NULL };
     assert_says(&d, s, texts);
     study_destroy(s);
@@ -519,7 +519,7 @@ static void a_screening_says_what_was_compared(void **state)
     static const char *const second[] = {
         "{\"kind\":\"confirmed\",\"text\":\"The microscopic model compared angle_deg 60, 70 with "
         "each "
-        "other, by 10 runs each. The macroscopic model says -0.0 % to +9.9 % of their values.\"}",
+        "other, by 10 runs each. The macroscopic model says -0.0 % to +9.9 % of their values.\"",
         "\"is_dropped\":true,\"is_in_set\":", NULL
     };
     assert_says(&d, s, second);

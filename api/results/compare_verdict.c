@@ -1,0 +1,204 @@
+#include "api/results/compare_verdict.h"
+
+#include "api/json/json_in.h"
+#include "api/results/key_figures.h"
+#include "api/scenario/scenario.h"
+#include "core/base/memory.h"
+#include "core/scene/regime.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double nothing = 1e-9; // relative: figures are written with 12 digits
+
+static bf_status review_side(const scene *s, compare_side *side, bf_error *err)
+{
+    run_review *review = memory_alloc(1, sizeof *review);
+
+    if (review == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    const bf_status status = run_review_of(s, side->model, review, err);
+    side->is_compared = status == BF_OK && review->validity.is_compared;
+    memory_free(review);
+    return status;
+}
+
+// Overwrites what says how it is solved.
+static uint64_t line_of(scene *s)
+{
+    s->macro = (scene_macro){ 0 };
+    s->micro.integrator = (scene_integrator)0;
+    s->micro.path = (scene_path)0;
+    s->micro.step = s->micro.modulus_reduction = s->micro.overlap_limit = 0.0;
+    s->output.curve_every = s->output.snapshot_every = 0.0;
+    return run_definition(s, RUN_MACRO);
+}
+
+bf_status compare_verdict_side(run_model model, const char *scenario, size_t n_scenario,
+                               const char *figures, size_t n_figures, compare_side *ret_side,
+                               bf_error *err)
+{
+    double values[FIGURE_OFFERED];
+    bf_status status = BF_OK;
+    scene s;
+
+    *ret_side = (compare_side){ .is_run = true,
+                                .model = model,
+                                .throughput_per_h = (double)NAN,
+                                .error_per_h = (double)NAN,
+                                .needs_s = (double)NAN };
+    if (n_figures > 0) {
+        status = key_figures_read_run(figures, n_figures, values, err);
+        ret_side->throughput_per_h = values[FIGURE_SUSTAINED];
+        ret_side->error_per_h = values[FIGURE_THROUGHPUT_ERROR];
+        ret_side->needs_s = values[FIGURE_THROUGHPUT_NEEDS];
+    }
+    if (status == BF_OK)
+        status = scenario_read_resolved(scenario, n_scenario, &s, err);
+    if (status != BF_OK)
+        return status;
+    ret_side->has_chance = model == RUN_MICRO && scene_has_chance(&s);
+    status = review_side(&s, ret_side, err);
+    ret_side->line = line_of(&s);
+    scene_fini(&s);
+    return status;
+}
+
+bf_status compare_verdict_side_of_summary(const char *summary, size_t n, compare_side *ret_side,
+                                          bf_error *err)
+{
+    bf_faults faults = { 0 };
+    json_in in = json_in_to(&faults);
+    bf_status status = BF_EINPUT;
+
+    json_t *root = json_in_parse(&in, summary, n);
+    const char *model = json_string_value(json_object_get(root, "model"));
+    char *scenario = json_dumps(json_object_get(root, "scenario"), JSON_COMPACT);
+    char *figures = json_dumps(json_object_get(root, "key_figures"), JSON_COMPACT);
+    if (model == NULL || scenario == NULL)
+        status = bf_fail(err, BF_EINPUT, "", "not a summary of a run");
+    else
+        status = compare_verdict_side(
+            strcmp(model, run_model_words[RUN_MICRO]) == 0 ? RUN_MICRO : RUN_MACRO, scenario,
+            strlen(scenario), figures, figures == NULL ? 0 : strlen(figures), ret_side, err);
+    free(figures);
+    free(scenario);
+    json_in_free(root);
+    return status;
+}
+
+// Half the width of the interval of the difference; NAN: not known.
+static double half_width_of(const compare_side *a, const compare_side *b)
+{
+    const double of_a = a->has_chance ? a->error_per_h : 0.0;
+    const double of_b = b->has_chance ? b->error_per_h : 0.0;
+
+    return hypot(of_a, of_b);
+}
+
+static void say_both(verdict *v, const compare_side *a, const compare_side *b)
+{
+    char of_a[VERDICT_NUMBER_SIZE], of_b[VERDICT_NUMBER_SIZE];
+
+    verdict_say(v, "%s against %s parts/h",
+                verdict_number(b->throughput_per_h, b->error_per_h, of_b),
+                verdict_number(a->throughput_per_h, a->error_per_h, of_a));
+    verdict_rests_on(v, "throughput_a_per_h", "", a->throughput_per_h);
+    verdict_rests_on(v, "throughput_b_per_h", "", b->throughput_per_h);
+    verdict_rests_on(v, "half_width_per_h", "", half_width_of(a, b));
+}
+
+static void say_models(const compare_side *a, const compare_side *b, double half, verdicts *all)
+{
+    const compare_side *macro = a->model == RUN_MACRO ? a : b, *micro = macro == a ? b : a;
+    const double gap = macro->throughput_per_h - micro->throughput_per_h;
+    const double allowed =
+        fmax(COMPARE_MODELS_AGREE * micro->throughput_per_h, isfinite(half) ? half : 0.0);
+    const bool do_agree = fabs(gap) <= allowed;
+
+    verdict *v = verdict_add(all, do_agree ? "models_agree" : "models_disagree");
+    verdict_say(v, "The models %s: ", do_agree ? "agree" : "disagree");
+    say_both(v, micro, macro);
+    if (micro->throughput_per_h > 0.0) {
+        verdict_say(v, " by the macroscopic and the microscopic model, %+.1f %%.",
+                    100.0 * gap / micro->throughput_per_h);
+        verdict_rests_on(v, "macro_to_micro", "", gap / micro->throughput_per_h);
+    } else {
+        verdict_say(v, " by the macroscopic and the microscopic model.");
+    }
+    if (do_agree)
+        return;
+    if (!macro->is_compared)
+        verdict_say(v, " The macroscopic one was not compared for such lines.");
+    if (!micro->is_compared)
+        verdict_say(v, " The microscopic one was not compared with experiments on such lines.");
+    if (micro->is_compared || !macro->is_compared)
+        verdict_advise(v, "Trust the microscopic model.");
+    else
+        verdict_advise(v, "Trust neither without counts of a real line.");
+}
+
+static const char *find_kind(double gap, double half, const compare_side *a)
+{
+    if (fabs(gap) <= nothing * fabs(a->throughput_per_h))
+        return "same";
+    if (isnan(half))
+        return "uncertain";
+    if (fabs(gap) <= half)
+        return "equal";
+    return gap > 0.0 ? "more" : "less";
+}
+
+static void say_difference(const compare_side *a, const compare_side *b, double half, verdicts *all)
+{
+    const double gap = b->throughput_per_h - a->throughput_per_h;
+    const char *kind = find_kind(gap, half, a);
+    const char *reference = a->is_run ? "the reference" : "was counted";
+    char number[VERDICT_NUMBER_SIZE];
+
+    verdict *v = verdict_add(all, kind);
+    if (strcmp(kind, "same") == 0) {
+        verdict_say(v, "The throughput is the same, %s parts/h.",
+                    verdict_number(b->throughput_per_h, (double)NAN, number));
+        verdict_rests_on(v, "throughput_a_per_h", "", a->throughput_per_h);
+        return;
+    }
+    if (a->throughput_per_h > 0.0)
+        verdict_say(v, "%.3g %% ", 100.0 * fabs(gap) / a->throughput_per_h);
+    verdict_say(v, "%s throughput than %s: ", gap > 0.0 ? "more" : "less", reference);
+    say_both(v, a, b);
+    if (strcmp(kind, "uncertain") == 0) {
+        const double needs =
+            fmax(isnan(a->needs_s) ? 0.0 : a->needs_s, isnan(b->needs_s) ? 0.0 : b->needs_s);
+        verdict_say(v, ". Parts arrive by chance, and how much of it is chance is not known.");
+        if (needs > 0.0)
+            verdict_advise(v, "Let both runs be about %s s long.",
+                           verdict_number(needs, (double)NAN, number));
+        else
+            verdict_advise(v, "Make several runs of other substreams of each.");
+    } else if (strcmp(kind, "equal") == 0) {
+        verdict_say(v, ", which is within what chance leaves open, %s parts/h.",
+                    verdict_number(half, (double)NAN, number));
+        verdict_advise(v, "Three more runs of each at other substreams, or runs four times as "
+                          "long, would halve that.");
+    } else {
+        verdict_say(v, half > 0.0 ? ", more than chance leaves open." : ".");
+    }
+}
+
+void compare_verdict_find(const compare_side *a, const compare_side *b, verdicts *ret_verdicts)
+{
+    const double half = half_width_of(a, b);
+
+    if (isnan(a->throughput_per_h) || isnan(b->throughput_per_h)) {
+        verdict_say(verdict_add(ret_verdicts, "no_throughput"),
+                    "Nothing has left of one of them, so there is no throughput to compare.");
+        return;
+    }
+    if (a->is_run && b->is_run && a->model != b->model && a->line == b->line)
+        say_models(a, b, half, ret_verdicts);
+    else
+        say_difference(a, b, half, ret_verdicts);
+}

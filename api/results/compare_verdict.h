@@ -1,0 +1,45 @@
+/// What a comparison of two runs, or of a run and counts, says of their throughputs, in sentences (api/results/verdict.h).
+///
+///     models_agree     both models of one line, within COMPARE_MODELS_AGREE of each other or what chance leaves open
+///     models_disagree  same, not so
+///     more, less       the other lets more, or less, through than the reference, by more than chance leaves open
+///     equal            the difference is within what chance leaves open, and what would halve that
+///     same             no difference at all
+///     uncertain        parts arrive by chance, and how much of the difference is chance is not known
+///     no_throughput    nothing has left of one of them
+
+#pragma once
+
+#include "api/results/verdict.h"
+#include "core/run/run.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/// Of the microscopic model's throughput: in the lines for which both were compared they were mostly this near.
+#define COMPARE_MODELS_AGREE 0.06
+
+/// What is compared.
+typedef struct compare_side {
+    bool is_run;             ///< else it was measured, and only the throughput counts
+    run_model model;         ///< of the run
+    bool has_chance;         ///< runs at other substreams may differ
+    bool is_compared;        ///< the model was compared for such lines
+    uint64_t line;           ///< digest of the scenario without how it is solved
+    double throughput_per_h; ///< NAN: nothing left
+    double error_per_h;      ///< half width of its interval of 95 %; NAN: there is none
+    double needs_s;          ///< how long a run has to be for one; NAN: not known
+} compare_side;
+
+/// The side of a run, from its resolved scenario and its key figures (n_figures = 0: none). BF_ECORRUPT; BF_ENOMEM.
+BF_MUST_CHECK bf_status compare_verdict_side(run_model model, const char *scenario,
+                                             size_t n_scenario, const char *figures,
+                                             size_t n_figures, compare_side *ret_side,
+                                             bf_error *err);
+
+/// The same from a summary. BF_EINPUT: it is none.
+BF_MUST_CHECK bf_status compare_verdict_side_of_summary(const char *summary, size_t n,
+                                                        compare_side *ret_side, bf_error *err);
+
+/// Add what b's throughput is to that of the reference a.
+void compare_verdict_find(const compare_side *a, const compare_side *b, verdicts *ret_verdicts);

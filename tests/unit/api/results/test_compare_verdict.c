@@ -1,0 +1,127 @@
+// What two runs are to each other, in sentences.
+
+#include "api/results/compare_verdict.h"
+
+#include "core/base/memory.h"
+#include "tests/unit/api/helper_document.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static verdicts all;
+
+static const verdict *say(const compare_side *a, const compare_side *b)
+{
+    all = (verdicts){ 0 };
+    compare_verdict_find(a, b, &all);
+    assert_int_equal(all.n, 1);
+    return &all.items[0];
+}
+
+static compare_side run_of(run_model model, uint64_t line, double throughput, double error)
+{
+    return (compare_side){ .is_run = true,
+                           .model = model,
+                           .is_compared = true,
+                           .has_chance = model == RUN_MICRO,
+                           .line = line,
+                           .throughput_per_h = throughput,
+                           .error_per_h = error,
+                           .needs_s = (double)NAN };
+}
+
+// 6 % of the microscopic model's value are 60; an interval of 100 is more.
+static void models_of_one_line_agree_or_not(void **unused)
+{
+    compare_side macro = run_of(RUN_MACRO, 1, 1059.0, (double)NAN);
+    compare_side micro = run_of(RUN_MICRO, 1, 1000.0, 10.0);
+
+    (void)unused;
+    assert_string_equal(say(&macro, &micro)->kind, "models_agree");
+    macro.throughput_per_h = 1090.0;
+    const verdict *v = say(&micro, &macro);
+    assert_string_equal(v->kind, "models_disagree");
+    assert_non_null(strstr(v->text, "1090 against 1000 ± 10 parts/h"));
+    assert_non_null(strstr(v->text, "+9.0 %"));
+    assert_string_equal(v->advice, "Trust the microscopic model.");
+    micro.is_compared = false;
+    assert_non_null(strstr(say(&micro, &macro)->advice, "counts"));
+    micro.error_per_h = 100.0;
+    assert_string_equal(say(&micro, &macro)->kind, "models_agree");
+    macro.line = 2;
+    assert_string_equal(say(&micro, &macro)->kind, "equal");
+}
+
+// The interval of the difference: sqrt(30^2 + 40^2) = 50.
+static void a_difference_is_held_against_chance(void **unused)
+{
+    compare_side a = run_of(RUN_MICRO, 1, 1000.0, 30.0), b = run_of(RUN_MICRO, 2, 1049.0, 40.0);
+
+    (void)unused;
+    const verdict *v = say(&a, &b);
+    assert_string_equal(v->kind, "equal");
+    assert_non_null(strstr(v->text, "leaves open, 50 parts/h"));
+    assert_non_null(strstr(v->advice, "halve"));
+    b.throughput_per_h = 1051.0;
+    v = say(&a, &b);
+    assert_string_equal(v->kind, "more");
+    assert_non_null(strstr(v->text, "5.1 % more throughput than the reference"));
+    b.throughput_per_h = 949.0;
+    assert_string_equal(say(&a, &b)->kind, "less");
+    b.throughput_per_h = 1000.0;
+    assert_string_equal(say(&a, &b)->kind, "same");
+    b.throughput_per_h = 1049.0;
+    b.error_per_h = (double)NAN;
+    b.needs_s = 900.0;
+    v = say(&a, &b);
+    assert_string_equal(v->kind, "uncertain");
+    assert_non_null(strstr(v->advice, "900 s"));
+    b.has_chance = a.has_chance = false;
+    assert_string_equal(say(&a, &b)->kind, "more");
+    a.throughput_per_h = (double)NAN;
+    assert_string_equal(say(&a, &b)->kind, "no_throughput");
+}
+
+#define SUMMARY(model, macro, figures)                                                             \
+    "{'model': '" model "', 'key_figures': {" figures                                              \
+    "'feeds': []}, 'scenario': {" DOCUMENT_NEEDED ", 'macro': {" macro "}}}"
+
+// What a summary has; how a line is solved does not make it another one.
+static void a_side_is_read_from_a_summary(void **unused)
+{
+    bf_buffer text =
+        document_quote(SUMMARY("micro", "'cell_m': 0.01", "'sustained_throughput_per_h': 5, "));
+    bf_buffer other = document_quote(SUMMARY("macro", "'cell_m': 0.005", ""));
+    compare_side micro, macro;
+    bf_error err;
+
+    (void)unused;
+    assert_int_equal(compare_verdict_side_of_summary(text.bytes, text.n, &micro, NULL), BF_OK);
+    assert_int_equal(compare_verdict_side_of_summary(other.bytes, other.n, &macro, NULL), BF_OK);
+    assert_true(micro.is_run && micro.model == RUN_MICRO && macro.model == RUN_MACRO);
+    assert_true(micro.throughput_per_h == 5.0 && isnan(micro.error_per_h));
+    assert_true(isnan(macro.throughput_per_h));
+    assert_false(micro.has_chance);
+    assert_true(micro.line == macro.line);
+    assert_int_equal(compare_verdict_side_of_summary("t,upstream\n", 11, &micro, &err), BF_EINPUT);
+    assert_int_equal(compare_verdict_side_of_summary("{}", 2, &micro, &err), BF_EINPUT);
+    buffer_fini(&text);
+    buffer_fini(&other);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(models_of_one_line_agree_or_not),
+        cmocka_unit_test(a_difference_is_held_against_chance),
+        cmocka_unit_test(a_side_is_read_from_a_summary),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
