@@ -48,19 +48,22 @@ static bf_status submit(exchange *x, const api_study_submission *submission, bf_
     return BF_OK;
 }
 
+bf_status handlers__submit_study(exchange *x, api_study_submission *submission, bf_error *err)
+{
+    submission->body = x->request->body;
+    submission->n_body = x->request->n_body;
+    handlers__read_sender(x, submission->owner, submission->client);
+    const bf_status status = handlers__read_key(x, submission->key, err);
+    return status == BF_OK ? submit(x, submission, err) : status;
+}
+
 bf_status handlers_studies_submit(exchange *x, bf_error *err)
 {
     api_study_submission submission = { .name = "" };
 
     bf_status status = read_submission(x, &submission, err);
-    if (status != BF_OK)
-        return status;
-    submission.body = x->request->body;
-    submission.n_body = x->request->n_body;
-    handlers__read_sender(x, submission.owner, submission.client);
-    status = handlers__read_key(x, submission.key, err);
     if (status == BF_OK)
-        status = submit(x, &submission, err);
+        status = handlers__submit_study(x, &submission, err);
     study_submission_fini(&submission);
     return status;
 }

@@ -139,7 +139,7 @@ void exchange__cache_immutable(exchange *x);
 /// gets one of its bytes.
 void exchange__cache_revalidate(exchange *x);
 
-/// Suggest a file name for the body, a result of a snapshot: "000012.vti".
+/// Suggest a file name for the body: "000012.vti".
 void exchange__name_snapshot(exchange *x, uint64_t index);
 
 /// Let the response wait at most so many seconds (API_WAIT_MAX_S) for the end of the run or, if
@@ -156,7 +156,6 @@ route_handler_fn handlers_runs_list;
 route_handler_fn handlers_runs_show;
 route_handler_fn handlers_runs_cancel;
 route_handler_fn handlers_runs_remove;
-
 /// What becomes of submissions: the key, the owner and the client of a request for one; the status of a refusal, and when
 /// another try can help; and the head of the answer, for what was created below a path such as "/v1/runs".
 BF_MUST_CHECK bf_status handlers__read_key(const exchange *x, char *ret_key, bf_error *err);
@@ -168,10 +167,12 @@ void handlers__answer_head(exchange *x, const char *path, const char *id, uint64
 json_in_texts handlers__texts(const exchange *x, size_t n);
 
 /// Accept a run for the sender, who may repeat the request with a key as long as the n bytes of body are the same; and
-/// answer with it, or with what is polled. The submission stays the caller's.
+/// answer with it, or with what is polled, or of a study with the request's body. The submission stays the caller's.
 BF_MUST_CHECK bf_status handlers__submit_run(exchange *x, api_submission *submission,
                                              const char *body, size_t n, bf_error *err);
 BF_MUST_CHECK bf_status handlers__answer_polled(exchange *x, bf_error *err);
+BF_MUST_CHECK bf_status handlers__submit_study(exchange *x, api_study_submission *made,
+                                               bf_error *err);
 
 /// Studies: accept, list, show, change, remove,
 route_handler_fn handlers_studies_submit;
@@ -181,7 +182,6 @@ route_handler_fn handlers_studies_pause;
 route_handler_fn handlers_studies_resume;
 route_handler_fn handlers_studies_cancel;
 route_handler_fn handlers_studies_remove;
-
 /// and what they have: document, trials, what was found, events; a trial as a run of its own.
 route_handler_fn handlers_trials_document;
 route_handler_fn handlers_trials_list;

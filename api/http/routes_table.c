@@ -45,19 +45,22 @@ static const route table[] = {
       .id = "submitRun",
       .tag = "Runs",
       .summary = "Accept a run; it is on disk before the answer is sent",
-      .help = "The whole scenario is checked first: every fault that can be found is reported with "
-              "its place. A 201 means that the run is on disk and will be solved, even if the "
-              "daemon is restarted meanwhile. With `Prefer: wait=N` the answer comes when the run "
-              "has ended. If the same scenario was solved before, the run ends at once with those "
-              "results (`cached`), unless `fresh` is given. With Idempotency-Key a request can be "
-              "repeated safely: the same key with another body is a 422. 429 means that the "
-              "client's quota of queued runs is used up, 503 that the queue is full, 507 that the "
-              "disk has too little room.",
+      .help =
+          "The whole scenario is checked first: every fault that can be found is reported with "
+          "its place. A 201 means that the run is on disk and will be solved, even if the "
+          "daemon is restarted meanwhile. With `Prefer: wait=N` the answer comes when the run "
+          "has ended. If the same scenario was solved before, the run ends at once with those "
+          "results (`cached`), unless `fresh` is given. With Idempotency-Key a request can be "
+          "repeated safely: the same key with another body is a 422. With `replications` of 2 and "
+          "more the answer is a study of so many runs, at other substreams, and `Location` is "
+          "its path; nothing waits for its end. 429 means that the "
+          "client's quota of queued runs is used up, 503 that the queue is full, 507 that the "
+          "disk has too little room.",
       .body = "Submission",
       .refusals = "403 409 413 415 422 507",
-      .answers = { { 201, "Run",
+      .answers = { { 201, "RunOrStudy",
                      "Location ETag Cache-Control Preference-Applied Idempotent-Replayed",
-                     "The run was accepted" } } },
+                     "The run was accepted, or the study of its replications" } } },
     { .method = "GET",
       .path = "/v1/runs",
       .handle = handlers_runs_list,

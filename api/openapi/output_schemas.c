@@ -137,7 +137,8 @@ static const member best_members[] = {
         .flags = MEMBER_OPTIONAL),
     ROW("verdicts", "[#Verdict]",
         "What this says, in sentences: equal, alone, one_run_each, everything_through, edge, "
-        "no_chance, confirmed, undecided or unconfirmed"),
+        "no_chance, confirmed, undecided or unconfirmed; of a base that is repeated replications "
+        "and jams"),
     ROW("is_decided", "boolean", "Of screen: the selection ended by itself, with its confidence",
         .flags = MEMBER_OPTIONAL),
     ROW("confirmed", "[#ConfirmedPoint]", "Of screen: the points that the microscopic model tried",
@@ -244,6 +245,9 @@ static const openapi_schema table[] = {
     OBJECT(run_json_links, "The resources of a run"),
     OBJECT(run_json_list, "A page of the list of runs"),
     OBJECT(study_json, "A study"),
+    { .name = "RunOrStudy",
+      .help = "A run, or with replications a study of it",
+      .one_of = "Run Study" },
     OBJECT(study_json_trials, "Numbers of a study's trials"),
     OBJECT(study_json_links, "The resources of a study"),
     OBJECT(study_json_list, "A page of the list of studies"),

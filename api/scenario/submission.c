@@ -19,10 +19,13 @@ typedef struct body {
     char label[API_LABEL_SIZE];
     int priority;
     bool is_fresh;
+    uint64_t replications;
 } body;
 
 const bf_range submission_priorities = { .minimum = -API_PRIORITY_MAX,
                                          .maximum = API_PRIORITY_MAX };
+
+static const bf_range replications_range = { .minimum = 1, .maximum = SUBMISSION_REPLICATIONS_MAX };
 
 #define AT(place) offsetof(body, place)
 static const member members[] = {
@@ -37,6 +40,11 @@ static const member members[] = {
         .range = &submission_priorities, .flags = MEMBER_INIT),
     MEMBER("fresh", bool, AT(is_fresh), "solve it even if the results are known",
            .flags = MEMBER_INIT),
+    MEMBER(
+        "replications", seed, AT(replications),
+        "runs at successive substreams: 2 and more are a study, which is answered in place of the "
+        "run; without chance it solves one",
+        .range = &replications_range, .flags = MEMBER_INIT),
 };
 #undef AT
 
@@ -45,12 +53,21 @@ static void init_body(void *item, size_t place)
     body *b = item;
 
     (void)place;
-    *b = (body){ .model = RUN_MACRO };
+    *b = (body){ .model = RUN_MACRO, .replications = 1 };
     scene_init(&b->scenario);
 }
 
 const member_table submission_members = { MEMBER_TABLE("submission", members), .size = sizeof(body),
                                           .init = init_body };
+
+// Those of a document's own members are nobody else's to check.
+static void check_replications(json_in *in, const body *b)
+{
+    range_check(&replications_range, (double)b->replications, "/replications", in->faults);
+    if (b->replications > 1 && b->is_fresh)
+        faults_add(in->faults, "/fresh",
+                   "belongs to one run; of replications, those that are known are taken");
+}
 
 static bool check_model(json_in *in, run_model model)
 {
@@ -65,6 +82,7 @@ static bool check_model(json_in *in, run_model model)
 static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_error *err)
 {
     members_read(in, root, &submission_members, b);
+    check_replications(in, b);
     if (in->has_failed || in->faults->n > 0)
         return json_in_status(in, err);
     bool has_model = check_model(in, b->model);
@@ -123,6 +141,7 @@ bf_status submission_read(const char *json, size_t n, json_in_texts *texts,
         snprintf(ret_submission->label, sizeof ret_submission->label, "%s", b.label);
         ret_submission->priority = b.priority;
         ret_submission->is_fresh = b.is_fresh;
+        ret_submission->replications = b.replications;
     }
     scene_fini(&b.scenario);
     return status;

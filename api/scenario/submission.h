@@ -1,9 +1,9 @@
 /// What a client submits: a scenario with the model to solve it with, as the body of a POST.
 ///
-///     {"scenario": {...}, "model": "macro", "label": "...", "priority": 0, "fresh": false}
+///     {"scenario": {...}, "model": "macro", "label": "...", "priority": 0, "fresh": false, "replications": 1}
 ///
 /// Reading is as strict as scenario_read(); pointers are those of the body ("/scenario/belts/0").
-/// `model` ("macro"), `label` (""), `priority` (0) and `fresh` (false) may be left out.
+/// All but `scenario` may be left out.
 
 #pragma once
 
@@ -22,6 +22,7 @@ extern const bf_range submission_priorities;
 enum {
     SUBMISSION_TEXTS_MAX = 2 * 1024 * 1024, ///< bytes of all texts that a scenario may name
     SUBMISSION_PARTS_MAX = 20000,           ///< parts that a validation may list
+    SUBMISSION_REPLICATIONS_MAX = 1000,     ///< runs of one submission
 };
 
 /// Read a body, resolve and check its scenario. All faults that can be found are noted in *faults.

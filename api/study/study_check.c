@@ -206,6 +206,9 @@ void study__check(json_in *in, study_document *d)
         d->replications = d->method.type == STUDY_SCREEN ? REPLICATIONS_SCREEN : 1;
     if (isnan(d->method.n_independent))
         d->method.n_independent = SAMPLES_A_CURVE * (double)d->n_curves;
+    if (d->n_parameters == 0 && d->method.type != STUDY_LIST)
+        faults_add(in->faults, "/parameters",
+                   "there must be one at least; the method list alone may repeat the base");
     for (size_t k = 0; k < d->n_parameters; k++) {
         check_pointer(in, d, k);
         check_values(in, d, k);

@@ -85,7 +85,7 @@ study_definition study_document_definition(const study_document *d)
     }
     if (d->method.type == STUDY_LIST ||
         (d->method.type == STUDY_SCREEN && d->method.sweep == STUDY_LIST))
-        def.n_points = d->parameters[0].n_values;
+        def.n_points = d->n_parameters > 0 ? d->parameters[0].n_values : 1;
     return def;
 }
 

@@ -87,7 +87,7 @@ typedef struct study_document {
     struct json_t *scenario;                               ///< of the base; owned
     run_model model;                                       ///< of the base
     study_document_parameter parameters[STUDY_PARAMETERS]; ///< n_parameters
-    size_t n_parameters;                                   ///< at least 1
+    size_t n_parameters;                                   ///< 0: the base is repeated
     study_document_objective objectives[STUDY_VALUES];     ///< n_objectives; the first is optimised
     size_t n_objectives;                                ///< 0 with STUDY_CALIBRATE, else at least 1
     study_document_curve curves[STUDY_DOCUMENT_CURVES]; ///< n_curves

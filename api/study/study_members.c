@@ -263,8 +263,9 @@ static const member members[] = {
     MEMBER("name", text, AT(name), "for people", .limit = STUDY_DOCUMENT_NAME,
            .flags = MEMBER_INIT),
     MEMBER("base", object, 0, "what all trials have in common", .table = &base_table),
-    MEMBER("parameters", array, AT(parameters), "what trials differ in", .table = &parameter_table,
-           .offset_n = AT(n_parameters), .least = 1, .limit = STUDY_PARAMETERS),
+    MEMBER("parameters", array, AT(parameters),
+           "what trials differ in; of list it may be empty: the base is repeated",
+           .table = &parameter_table, .offset_n = AT(n_parameters), .limit = STUDY_PARAMETERS),
     MEMBER("objectives", array, AT(objectives),
            "what is best, the first one; between equal points the second one decides, of sweeps "
            "and screen "

@@ -59,7 +59,7 @@ bf_status study_columns_write(const study_columns *columns, bf_buffer *out, bf_e
     return json_out_status(&w, err);
 }
 
-// False: it is not a list of 1 to `most` names of fewer bytes than size.
+// False: it is not a list of at most `most` names of fewer bytes than size.
 static bool read_names(const json_t *list, char *names, size_t size, size_t most, size_t *ret_n)
 {
     const size_t n = json_array_size(list);
@@ -71,7 +71,7 @@ static bool read_names(const json_t *list, char *names, size_t size, size_t most
         memcpy(names + k * size, name, strlen(name) + 1);
     }
     *ret_n = n;
-    return n >= 1 && n <= most;
+    return json_is_array(list) && n <= most;
 }
 
 bf_status study_columns_read(const char *json, size_t n, study_columns *ret_columns, bf_error *err)
@@ -87,7 +87,8 @@ bf_status study_columns_read(const char *json, size_t n, study_columns *ret_colu
         read_names(json_object_get(root, "parameters"), columns.parameters[0],
                    sizeof *columns.parameters, STUDY_PARAMETERS, &columns.n_parameters) &&
         read_names(json_object_get(root, "values"), columns.values[0], sizeof *columns.values,
-                   STUDY_VALUES, &columns.n_values);
+                   STUDY_VALUES, &columns.n_values) &&
+        columns.n_values >= 1;
     json_in_free(root);
     if (!is_read)
         return bf_fail(err, BF_ECORRUPT, "", "stored columns of trials are damaged");

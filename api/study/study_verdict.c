@@ -4,6 +4,7 @@
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -276,11 +277,66 @@ static void say_one_run(const about *a)
     verdict_advise(v, "Ask for at least 5 replications.");
 }
 
+// Of replications of one point.
+static void say_jams(const about *a, size_t value)
+{
+    const study_document_objective *o = &a->document->objectives[value];
+    statistics_sample jams = { 0 };
+
+    if (o->figure != FIGURE_JAM_COUNT)
+        return;
+    for (size_t trial = 0; trial < study_trials(a->study); trial++) {
+        const double n = study_values(a->study, trial)[value];
+        if (isfinite(n))
+            statistics_add(&jams, n > 0.0 ? 1.0 : 0.0);
+    }
+    const uint64_t hits = (uint64_t)lround(jams.mean * (double)jams.n);
+    const statistics_range range = statistics_wilson(hits, jams.n, confidence_of_means);
+    verdict *v = verdict_add(a->verdicts, "jams");
+    verdict_say(v,
+                "Nothing left for a while in %" PRIu64 " of %" PRIu64 " runs: it jams with a "
+                "probability of %.2g to %.2g %%.",
+                hits, jams.n, 100.0 * range.low, 100.0 * range.high);
+    verdict_rests_on(v, "jam_probability", "", jams.mean);
+    verdict_rests_on(v, "jam_probability_low", "", range.low);
+    verdict_rests_on(v, "jam_probability_high", "", range.high);
+}
+
+static void say_replications(const about *a)
+{
+    const statistics_sample sample = study_sample(a->study, a->choice->best, 0);
+    const double half = statistics_half_width(&sample, confidence_of_means);
+    const char *unit = figure_table[a->document->objectives[0].figure].unit;
+    char number[VERDICT_NUMBER_SIZE], word[STUDY_DOCUMENT_COLUMN];
+
+    if (sample.n < 2 || !study_document_definition(a->document).has_chance)
+        return;
+    study_document_column(a->document, 0, word);
+    verdict *v = verdict_add(a->verdicts, "replications");
+    verdict_say(v, "%s%s%s is the mean of %" PRIu64 " runs with its interval of 95 %%.",
+                verdict_number(sample.mean, half, number), unit != NULL ? " " : "",
+                unit != NULL ? unit : "", sample.n);
+    if (half > 0.0)
+        verdict_advise(v, "%" PRIu64 " more runs would halve it.", 3 * sample.n);
+    verdict_rests_on(v, word, "", sample.mean);
+    verdict_rests_on(v, "half_width", "", half);
+    verdict_rests_on(v, "runs", "", (double)sample.n);
+    for (size_t value = 0; value < a->document->n_objectives; value++)
+        say_jams(a, value);
+}
+
+static void say_no_chance(const about *a)
+{
+    if (a->document->replications > 1 && !study_document_definition(a->document).has_chance)
+        verdict_say(verdict_add(a->verdicts, "no_chance"),
+                    "Nothing is left to chance, so each point was solved once: replications would "
+                    "be the same run.");
+}
+
 static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
 {
     const study_document *d = a->document;
     const bool is_search = d->method.type == STUDY_DIRECT || d->method.type == STUDY_CMAES;
-    const bool has_chance = study_document_definition(d).has_chance;
 
     if (a->choice->is_known && a->choice->n_candidates > 1)
         say_equal(a);
@@ -290,10 +346,8 @@ static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
     if (status != BF_OK)
         return status;
     say_edges(a);
-    if (!has_chance && d->replications > 1 && d->method.type != STUDY_SCREEN)
-        verdict_say(verdict_add(a->verdicts, "no_chance"),
-                    "Nothing is left to chance, so each point was solved once: replications would "
-                    "be the same run.");
+    if (d->method.type != STUDY_SCREEN)
+        say_no_chance(a);
     memset(are_meant, 0, study_points(a->study) * sizeof *are_meant);
     if (d->method.type == STUDY_SCREEN)
         say_confirmed(a, are_meant);
@@ -307,6 +361,11 @@ bf_status study_verdict_find(study_document *document, const study *s, const stu
 
     if (choice->best == SIZE_MAX || document->method.type == STUDY_CALIBRATE)
         return BF_OK;
+    if (document->n_parameters == 0) {
+        say_replications(&a);
+        say_no_chance(&a);
+        return BF_OK;
+    }
     bool *are_meant = memory_alloc(study_points(s), sizeof *are_meant);
     if (are_meant == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");

@@ -8,6 +8,8 @@
 ///     no_chance           nothing is left to chance, so each point was solved once
 ///     confirmed           of screen: what the microscopic model compared with what, and how much the models differ there
 ///     undecided           of screen: same, trials having run out, or still going on
+///     replications        of a point that is repeated alone: the mean of its runs, with Student's interval
+///     jams                same: how many of its runs jammed, with Wilson's interval
 ///     unconfirmed         of screen: the microscopic model has said nothing yet
 
 #pragma once

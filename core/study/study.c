@@ -22,8 +22,8 @@ bf_status study_create(const study_definition *definition, study **ret_study, bf
 {
     const study_definition *d = definition;
 
-    BF_CHECK(d->d >= 1 && d->d <= STUDY_PARAMETERS && d->n_values >= 1 &&
-             d->n_values <= STUDY_VALUES && d->n_replications >= 1);
+    BF_CHECK((d->d >= 1 || d->method == STUDY_LIST) && d->d <= STUDY_PARAMETERS &&
+             d->n_values >= 1 && d->n_values <= STUDY_VALUES && d->n_replications >= 1);
     if (d->n_trials_max > STUDY_TRIALS_MAX || study_first_trials(d) > d->n_trials_max)
         return bf_fail(err, BF_ELIMIT, "",
                        "the study begins with more than its %zu trials; at most %d are allowed",
@@ -32,7 +32,8 @@ bf_status study_create(const study_definition *definition, study **ret_study, bf
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     s->definition = *d;
-    s->evolution = cmaes_begin(d->seed, d->d);
+    if (d->method == STUDY_CMAES)
+        s->evolution = cmaes_begin(d->seed, d->d);
     *ret_study = s;
     return BF_OK;
 }

@@ -58,7 +58,7 @@ typedef enum study_model {
 /// What a study is.
 typedef struct study_definition {
     study_method method; ///< see above
-    size_t d;            ///< parameters
+    size_t d;            ///< parameters; 0 with STUDY_LIST alone: one point, which is repeated
     size_t n_values;     ///< of each trial; the first one is the objective, see STUDY_CALIBRATE
     bool is_maximized;   ///< the largest objective is best; else the least
     bool is_second_maximized; ///< same of the second value, which decides between equal points

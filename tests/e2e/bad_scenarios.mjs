@@ -348,5 +348,9 @@ export const badEnvelopes = [
   ["a label that is too long", { scenario: goodScenario(), label: "x".repeat(101) }, "/label"],
   ["a priority as text", { scenario: goodScenario(), priority: "high" }, "/priority"],
   ["a priority beyond the limit", { scenario: goodScenario(), priority: 101 }, "/priority"],
+  ["no replication", { scenario: goodScenario(), replications: 0 }, "/replications"],
+  ["more replications than there may be", { scenario: goodScenario(), replications: 1001 }, "/replications"],
+  ["half a replication", { scenario: goodScenario(), replications: 2.5 }, "/replications"],
+  ["replications that are fresh", { scenario: goodScenario(), replications: 2, fresh: true }, "/fresh"],
   ["half a priority", { scenario: goodScenario(), priority: 0.5 }, "/priority"],
 ];

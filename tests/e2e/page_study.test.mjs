@@ -4,9 +4,9 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test, { after } from "node:test";
 
-import { assertAccessible, closeBrowser, openPage, visit } from "./browser.mjs";
+import { assertAccessible, closeBrowser, editText, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
-import { jam } from "./scenarios.mjs";
+import { fed, jam } from "./scenarios.mjs";
 import { until } from "./setup.mjs";
 
 after(closeBrowser);
@@ -23,6 +23,22 @@ async function begin(d, document) {
   assert.equal(answer.status, 201, answer.text);
   return answer.json.id;
 }
+
+test("several runs of each are begun in the form, and stand together", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?tab=json&model=micro");
+  await page.getByText("Ready:").waitFor();
+  const { photo_eyes: eyes, actions, obstacles, ...free } = fed();
+  await editText(page, JSON.stringify({ ...free, duration_s: 4, feeds: [{ ...free.feeds[0], arrivals: "poisson" }] }));
+  await page.getByLabel("Runs of each").fill("3");
+  await page.getByText("Ready:").waitFor();
+  await page.getByRole("button", { name: "Start the run" }).click();
+  await page.waitForURL(/#\/studies\/[0-9a-f-]+$/);
+  await page.getByRole("heading", { name: "All runs together" }).waitFor();
+  await page.getByText(/± .* parts\/h is the mean of 3 runs/).waitFor();
+  await page.getByText(/^Nothing left for a while in 0 of 3 runs/).waitFor();
+});
 
 test("a study is begun by the form, shows what it finds, and its points open their runs", async (t) => {
   const d = await daemon(t);

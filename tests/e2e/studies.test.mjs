@@ -8,7 +8,7 @@ import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { beltflow } from "./processes.mjs";
-import { jam } from "./scenarios.mjs";
+import { fed, jam } from "./scenarios.mjs";
 import { temporaryFolder, until } from "./setup.mjs";
 
 // A plate that ends at (0.75, 0.5) and leaves 0.1 m free.
@@ -167,4 +167,45 @@ test("a calibration names counts that were measured by their id", async (t) => {
   assert.deepEqual(profiles.map(({ pointer }) => pointer), ["/obstacles/0/length_m"]);
   const refused = await d.post("/v1/studies", calibration(run.id));
   assert.deepEqual([refused.status, refused.json.errors[0].pointer], [422, "/curves/0/measurement"]);
+});
+
+// A feed by chance, so that runs differ; a plate that lets everything through.
+function arrivals() {
+  const { actions, photo_eyes: eyes, obstacles, ...scenario } = fed({ duration_s: 4 });
+  return { ...scenario, feeds: [{ id: "infeed", edge: "west", y_m: [0.05, 0.25], rate_per_s: 20, arrivals: "poisson" }] };
+}
+
+test("several runs of a scenario are a study of one point, with the interval of its mean", async (t) => {
+  const d = await daemon(t);
+  const body = { scenario: arrivals(), model: "micro", label: "how sure", replications: 5 };
+  const answer = await d.post("/v1/runs", body, { "idempotency-key": "\"five\"" });
+  assert.equal(answer.status, 201, answer.text);
+  assert.equal(answer.headers.location, `/v1/studies/${answer.json.id}`);
+  assert.equal(answer.json.name, "how sure");
+  assert.equal((await d.post("/v1/runs", body, { "idempotency-key": "\"five\"" })).json.id, answer.json.id);
+  const study = await reached(d, answer.json.id, "succeeded", "failed");
+  assert.deepEqual([study.status, study.trials.succeeded], ["succeeded", 5]);
+  const { best, verdicts, has_chance: hasChance } = (await d.get(`/v1/studies/${study.id}/best`)).json;
+  const { n, mean, interval_95: interval } = best.values.sustained_throughput_per_h;
+  assert.ok(hasChance && n === 5 && interval[0] < mean && mean < interval[1], JSON.stringify(best));
+  // Wilson's interval of 0 of 5: 0 to z^2/(5 + z^2) with z = 1.96, 43 %.
+  const { mean: jams, interval_95: range } = best.values["jam.count"].jam_probability;
+  assert.ok(jams === 0 && range[0] === 0 && Math.abs(range[1] - 0.4345) < 1e-3, JSON.stringify(range));
+  assert.deepEqual(verdicts.map(({ kind }) => kind), ["replications", "jams"]);
+  assert.match(verdicts[0].text, /^[0-9.]+ ± [0-9.]+ parts\/h is the mean of 5 runs .* 15 more runs would halve it\.$/);
+  const csv = (await d.get(`/v1/studies/${study.id}/trials?format=csv`)).text.trim().split("\n");
+  assert.equal(csv.length, 6);
+});
+
+test("without chance several runs are one, and the answer says so", async (t) => {
+  const d = await daemon(t);
+  const { json } = await d.post("/v1/runs", { scenario: plate(0.5), replications: 7 });
+  const study = await reached(d, json.id, "succeeded", "failed");
+  assert.equal(study.trials.succeeded, 1);
+  const { best, verdicts } = (await d.get(`/v1/studies/${json.id}/best`)).json;
+  assert.deepEqual(verdicts.map(({ kind }) => kind), ["no_chance"]);
+  assert.equal(best.values.sustained_throughput_per_h.interval_95, undefined);
+  // Without parameters only the method that takes a list is a study.
+  const refused = await d.post("/v1/studies", studyOf({ parameters: [], method: { type: "grid" } }));
+  assert.deepEqual([refused.status, refused.json.errors[0].pointer], [422, "/parameters"]);
 });

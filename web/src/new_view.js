@@ -71,7 +71,10 @@ export class NewView {
     const button = (text, onClick) => h("button", { type: "button", on: { click: onClick } }, text);
     this.buttons = [h("button", { type: "submit", class: "primary" }, "Start the run"),
       button("Run both models", () => this.submit(["macro", "micro"]))];
-    return h("div", { class: "submit-row" }, this.buttons, button("Study …", () => this.study()), this.verdict);
+    this.runsBox = h("input", { type: "number", min: "1", max: "1000", step: "1", value: "1", on: { input: () => this.judgeSoon() } });
+    const runs = h("label", { class: "field inline", title: "With other arrivals; several give a mean with its interval" },
+      h("span", {}, "Runs of each"), this.runsBox);
+    return h("div", { class: "submit-row" }, this.buttons, runs, button("Study …", () => this.study()), this.verdict);
   }
 
   about() {
@@ -168,7 +171,8 @@ export class NewView {
   }
 
   body(model = this.model) {
-    const rest = JSON.stringify({ model, label: this.labelBox.value, priority: Number(this.priorityBox.value) || 0 });
+    const rest = JSON.stringify({ model, label: this.labelBox.value, priority: Number(this.priorityBox.value) || 0,
+      replications: Number(this.runsBox.value) });
     return `${PREFIX}${this.editor.text.trim() === "" ? "null" : this.editor.text},${rest.slice(1)}`;
   }
 
@@ -260,7 +264,8 @@ export class NewView {
     try {
       if (models.length > 1) await Promise.all(models.map((model) => post("v1/validate", this.body(model))));
       const runs = await Promise.all(models.map((model) => post("v1/runs", this.body(model))));
-      go(runs.length === 1 ? address("runs", runs[0].id) : address("compare", "", { runs: runs.map(({ id }) => id).join(",") }));
+      go(isStudy(runs[0]) ? runs.length === 1 ? address("studies", runs[0].id) : address("studies")
+        : runs.length === 1 ? address("runs", runs[0].id) : address("compare", "", { runs: runs.map(({ id }) => id).join(",") }));
     } catch (error) {
       this.refuse(error);
       if (this.tab === "json") this.editor.list.querySelector("button")?.focus();
@@ -276,6 +281,9 @@ export class NewView {
     go(address("studies", "new", { draft: "1" }));
   }
 }
+
+// Several runs of each are answered as a study.
+const isStudy = ({ links }) => links.trials !== undefined;
 
 // The first line of the body begins with what stands before the text.
 function shift(detail) {

@@ -14,7 +14,7 @@ function readable(text, words) {
 function sentences(study, { best, is_ended: isEnded, verdicts = [] }, words) {
   if (!best) return [isEnded ? "No trial has this value, so nothing is best." : "Nothing is known yet."];
   if (study.method === "calibrate") return [isEnded ? "These values agree best with the counts." : "So far these values agree best with the counts."];
-  const model = study.method === "screen" ? [] : [`${isEnded ? "The best that was tried" : "The best so far"}, by the ${models[best.model]} model alone${
+  const model = study.method === "screen" || words.size === 0 ? [] : [`${isEnded ? "The best that was tried" : "The best so far"}, by the ${models[best.model]} model alone${
     best.model === "macro" ? "; the microscopic model has not confirmed it." : "."}`];
   return [...model, ...verdicts.map(({ text }) => readable(text, words))];
 }
@@ -24,7 +24,7 @@ export class BestPanel {
     Object.assign(this, { words, figures });
     this.body = h("div", { class: "best-panel" });
     this.element = h("section", { class: "card", "aria-labelledby": "best-title" },
-      this.title = h("h2", { id: "best-title" }, "Best found"), this.body);
+      this.title = h("h2", { id: "best-title" }, words.size > 0 ? "Best found" : "All runs together"), this.body);
   }
 
   show(study, found) {
@@ -34,7 +34,7 @@ export class BestPanel {
     this.key = key;
     const { best, warnings = [], confirmed } = found;
     this.body.replaceChildren(...[
-      best ? h("p", { class: "best-words" }, parametersWords(best.parameters, this.words)) : null,
+      best && this.words.size > 0 ? h("p", { class: "best-words" }, parametersWords(best.parameters, this.words)) : null,
       ...sentences(study, found, this.words).map((text) => h("p", { class: "hint" }, text)),
       best ? this.values(best) : null,
       confirmed?.length > 0 ? this.confirmed(confirmed) : null,

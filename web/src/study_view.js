@@ -33,7 +33,7 @@ export class StudyView {
     this.words = new Map(doc.parameters.map(({ pointer }) => [pointer, parameterAt(pointer, scenario)]));
     this.figures = figureNames(doc);
     this.figure = this.figures.includes(query.get("figure")) ? query.get("figure") : this.figures[0];
-    this.pointer = this.words.has(query.get("against")) ? query.get("against") : doc.parameters[0].pointer;
+    this.pointer = this.words.has(query.get("against")) ? query.get("against") : doc.parameters[0]?.pointer;
     root.replaceChildren(...this.build());
     this.data.onChange = () => this.show();
     this.show();
@@ -88,7 +88,8 @@ export class StudyView {
           choose("Against", [...this.words.keys()], this.pointer, (pointer) => this.words.get(pointer).label,
             (value) => this.choose({ pointer: value })))),
       this.chart.element,
-      h("p", { class: "hint" }, "Each point is the mean of its runs, with the 95 % interval where there are several. Press a point to open its run."));
+      h("p", { class: "hint" }, this.words.size > 0 ? "Each point is the mean of its runs, with the 95 % interval where there are several. Press a point to open its run."
+        : "Each point is a run. Press one to open it."));
   }
 
   tableCard() {
@@ -117,9 +118,10 @@ export class StudyView {
     this.buttons.cancel.hidden = isOver(study);
     const points = pointsOf(this.data.ended(), this.figure);
     const unit = figureUnit(this.figure);
-    const { label, unit: of } = this.words.get(this.pointer);
+    const { label, unit: of } = this.words.get(this.pointer) ?? { label: "number of the run" };
     setText(this.chartTitle, `${figureTitle(this.figure)} against ${label}`);
-    this.chart.show(points.map((point) => this.drawn(point, unit)), [of ? `${label} (${of})` : label, unit ? `${figureTitle(this.figure)} (${unit})` : figureTitle(this.figure)]);
+    const drawn = this.words.size > 0 ? points.map((point) => this.drawn(point, unit)) : this.repeated(unit);
+    this.chart.show(drawn, [of ? `${label} (${of})` : label, unit ? `${figureTitle(this.figure)} (${unit})` : figureTitle(this.figure)]);
     this.showTable(points, unit);
     this.pictures.show(this.pictured(points));
     this.best.show(study, best);
@@ -136,21 +138,29 @@ export class StudyView {
       title: `${parametersWords(point.parameters, this.words)}: ${valueWords(point, unit)}, ${point.model}` };
   }
 
+  // Of a base that is repeated, each run.
+  repeated(unit) {
+    return this.data.ended().filter(({ values }) => values[this.figure] !== undefined).map((trial) => ({
+      key: `${trial.trial}`, x: trial.trial + 1, model: trial.model, mean: trial.values[this.figure], low: null, high: null, isBest: false,
+      trials: [trial], title: `run ${trial.trial + 1}: ${valueWords({ mean: trial.values[this.figure] }, unit)}, ${trial.model}` }));
+  }
+
   // By the model of most points, so that pictures can be compared.
   pictured(points) {
     const macro = points.filter(({ model }) => model === "macro");
     return (macro.length > 0 ? macro : points)
-      .map((point) => ({ ...point, x: point.parameters[this.pointer], label: parametersWords(point.parameters, this.words) }));
+      .map((point) => ({ ...point, x: point.parameters[this.pointer] ?? 0, label: parametersWords(point.parameters, this.words) || "run 1" }));
   }
 
   showTable(points, unit) {
-    const head = [...[...this.words.values()].map(({ label }) => label), "model", "runs", unit ? `mean and 95 % interval (${unit})` : "mean and 95 % interval"];
+    const labels = this.words.size > 0 ? [...this.words.values()].map(({ label }) => label) : ["point"];
+    const head = [...labels, "model", "runs", unit ? `mean and 95 % interval (${unit})` : "mean and 95 % interval"];
     const key = JSON.stringify([head, points.map(({ point, model, n, mean }) => [point, model, n, mean])]);
     if (key === this.tableKey) return;
     this.tableKey = key;
     this.columns.replaceChildren(...head.map((text) => h("th", { scope: "col" }, text)));
     this.rows.replaceChildren(...points.slice(0, SHOWN_MAX).map((point) => {
-      const [first, ...others] = [...this.words.keys()].map((pointer) => parametersWords({ [pointer]: point.parameters[pointer] }, this.words));
+      const [first = "all runs", ...others] = [...this.words.keys()].map((pointer) => parametersWords({ [pointer]: point.parameters[pointer] }, this.words));
       return h("tr", { class: this.isBest(point) ? "best" : null }, h("th", { scope: "row" }, first), others.map((text) => h("td", {}, text)),
         [point.model, String(point.n), valueWords(point, "")].map((text) => h("td", {}, text)));
     }));

@@ -80,7 +80,7 @@ static void columns_read_back(void **state)
     static const char *const damaged[] = {
         "",
         "{}",
-        "{\"parameters\":[],\"values\":[\"v\"]}",
+        "{\"parameters\":[\"/p\"],\"values\":[]}",
         "{\"parameters\":[\"/p\"],\"values\":[7]}",
         "{\"parameters\":[\"/p\"],\"values\":\"v\"}",
         "{\"parameters\":[\"1\",\"2\",\"3\",\"4\",\"5\",\"6\",\"7\",\"8\",\"9\",\"10\",\"11\","
