@@ -135,10 +135,21 @@ static const member best_members[] = {
         .null = "not known: one run of each point, or a method that searches"),
     ROW("indifference", "number", "A difference of the first objective that counts as none",
         .flags = MEMBER_OPTIONAL),
+    ROW("demand", "number", "With a demand: at least so much of the first objective",
+        .flags = MEMBER_OPTIONAL),
+    ROW("is_met", "boolean",
+        "With a demand: the best point meets it; else it is the nearest one, and the set is empty",
+        .flags = MEMBER_OPTIONAL),
     ROW("verdicts", "[#Verdict]",
         "What this says, in sentences: equal, alone, one_run_each, everything_through, edge, "
-        "no_chance, confirmed, undecided or unconfirmed; of a base that is repeated replications "
+        "demand_met, demand_not_met, front, no_chance, confirmed, undecided or unconfirmed; of a "
+        "base that is repeated replications "
         "and jams"),
+    ROW("front", "[#StudyPoint]",
+        "Where a second objective is given: the points to none of which another one is better in "
+        "one "
+        "of the two and not worse in the other, by their means",
+        .flags = MEMBER_OPTIONAL),
     ROW("is_decided", "boolean", "Of screen: the selection ended by itself, with its confidence",
         .flags = MEMBER_OPTIONAL),
     ROW("confirmed", "[#ConfirmedPoint]", "Of screen: the points that the microscopic model tried",

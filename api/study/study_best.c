@@ -5,6 +5,7 @@
 #include "api/study/study_verdict.h"
 #include "core/base/memory.h"
 #include "core/study/calibration.h"
+#include "core/study/study_front.h"
 
 #include <math.h>
 
@@ -187,7 +188,19 @@ static void write_set(json_out *w, const study_document *d, const study *s,
         json_out_object_end(w);
     }
     json_out_array_end(w);
-    json_out_key_number(w, "indifference", choice->indifference);
+    if (!study_document_definition(d).has_demand)
+        json_out_key_number(w, "indifference", choice->indifference);
+}
+
+// The points between which two objectives leave the choice.
+static void write_front(json_out *w, const study_document *d, const study *s, const bool *is_on)
+{
+    json_out_key(w, "front");
+    json_out_array(w);
+    for (size_t point = 0; point < study_points(s); point++)
+        if (is_on[point])
+            write_point(w, d, s, point);
+    json_out_array_end(w);
 }
 
 static bf_status write_verdicts(json_out *w, study_document *d, const study *s,
@@ -205,7 +218,7 @@ static bf_status write_verdicts(json_out *w, study_document *d, const study *s,
 }
 
 static bf_status write_found(json_out *w, study_document *d, const study *s, bool *is_in,
-                             bf_error *err)
+                             bool *is_on, bf_error *err)
 {
     study_choice choice;
     bf_status status = study_choose(s, is_in, &choice, err);
@@ -218,7 +231,15 @@ static bf_status write_found(json_out *w, study_document *d, const study *s, boo
     else
         write_point(w, d, s, choice.best);
     write_set(w, d, s, &choice, is_in);
+    if (study_document_definition(d).has_demand) {
+        json_out_key_number(w, "demand", d->objectives[0].demand);
+        json_out_key_bool(w, "is_met", choice.is_met);
+    }
     status = write_verdicts(w, d, s, &choice, is_in, err);
+    if (d->has_own_second && d->method.type != STUDY_CALIBRATE && d->n_parameters > 0) {
+        (void)study_front(s, &choice, is_on);
+        write_front(w, d, s, is_on);
+    }
     if (d->method.type == STUDY_SCREEN)
         write_confirmed(w, d, s, is_in);
     if (d->method.type == STUDY_CALIBRATE)
@@ -232,7 +253,7 @@ bf_status study_best_write(study_document *d, const study *s, bf_buffer *out, bf
 {
     json_out w = json_out_to(out);
 
-    bool *is_in = memory_alloc(study_points(s) + 1, sizeof *is_in);
+    bool *is_in = memory_alloc(2 * study_points(s) + 1, sizeof *is_in);
     if (is_in == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     json_out_object(&w);
@@ -241,7 +262,7 @@ bf_status study_best_write(study_document *d, const study *s, bf_buffer *out, bf
     json_out_key_bool(&w, "is_ended", study_is_ended(s));
     json_out_key_integer(&w, "trials", (int64_t)study_trials(s));
     json_out_key_integer(&w, "points", (int64_t)study_points(s));
-    const bf_status status = write_found(&w, d, s, is_in, err);
+    const bf_status status = write_found(&w, d, s, is_in, is_in + study_points(s), err);
     json_out_object_end(&w);
     memory_free(is_in);
     return status == BF_OK ? json_out_status(&w, err) : status;

@@ -2,6 +2,7 @@
 
 #include "api/scenario/scenario.h"
 #include "api/study/study_priv.h"
+#include "core/feed/arrivals.h"
 #include "core/scene/regime.h"
 
 #include <jansson.h>
@@ -77,10 +78,11 @@ static void add_second(study_document *d)
     const bool is_residence = d->objectives[0].figure >= FIGURE_RESIDENCE_MEAN &&
                               d->objectives[0].figure <= FIGURE_RESIDENCE_P99;
 
+    d->has_own_second = d->n_objectives > 1;
     if (d->n_objectives == 1 && !is_residence &&
         (is_sweep(d->method.type) || d->method.type == STUDY_SCREEN))
         d->objectives[d->n_objectives++] =
-            (study_document_objective){ .figure = FIGURE_RESIDENCE_MEAN };
+            (study_document_objective){ .figure = FIGURE_RESIDENCE_MEAN, .demand = (double)NAN };
 }
 
 // The index of the item of an objective or curve among n ids.
@@ -124,6 +126,67 @@ static void check_objective(json_in *in, study_document *d, const scene *s, size
         faults_add(in->faults, place, "the scenario has no %s \"%.64s\"", words[f->scope], o->of);
 }
 
+// Whether what is offered differs between the points of a study.
+static bool varies_offer(const study_document *d)
+{
+    bool varies = false;
+
+    for (size_t k = 0; k < d->n_parameters; k++)
+        varies |= strncmp(d->parameters[k].pointer, "/feeds", strlen("/feeds")) == 0 ||
+                  strcmp(d->parameters[k].pointer, "/duration_s") == 0 ||
+                  strcmp(d->parameters[k].pointer, "/warmup_s") == 0;
+    return varies;
+}
+
+// Parts/h that get through where all that is offered does: what is missing in the end is on the belt.
+static void find_offered(json_in *in, study_document_objective *o, const scene *s)
+{
+    double offered = (double)NAN;
+
+    o->is_offered = true;
+    if (feed_offered(s, s->warmup, s->duration, &offered, NULL) != BF_OK)
+        in->has_failed = true;
+    o->demand = STUDY_WHOLE_FEED * 3600.0 * offered / (s->duration - s->warmup);
+    if (!in->has_failed && !(isfinite(o->demand) && o->demand > 0.0))
+        faults_add(in->faults, "/objectives/0/demand",
+                   "what is offered is not known: give a number");
+}
+
+static void check_demand(json_in *in, study_document *d, const scene *s)
+{
+    static const char place[] = "/objectives/0/demand";
+    study_document_objective *o = &d->objectives[0];
+    const study_document_parameter *p = &d->parameters[0];
+    char other[BF_POINTER_SIZE];
+
+    for (size_t k = 1; k < d->n_objectives; k++) {
+        snprintf(other, sizeof other, "/objectives/%zu/demand", k);
+        if (!isnan(d->objectives[k].demand))
+            faults_add(in->faults, other, "belongs to the first objective");
+    }
+    if (d->n_objectives == 0 || isnan(o->demand))
+        return;
+    if (!is_sweep(d->method.type) || d->n_parameters == 0)
+        faults_add(in->faults, place, "belongs to parameters by grid, list, lhs or sobol");
+    for (size_t k = 1; p->form == STUDY_BY_VALUES && k < p->n_values; k++)
+        if (!(p->values[k] > p->values[k - 1])) {
+            faults_add(in->faults, "/parameters/0/values",
+                       "must rise, as the least one is searched");
+            break;
+        }
+    o->is_maximized = true;
+    if (isfinite(o->demand))
+        return;
+    if (o->figure != FIGURE_THROUGHPUT && o->figure != FIGURE_SUSTAINED)
+        faults_add(in->faults, place, "only a throughput can be what is offered");
+    else if (s->n_feeds == 0)
+        faults_add(in->faults, place, "the scenario has no feeds: give a number");
+    else if (varies_offer(d))
+        faults_add(in->faults, place, "what is offered depends on a parameter: give a number");
+    else
+        find_offered(in, o, s);
+}
+
 static void check_curve(json_in *in, study_document *d, const scene *s, size_t k)
 {
     study_document_curve *c = &d->curves[k];
@@ -161,6 +224,7 @@ static void check_base(json_in *in, study_document *d)
         check_objective(in, d, &s, k);
     for (size_t k = 0; k < d->n_curves; k++)
         check_curve(in, d, &s, k);
+    check_demand(in, d, &s);
     scene_fini(&s);
     add_second(d);
     if (is_calibration && d->n_curves == 0)

@@ -68,6 +68,8 @@ study_definition study_document_definition(const study_document *d)
                              .is_second_maximized =
                                  d->n_objectives > 1 && d->objectives[1].is_maximized,
                              .has_chance = has_chance,
+                             .has_demand = d->n_objectives > 0 && !isnan(d->objectives[0].demand),
+                             .demand = d->objectives[0].demand,
                              .seed = d->seed,
                              .n_trials_max = d->trials_max,
                              .n_replications = has_chance ? d->replications : 1,

@@ -54,6 +54,9 @@ typedef struct study_document_objective {
     char
         of[SCENE_ID_SIZE]; ///< of which feed, counter or photo eye; "": of the run, or the only one
     bool is_maximized;     ///< more is better
+    double demand;         ///< of the first: at least so much; INFINITY: what is offered, until it
+                           ///< is known; NAN: none
+    bool is_offered;       ///< the demand is what feeds offer
     size_t item;           ///< which one `of` is, of its scope
 } study_document_objective;
 
@@ -89,7 +92,8 @@ typedef struct study_document {
     study_document_parameter parameters[STUDY_PARAMETERS]; ///< n_parameters
     size_t n_parameters;                                   ///< 0: the base is repeated
     study_document_objective objectives[STUDY_VALUES];     ///< n_objectives; the first is optimised
-    size_t n_objectives;                                ///< 0 with STUDY_CALIBRATE, else at least 1
+    size_t n_objectives; ///< 0 with STUDY_CALIBRATE, else at least 1
+    bool has_own_second; ///< the second one was given, and is not that which decides between equals
     study_document_curve curves[STUDY_DOCUMENT_CURVES]; ///< n_curves
     size_t n_curves;                                    ///< STUDY_CALIBRATE: at least 1, else 0
     study_document_method method;                       ///< how points are chosen

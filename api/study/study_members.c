@@ -20,6 +20,8 @@ const char *const study_document_models[] = { "base", "macro", "micro" };
 static const char *const goal_words[] = { "minimize", "maximize", NULL };
 static const char *const scale_words[] = { "linear", "log", NULL };
 
+#define DEMAND_FORMS "[{\"type\":\"number\"},{\"type\":\"string\",\"const\":\"offered\"}]"
+
 static const bf_range positive = { .minimum = 0, .maximum = INFINITY, .excludes_min = true };
 static const bf_range at_least_one = { .minimum = 1, .maximum = INFINITY };
 static const bf_range trials_range = { .minimum = 1, .maximum = STUDY_TRIALS_MAX };
@@ -103,6 +105,32 @@ static const member_kind member_figure = { .text = "key figure",
                                            .read = read_figure,
                                            .write_schema = describe_figure };
 
+// ---- a demand: a number, or what feeds offer
+
+static void read_demand(json_in *in, const json_t *value, const member *m, void *item)
+{
+    double *demand = (double *)(void *)((char *)item + m->offset);
+
+    if (json_is_number(value))
+        *demand = json_number_value(value);
+    else if (json_is_string(value) && strcmp(json_string_value(value), "offered") == 0)
+        *demand = (double)INFINITY;
+    else
+        json_in_fault(in, "must be a number, or \"offered\": what all feeds offer");
+}
+
+static void describe_demand(json_out *w, const member *m, member_view view)
+{
+    (void)m;
+    (void)view;
+    json_out_key(w, "oneOf");
+    json_out_raw(w, DEMAND_FORMS, strlen(DEMAND_FORMS));
+}
+
+static const member_kind member_demand = { .text = "number, offered",
+                                           .read = read_demand,
+                                           .write_schema = describe_demand };
+
 // ---- the tables
 
 #define AT(place) offsetof(study_document, place)
@@ -152,13 +180,18 @@ static const member objective_members[] = {
            .limit = SCENE_ID_SIZE, .default_text = "the only one"),
     MEMBER("goal", either, AT(is_maximized), "what is better", .words = goal_words,
            .flags = MEMBER_INIT),
+    MEMBER("demand", demand, AT(demand),
+           "of the first objective, of grid, list, lhs and sobol: best is the least value of the "
+           "first "
+           "parameter at which the figure is at least this, with the method's confidence",
+           .default_text = "none: the largest or least value of the figure is best"),
 };
 #undef AT
 
 static void init_objective(void *item, size_t place)
 {
     (void)place;
-    *(study_document_objective *)item = (study_document_objective){ .is_maximized = false };
+    *(study_document_objective *)item = (study_document_objective){ .demand = (double)NAN };
 }
 
 static const member_table objective_table = { MEMBER_TABLE("studyObjective", objective_members),

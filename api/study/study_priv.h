@@ -4,6 +4,9 @@
 
 #include "api/study/study_document.h"
 
+/// Of what is offered: what is missing at the end of a run is still on the belt.
+#define STUDY_WHOLE_FEED 0.99
+
 /// Stands for a whole number that was not given.
 #define STUDY_NOT_GIVEN UINT64_MAX
 

@@ -3,6 +3,7 @@
 #include "api/study/study_priv.h"
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
+#include "core/study/study_front.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -12,9 +13,6 @@
 enum { LISTED = 6 };
 
 static const double s_per_h = 3600.0, confidence_of_means = 0.95;
-
-// Of what is offered: what is missing at the end of a run is still on the belt.
-static const double whole_feed = 0.99;
 
 // What a sentence is about.
 typedef struct about {
@@ -38,13 +36,14 @@ static double value_of(const about *a, size_t point, size_t parameter)
 
 // ---- points in words
 
-// The last word of a pointer that is not a number, "angle_deg".
+// The end of a pointer from its last word on that is not a number, "angle_deg", "velocity_m_s/0".
 static void say_name(verdict *v, const char *pointer)
 {
-    const char *slash = strrchr(pointer, '/');
-    const bool is_index = slash != NULL && slash[1] >= '0' && slash[1] <= '9';
+    const char *word = pointer + strlen(pointer);
 
-    verdict_say(v, "%s", slash == NULL || is_index ? pointer : slash + 1);
+    while (word > pointer && !(word[-1] == '/' && !(word[0] >= '0' && word[0] <= '9')))
+        word--;
+    verdict_say(v, "%s", word);
 }
 
 // "angle_deg 45 to 63" where these are all that were compared in between, "angle_deg 40, 45, 63", or "7 of 9 points".
@@ -161,6 +160,86 @@ static void say_edges(const about *a)
     }
 }
 
+// What two objectives leave to choose.
+static void say_front(const about *a, bool *are_meant)
+{
+    const size_t n = study_front(a->study, a->choice, are_meant);
+
+    if (n < 2)
+        return;
+    verdict *v = verdict_add(a->verdicts, "front");
+    verdict_say(v, "What is gained in ");
+    say_figure(v, a->document, 0);
+    verdict_say(v, " is lost in ");
+    say_figure(v, a->document, 1);
+    verdict_say(v, " between ");
+    say_points(v, a, are_meant);
+    verdict_say(v, "; each other point is worse in both, or in one and not better in the other.");
+    verdict_rests_on(v, "points", "", (double)n);
+}
+
+// The mean of a point with half of its interval, and its place.
+static void say_demanded(verdict *v, const about *a)
+{
+    const size_t best = a->choice->best;
+    const statistics_sample sample = study_sample(a->study, best, 0);
+    char number[VERDICT_NUMBER_SIZE], word[STUDY_DOCUMENT_COLUMN];
+
+    study_document_column(a->document, 0, word);
+    for (size_t k = 0; k < a->document->n_parameters; k++) {
+        verdict_say(v, k == 0 ? "" : ", ");
+        say_name(v, a->document->parameters[k].pointer);
+        verdict_say(v, " %.6g", value_of(a, best, k));
+        verdict_rests_on(v, a->document->parameters[k].pointer, "", value_of(a, best, k));
+    }
+    verdict_say(
+        v, ", with %s",
+        verdict_number(sample.mean, statistics_half_width(&sample, confidence_of_means), number));
+    verdict_rests_on(v, word, "", sample.mean);
+    verdict_rests_on(v, "demand", "", a->document->objectives[0].demand);
+}
+
+static void say_demand(const about *a, bool *are_meant)
+{
+    const study_document *d = a->document;
+    const study_choice *c = a->choice;
+    const char *unit = figure_table[d->objectives[0].figure].unit;
+    const statistics_sample sample = study_sample(a->study, c->best, 0);
+    const double half = statistics_half_width(&sample, confidence_of_means);
+    char number[VERDICT_NUMBER_SIZE];
+
+    for (size_t p = 0; p < study_points(a->study); p++)
+        are_meant[p] = has_value(a->study, p);
+    verdict *v = verdict_add(a->verdicts, c->is_met ? "demand_met" : "demand_not_met");
+    if (!c->is_met) {
+        verdict_say(v, "None of ");
+        say_points(v, a, are_meant);
+        verdict_say(v, " does; the nearest is ");
+    } else {
+        verdict_say(v, "The least is ");
+    }
+    say_demanded(v, a);
+    verdict_say(v, ". Demanded is ");
+    say_figure(v, d, 0);
+    verdict_say(v, " of at least %s%s%s",
+                verdict_number(d->objectives[0].demand, (double)NAN, number),
+                unit != NULL ? " " : "", unit != NULL ? unit : "");
+    if (d->objectives[0].is_offered)
+        verdict_say(v, ", 99 %% of what is offered");
+    if (c->is_known && study_has_chance(a->study, c->best))
+        verdict_say(v, ", with %.4g %% confidence", 100.0 * d->method.confidence);
+    verdict_say(v, ".");
+    if (c->is_met && c->n_set > 1) {
+        verdict_say(v, " It is met at ");
+        say_points(v, a, a->is_in);
+        verdict_say(v, ".");
+    }
+    if (!c->is_met && sample.mean + half >= d->objectives[0].demand)
+        verdict_advise(v, "%" PRIu64 " more runs of each may decide it.", 3 * sample.n);
+    else if (!c->is_met)
+        verdict_advise(v, "Vary another parameter, too, or demand less.");
+}
+
 // How many replications the points have.
 static void find_runs(const about *a, size_t *ret_least, size_t *ret_most)
 {
@@ -254,7 +333,7 @@ static bf_status say_through(const about *a, bool *are_meant, bf_error *err)
         const statistics_sample sample = study_sample(a->study, p, 0);
         const double half = statistics_half_width(&sample, confidence_of_means);
         are_meant[p] = sample.n > 0 &&
-                       sample.mean + (isfinite(half) ? half : 0.0) >= whole_feed * offered &&
+                       sample.mean + (isfinite(half) ? half : 0.0) >= STUDY_WHOLE_FEED * offered &&
                        sample.mean >= 0.9 * offered;
         n += are_meant[p];
     }
@@ -338,13 +417,17 @@ static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
     const study_document *d = a->document;
     const bool is_search = d->method.type == STUDY_DIRECT || d->method.type == STUDY_CMAES;
 
-    if (a->choice->is_known && a->choice->n_candidates > 1)
+    if (!isnan(d->objectives[0].demand))
+        say_demand(a, are_meant);
+    else if (a->choice->is_known && a->choice->n_candidates > 1)
         say_equal(a);
-    else if (!is_search && !a->choice->is_known)
+    if (!is_search && !a->choice->is_known)
         say_one_run(a);
     const bf_status status = say_through(a, are_meant, err);
     if (status != BF_OK)
         return status;
+    if (d->has_own_second)
+        say_front(a, are_meant);
     say_edges(a);
     if (d->method.type != STUDY_SCREEN)
         say_no_chance(a);

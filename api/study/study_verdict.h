@@ -2,6 +2,9 @@
 ///
 ///     equal               several points may be best, which ones, and by what this one was chosen
 ///     alone               no other point may be best
+///     demand_met          where the demand is met, and the least value of the first parameter at which it is
+///     demand_not_met      nowhere, and where it is nearest
+///     front               with two objectives: between which points one has to choose
 ///     one_run_each        parts arrive by chance and each point was solved once: nothing is known of what chance does
 ///     everything_through  where all that is offered gets through
 ///     edge                the best point lies at an end of a range, and which range to try

@@ -62,6 +62,9 @@ typedef struct study_definition {
     size_t n_values;     ///< of each trial; the first one is the objective, see STUDY_CALIBRATE
     bool is_maximized;   ///< the largest objective is best; else the least
     bool is_second_maximized; ///< same of the second value, which decides between equal points
+    bool has_demand;          ///< the least first coordinate is best at which the objective is at
+                              ///< least the demand, see study_choice.h; is_maximized then
+    double demand;            ///< see there
     bool
         has_chance; ///< runs of a point at other substreams may differ, but for the macroscopic model
     uint64_t seed;       ///< of what is drawn

@@ -1,6 +1,7 @@
 #include "core/study/study_choice.h"
 
 #include "core/base/memory.h"
+#include "core/base/statistics.h"
 #include "core/study/study_priv.h"
 #include "core/study/subset.h"
 
@@ -163,6 +164,39 @@ static void choose(const study *s, candidates *c, bool *ret_is_in, study_choice 
     choice->best = middle_of(s, c);
 }
 
+// Whether a point meets the demand, with as much confidence as all k together need.
+static bool meets(const study *s, size_t point, size_t k, bool is_known)
+{
+    const statistics_sample sample = study_sample(s, point, 0);
+    const double tail = (1.0 - s->definition.confidence) / (double)k;
+    double width = 0.0;
+
+    if (is_known && study_has_chance(s, point))
+        width = statistics_student(tail, (double)(sample.n - 1)) * statistics_deviation(&sample) /
+                sqrt((double)sample.n);
+    return sample.mean - width >= s->definition.demand;
+}
+
+static void choose_least(const study *s, candidates *c, bool *ret_is_in, study_choice *choice)
+{
+    double least = (double)INFINITY, cost = (double)INFINITY;
+
+    choice->is_known = c->n > 0 && is_known(s, c);
+    for (size_t k = 0; k < c->n; k++) {
+        const size_t point = c->points[k];
+        const bool is_met = meets(s, point, c->n, choice->is_known);
+        const double at = is_met ? s->at[point * s->definition.d] : (double)INFINITY;
+        if (at < least || (at <= least && study_cost(s, point) < cost)) {
+            least = at;
+            cost = study_cost(s, point);
+            choice->best = point;
+            choice->is_met = is_met;
+        }
+        ret_is_in[point] = is_met && choice->is_known;
+        choice->n_set += ret_is_in[point];
+    }
+}
+
 bf_status study_choose(const study *s, bool *ret_is_in, study_choice *ret_choice, bf_error *err)
 {
     const size_t first = first_compared(s);
@@ -177,7 +211,7 @@ bf_status study_choose(const study *s, bool *ret_is_in, study_choice *ret_choice
     }
     bf_status status = make_candidates(s, &c, err);
     if (status == BF_OK) {
-        choose(s, &c, ret_is_in, &choice);
+        (s->definition.has_demand ? choose_least : choose)(s, &c, ret_is_in, &choice);
         choice.n_candidates = c.n;
         *ret_choice = choice;
     }

@@ -6,6 +6,14 @@
 ///        its interval of 95 %.
 ///     3  Of these the one is named that is nearest to their mean in the unit cube; of several the first.
 ///
+/// With a demand the set has the points that meet it, each with its lower limit of the mean of n replications by Student's
+/// distribution with the confidence asked for, divided by Bonferroni's inequality among the k points that are compared:
+///
+///     mean - t((1 - confidence)/k; n - 1) s/sqrt(n) >= demand,
+///
+/// s = 0 without chance; and of it the one with the least first coordinate is named, of several the one with the largest mean.
+/// Where none meets it, the set is empty and the one with the largest mean is named.
+///
 /// Where parts arrive by chance and a point has one replication, nothing is known of what chance does: then the set is not known, and the
 /// point with the best value is named. So it is where the method searches, and points are not spread over the range.
 
@@ -20,6 +28,7 @@
 typedef struct study_choice {
     size_t best;         ///< the point named; SIZE_MAX: there is none
     bool is_known;       ///< the set is
+    bool is_met;         ///< the demand, by the point that is named, as far as is known
     size_t n_set;        ///< its points
     size_t first, end;   ///< they are compared with points from this one to before that one
     size_t n_candidates; ///< of which so many have a value

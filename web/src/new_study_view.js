@@ -59,6 +59,7 @@ export class NewStudyView {
     this.runsBox.addEventListener("input", () => (this.hasRuns = true));
     this.figureBox = h("select", { name: "figure", on: { change: () => this.chooseFigure() } });
     this.indifferenceBox = this.box("indifference", "");
+    this.demandBox = this.box("demand", "", { inputmode: "text" });
     this.indifferenceUnit = h("span", { class: "unit" });
     this.counterBox = h("select", { name: "counter" });
     this.methodBox = h("select", { name: "method", on: { change: () => this.chooseMethod(this.methodBox.value) } },
@@ -79,6 +80,7 @@ export class NewStudyView {
       trials: this.field("Trials", this.trialsBox, "at most"),
       runs: this.field("Runs of each", this.runsBox, "with other arrivals, for an interval; where parts arrive at random"),
       figure: this.field("Figure", this.figureBox),
+      demand: this.field("At least", this.demandBox, "asks for the least parameter; a number, or offered; empty: the best"),
       indifference: this.field("Does not matter below", this.indifferenceBox, "a difference of the figure", this.indifferenceUnit),
       counter: this.field("Counter", this.counterBox, "where parts were counted"),
       counts: this.countsField(),
@@ -94,7 +96,7 @@ export class NewStudyView {
         this.field("From", this.fromBox, null, this.units[0]), this.field("To", this.toBox, null, this.units[1]), this.parts.steps)),
       card("best-title", "Find the best", h("div", { class: "fields" },
         h("label", { class: "field" }, h("span", {}, "Method"), this.methodBox, this.methodHint),
-        this.parts.figure, this.parts.counter, this.parts.counts, this.parts.model, this.parts.runs, this.parts.trials, this.parts.indifference)),
+        this.parts.figure, this.parts.demand, this.parts.counter, this.parts.counts, this.parts.model, this.parts.runs, this.parts.trials, this.parts.indifference)),
       this.faults, h("div", { class: "submit-row" }, this.button, this.verdict))];
   }
 
@@ -197,7 +199,7 @@ export class NewStudyView {
     setText(this.methodHint, methods.find(([value]) => value === method)[2]);
     const isFit = method === "calibrate";
     for (const [part, isShown] of Object.entries({ model: method !== "screen", steps: method === "grid" || method === "screen",
-      trials: method !== "grid", runs: !isFit, figure: !isFit, indifference: method === "screen", counter: isFit, counts: isFit })) {
+      trials: method !== "grid", runs: !isFit, figure: !isFit, demand: method === "grid", indifference: method === "screen", counter: isFit, counts: isFit })) {
       this.parts[part].hidden = !isShown;
     }
     if (!this.hasRuns) this.runsBox.value = String(this.usualRuns());
@@ -251,6 +253,8 @@ export class NewStudyView {
     const others = studied.filter(({ figure, of }) => figure !== this.figure.figure && !of).slice(0, 5);
     const isGrid = this.method === "grid" || this.method === "screen";
     const number = (box) => Number(box.value);
+    const asked = this.method === "grid" ? this.demandBox.value.trim() : "";
+    const demand = asked === "" ? {} : { demand: Number.isFinite(Number(asked)) ? Number(asked) : asked };
     const common = {
       name: this.nameBox.value,
       base: { scenario: baseFor(this.scenario, this.parameter, range), model: this.method === "screen" ? "macro" : this.model },
@@ -263,7 +267,7 @@ export class NewStudyView {
     const method = this.method === "screen" ? { type: "screen", sweep: "grid", confirm: Math.min(CONFIRMED, number(this.stepsBox)), indifference: number(this.indifferenceBox) }
       : { type: this.method };
     const runs = number(this.runsBox);
-    return { ...common, method, objectives: [goal(this.figure), ...others.map(goal)],
+    return { ...common, method, objectives: [{ ...goal(this.figure), ...demand }, ...others.map(goal)],
       replications: this.method === "screen" ? Math.max(2, runs) : runs,
       ...(this.method === "grid" ? {} : { limits: { trials: this.trials() } }) };
   }

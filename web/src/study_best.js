@@ -5,9 +5,9 @@ import { h } from "./dom.js";
 import { models, quantity } from "./format.js";
 import { parametersWords, spreadOf, valueWords } from "./study_words.js";
 
-// The daemon's sentences name a parameter by its member of the scenario; the page has words for it.
+// The daemon's sentences name a parameter by its member of the scenario, "angle_deg" or "velocity_m_s/0"; the page has words for it.
 function readable(text, words) {
-  return [...words].reduce((said, [pointer, { label }]) => said.replaceAll(` ${pointer.split("/").at(-1)} `, ` ${label.toLowerCase()} `), text);
+  return [...words].reduce((said, [pointer, { label }]) => said.replaceAll(` ${pointer.match(/[^/]+(\/\d+)*$/)[0]} `, ` ${label.toLowerCase()} `), text);
 }
 
 // In sentences, what was found and how sure it is.
@@ -32,11 +32,12 @@ export class BestPanel {
     const key = JSON.stringify([study.status, found]);
     if (key === this.key) return;
     this.key = key;
-    const { best, warnings = [], confirmed } = found;
+    const { best, warnings = [], confirmed, front = [] } = found;
     this.body.replaceChildren(...[
       best && this.words.size > 0 ? h("p", { class: "best-words" }, parametersWords(best.parameters, this.words)) : null,
       ...sentences(study, found, this.words).map((text) => h("p", { class: "hint" }, text)),
       best ? this.values(best) : null,
+      front.length > 1 ? this.front(front) : null,
       confirmed?.length > 0 ? this.confirmed(confirmed) : null,
       warnings.length > 0 ? h("ul", { class: "warnings", "aria-label": "Warnings" }, warnings.map((text) => h("li", {}, text))) : null,
       study.error ? h("p", { class: "fault" }, study.error.detail) : null,
@@ -46,6 +47,17 @@ export class BestPanel {
   values({ values }) {
     return h("dl", { class: "facts" }, Object.entries(values).filter(([, value]) => value.mean !== null).map(([name, value]) =>
       h("div", {}, h("dt", {}, figureTitle(name)), h("dd", {}, valueWords(spreadOf(value), figureUnit(name))))));
+  }
+
+  // Between these two figures leave the choice.
+  front(points) {
+    const names = this.figures.slice(0, 2);
+    const heads = ["point", ...names.map((name) => (figureUnit(name) ? `${figureTitle(name)}, ${figureUnit(name)}` : figureTitle(name)))];
+    return h("div", { class: "scroll" }, h("table", { class: "measures" },
+      h("caption", { class: "hint" }, "No other point is better in one and not worse in the other"),
+      h("thead", {}, h("tr", {}, heads.map((text) => h("th", { scope: "col" }, text)))),
+      h("tbody", {}, points.map(({ parameters, values }) => h("tr", {}, h("th", { scope: "row" }, parametersWords(parameters, this.words)),
+        names.map((name) => h("td", {}, valueWords(spreadOf(values[name] ?? {}), ""))))))));
   }
 
   confirmed(points) {

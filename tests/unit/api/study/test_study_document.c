@@ -11,6 +11,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -272,6 +273,25 @@ static const struct {
       "/parameters/0" },
     { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs', 'prune': true", ", 'replications': 2"),
       "/method/prune" },
+    { WITH("", ANGLE, "{'figure': 'throughput_per_h', 'demand': 'all'}", "'type': 'lhs'", ""),
+      "/objectives/0/demand" },
+    { WITH("", ANGLE, "{'figure': 'throughput_per_h', 'demand': 'offered'}", "'type': 'lhs'", ""),
+      "/objectives/0/demand" }, // without feeds
+    { FED("", ANGLE, "{'figure': 'residence_s.mean', 'demand': 'offered'}", "'type': 'lhs'", ""),
+      "/objectives/0/demand" },
+    { FED("", "{'pointer': '/feeds/0/rate_per_s', 'range': [1, 3]}",
+          "{'figure': 'throughput_per_h', 'demand': 'offered'}", "'type': 'lhs'", ""),
+      "/objectives/0/demand" },
+    { WITH("", ANGLE, "{'figure': 'throughput_per_h', 'demand': 9}", "'type': 'direct'", ""),
+      "/objectives/0/demand" },
+    { WITH("", ANGLE, THROUGHPUT ", {'figure': 'throughput_per_h', 'demand': 9}", "'type': 'lhs'",
+           ""),
+      "/objectives/1/demand" },
+    { WITH("", "{'pointer': '/obstacles/0/angle_deg', 'values': [45, 40]}",
+           "{'figure': 'throughput_per_h', 'demand': 9}", "'type': 'list'", ""),
+      "/parameters/0/values" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs', 'confidence': 0", ""), "/method/confidence" },
+    { WITH("", ANGLE, "{'figure': 'throughput'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
     { "{}", "/base" },
     { "[]", "" },
     { "{", "" },
@@ -454,6 +474,66 @@ static void a_deterministic_study_is_solved_once_and_names_what_is_equal(void **
     study_document_fini(&d);
 }
 
+// 99 % of 7200 parts/h are 7128.
+static void a_demand_says_where_it_is_met_or_what_is_nearest(void **state)
+{
+    (void)state;
+    static const double throughputs[] = { 6000.0, 7100.0, 7200.0, 7150.0, 6500.0 };
+    static const char *const met[] = {
+        "\"best\":{\"point\":2,", "\"demand\":7128,\"is_met\":true,",
+        "{\"kind\":\"demand_met\",\"text\":\"The least is angle_deg 54, with 7200. Demanded is "
+        "throughput_per_h of at least 7128 parts/h, 99 % of what is offered. It is met at "
+        "angle_deg "
+        "54, 63.\"",
+        NULL
+    };
+    static const char *const not_met[] = {
+        "\"set\":[],\"demand\":9000,\"is_met\":false,",
+        "{\"kind\":\"demand_not_met\",\"text\":\"None of angle_deg 36 to 72 does; the nearest is "
+        "angle_deg 54, with 7200. Demanded is throughput_per_h of at least 9000 parts/h. Vary ",
+        NULL
+    };
+    const char *const demands[] = { "'offered'", "9000" };
+    for (size_t k = 0; k < 2; k++) {
+        char text[2000];
+        snprintf(text, sizeof text,
+                 FED("", "{'pointer': '/obstacles/0/angle_deg', 'range': [36, 72], 'steps': 5}",
+                     "{'figure': 'throughput_per_h', 'demand': %s}", "'type': 'grid'", ""),
+                 demands[k]);
+        study_document d = read_good(text);
+        study *s = begin_study(&d);
+        for (size_t point = 0; point < 5; point++)
+            study_tell(s, point, (const double[]){ throughputs[point], 3.0 });
+        assert_int_equal(study_advance(s, NULL), BF_OK);
+        assert_says(&d, s, k == 0 ? met : not_met);
+        study_destroy(s);
+        study_document_fini(&d);
+    }
+}
+
+// More parts take longer at 54 degrees; 72 is worse in both.
+static void two_objectives_leave_a_front(void **state)
+{
+    (void)state;
+    static const double throughputs[] = { 6000.0, 7000.0, 5000.0 },
+                        residences[] = { 3.0, 4.0, 5.0 };
+    study_document d =
+        read_good(FED("", "{'pointer': '/obstacles/0/angle_deg', 'range': [36, 72], 'steps': 3}",
+                      THROUGHPUT ", {'figure': 'residence_s.mean'}", "'type': 'grid'", ""));
+    study *s = begin_study(&d);
+    for (size_t k = 0; k < 3; k++)
+        study_tell(s, k, (const double[]){ throughputs[k], residences[k] });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    static const char *const texts[] = {
+        "{\"kind\":\"front\",\"text\":\"What is gained in throughput_per_h is lost in "
+        "residence_s.mean between angle_deg 36, 54; ",
+        "\"front\":[{\"point\":0,", "}},{\"point\":1,", NULL
+    };
+    assert_says(&d, s, texts);
+    study_destroy(s);
+    study_document_fini(&d);
+}
+
 static void a_best_point_at_the_edge_is_told(void **state)
 {
     (void)state;
@@ -562,6 +642,8 @@ int main(void)
         cmocka_unit_test(values_are_key_figures_or_distances_of_curves),
         cmocka_unit_test(the_best_point_is_told_with_its_intervals),
         cmocka_unit_test(a_deterministic_study_is_solved_once_and_names_what_is_equal),
+        cmocka_unit_test(a_demand_says_where_it_is_met_or_what_is_nearest),
+        cmocka_unit_test(two_objectives_leave_a_front),
         cmocka_unit_test(a_best_point_at_the_edge_is_told),
         cmocka_unit_test(one_run_each_says_nothing_of_chance),
         cmocka_unit_test(a_screening_says_what_was_compared),

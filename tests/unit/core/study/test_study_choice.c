@@ -3,6 +3,7 @@
 #include "core/study/study_choice.h"
 
 #include "core/base/memory.h"
+#include "core/study/study_front.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <setjmp.h>
@@ -79,6 +80,68 @@ static void an_indifference_that_is_given_counts(void **state)
     const study_choice c = choose(s, is_in);
     assert_int_equal(c.n_set, POINTS);
     assert_int_equal(c.best, 0); // 1 s
+    study_destroy(s);
+}
+
+// At least 99.5: points 1 to 3 meet it, and the first of them is named, whatever their values are.
+static void a_demand_is_met_by_the_least_point(void **state)
+{
+    (void)state;
+    static const double values[POINTS] = { 90.0, 99.6, 100.0, 99.5, 99.4 },
+                        seconds[POINTS] = { 1.0, 6.0, 3.0, 4.0, 3.0 };
+    bool is_in[POINTS];
+    study_definition d = grid;
+    d.has_demand = true;
+    d.demand = 99.5;
+    study *s = solve(&d, values, seconds);
+    study_choice c = choose(s, is_in);
+    assert_true(c.is_known && c.is_met && !is_in[0] && is_in[1] && is_in[2] && is_in[3]);
+    assert_int_equal(c.n_set, 3);
+    assert_int_equal(c.best, 1);
+    study_destroy(s);
+    d.demand = 101.0;
+    s = solve(&d, values, seconds);
+    c = choose(s, is_in);
+    assert_true(c.is_known && !c.is_met && c.n_set == 0);
+    assert_int_equal(c.best, 2);
+    study_destroy(s);
+}
+
+// Two points, two runs each, 95 %: t(0.025; 1) = 12.706, and of 9 and 11, or of 19 and 21, s/sqrt(2) = 1: the lower limits
+// are 10 - 12.7 and 20 - 12.7 = 7.29.
+static void a_demand_needs_the_confidence_of_all_points(void **state)
+{
+    (void)state;
+    static const double values[] = { 9.0, 11.0, 19.0, 21.0 }, seconds[4] = { 0 };
+    bool is_in[2];
+    study_definition d = grid;
+    d.has_demand = d.has_chance = true;
+    d.n_replications = 2;
+    d.steps[0] = 2;
+    d.demand = 7.25;
+    study *s = solve(&d, values, seconds);
+    study_choice c = choose(s, is_in);
+    assert_true(c.is_met && c.best == 1 && c.n_set == 1 && is_in[1]);
+    study_destroy(s);
+    d.demand = 7.35;
+    s = solve(&d, values, seconds);
+    c = choose(s, is_in);
+    assert_true(!c.is_met && c.best == 1 && c.n_set == 0);
+    study_destroy(s);
+}
+
+// More of the first and less of the second is better: 1 is worse than 2 in both, 4 equal in the first and worse in the second,
+// and 3 has no second value.
+static void the_front_has_the_points_that_no_other_is_better_than(void **state)
+{
+    (void)state;
+    static const double values[POINTS] = { 90.0, 98.0, 100.0, 101.0, 100.0 },
+                        seconds[POINTS] = { 1.0, 6.0, 3.0, NAN, 4.0 };
+    bool is_in[POINTS], is_on[POINTS];
+    study *s = solve(&grid, values, seconds);
+    const study_choice c = choose(s, is_in);
+    assert_int_equal(study_front(s, &c, is_on), 2);
+    assert_true(is_on[0] && !is_on[1] && is_on[2] && !is_on[3] && !is_on[4]);
     study_destroy(s);
 }
 
@@ -185,6 +248,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_points_are_told_by_the_second_value_and_the_middle),
         cmocka_unit_test(an_indifference_that_is_given_counts),
+        cmocka_unit_test(a_demand_is_met_by_the_least_point),
+        cmocka_unit_test(a_demand_needs_the_confidence_of_all_points),
+        cmocka_unit_test(the_front_has_the_points_that_no_other_is_better_than),
         cmocka_unit_test(without_replications_nothing_is_known_of_chance),
         cmocka_unit_test(chance_leaves_points_equal),
         cmocka_unit_test(a_study_without_values_chooses_nothing),

@@ -1,0 +1,15 @@
+/// The front of two objectives (Pareto): the points to none of which another one is better in one objective and not worse in the
+/// other, by the means of their trials.
+///
+/// Points that are compared are those of study_choice.h: of STUDY_SCREEN those of the microscopic model as soon as one has a
+/// value. What chance leaves open counts as nothing: a point may be on the front, or not, by chance.
+///
+/// Source   K. Deb: Multi-Objective Optimization Using Evolutionary Algorithms (2001), section 2.4.
+
+#pragma once
+
+#include "core/study/study_choice.h"
+
+/// Fill *ret_is_on, of study_points() points: which of those that the choice compared are on the front of the first and the
+/// second value. How many there are; those without one of the values are not on it.
+size_t study_front(const study *s, const study_choice *choice, bool *ret_is_on);
