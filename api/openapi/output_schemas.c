@@ -284,6 +284,7 @@ static const openapi_schema table[] = {
     OBJECT(submission_validation_members, "A submission that is valid"),
     OBJECT(submission_part_members, "A part at the start"),
     OBJECT(review_validity_members, "Whether a model was compared for scenarios like this one"),
+    OBJECT(review_like_members, "What scenes like this one say of the model"),
     OBJECT(review_outside_members,
            "A figure of a scenario that is out of its range or was never compared"),
     OBJECT(review_warning_members, "A reason to doubt the results; it is no fault"),

@@ -29,6 +29,24 @@ static bool is_of_a_density(const void *item)
     return of->subject != VALIDITY_PARTS_MODEL;
 }
 
+static bool has_like(const void *item)
+{
+    const validity *of = item;
+
+    return of->like.n > 0;
+}
+
+#define AT(place) offsetof(validity_like, place)
+static const member like_members[] = {
+    MEMBER("scenes", size, AT(n), "How many there are"),
+    MEMBER("largest_percent", number, AT(largest),
+           "By which the rate of the model was off in one of them at most, %"),
+    MEMBER("mean_percent", number, AT(mean), "The same in the mean of their sizes, %"),
+    MEMBER("detail", text, AT(text), "The same for people"),
+};
+const member_table review_like_members = { MEMBER_TABLE("LikeScenes", like_members) };
+#undef AT
+
 // In the order of validity_subject, which has the closures first.
 #define AT(place) offsetof(validity, place)
 static const member validity_members[] = {
@@ -36,6 +54,11 @@ static const member validity_members[] = {
            .words = scenario_closure_words, .applies = is_of_a_density),
     MEMBER("compared", bool, AT(is_compared),
            "Every figure of the scenario was compared and is within its range"),
+    MEMBER("like", object, AT(like),
+           "Scenes that were solved for the comparison and are like this one: each figure that "
+           "both have is about the "
+           "same, and neither has others. Absent: there are none",
+           .table = &review_like_members, .applies = has_like),
     MEMBER("outside", array, AT(items), "Figures that are out of their range",
            .table = &review_outside_members, .offset_n = AT(n), .limit = VALIDITY_OUTSIDE_MAX),
     MEMBER("never_compared", array, AT(never),

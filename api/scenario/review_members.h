@@ -6,8 +6,10 @@
 #include "api/json/members.h"
 #include "core/run/run.h"
 
-/// The validity of a model, and an item of it; the structs are validity and validity_item.
+/// The validity of a model, scenes that are alike, and an item of it; the structs are validity, validity_like and
+/// validity_item.
 extern const member_table review_validity_members;
+extern const member_table review_like_members;
 extern const member_table review_outside_members;
 
 /// A warning; the struct is warning.

@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
 #include "core/feed/arrivals.h"
+#include "core/run/comparisons.h"
 #include "core/run/review_belts.h"
 #include "core/run/validity_table.h"
 #include "core/run/validity_text.h"
@@ -42,6 +43,9 @@ typedef struct findings {
     review_warnings falls;    ///< of places at which cargo gets off the belts
     validity_item items[VALIDITY_FIGURE_COUNT][VALIDITY_WAY_COUNT];
     bool has[VALIDITY_FIGURE_COUNT][VALIDITY_WAY_COUNT]; ///< the item is filled in
+    double least[VALIDITY_FIGURE_COUNT];                 ///< of the values; NAN: there is none
+    double largest[VALIDITY_FIGURE_COUNT];               ///< the same
+    bool is_unknown;                                     ///< one of them is
 } findings;
 
 static const validity_range *range_of(const findings *f, validity_figure figure)
@@ -69,6 +73,9 @@ static void note(findings *f, validity_figure figure, double value, const char *
     const int way = way_of(range, value);
     va_list args;
 
+    f->least[figure] = fmin(f->least[figure], value);
+    f->largest[figure] = fmax(f->largest[figure], value);
+    f->is_unknown = f->is_unknown || isnan(value);
     if (way == VALIDITY_WAY_COUNT || is_any)
         return;
     validity_item *item = &f->items[figure][way];
@@ -244,6 +251,16 @@ static void note_speeds(findings *f)
     note_commanded_speeds(f);
     if (n_schedules > 0.0)
         note(f, VALIDITY_SCHEDULES, n_schedules, "/belts");
+}
+
+static void note_acceleration(findings *f)
+{
+    const double speed = scene_belt_speed(f->s), gravity = f->s->micro.gravity,
+                 friction = f->s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
+
+    note(f, VALIDITY_ACCELERATION,
+         friction * gravity > 0.0 ? 0.5 * speed * speed / (friction * gravity * f->diameter) : NAN,
+         "/belts");
 }
 
 static double angle_between(vec2 a, vec2 b)
@@ -658,14 +675,28 @@ static void note_figures(findings *f, const layout *of)
     note_walls(f, of);
     note_heap(f, of);
     note_speeds(f);
+    note_acceleration(f);
     note_cargo(f);
     note_frictions(f);
     note_constants(f);
     note_grid(f);
 }
 
-static void collect(findings *f, validity *out)
+/// The values of comparisons_columns; NAN: there is none.
+static void values_of(const findings *f, double ret_values[COMPARISON_COLUMNS])
 {
+    for (size_t k = 0; k < COMPARISON_COLUMNS; k++) {
+        const comparison_column *column = &comparisons_columns[k];
+        const double value =
+            column->is_least ? f->least[column->figure] : f->largest[column->figure];
+        ret_values[k] = f->is_unknown ? NAN : value;
+    }
+}
+
+static void collect(const findings *f, validity *out)
+{
+    double values[COMPARISON_COLUMNS];
+
     out->subject = f->subject;
     out->n = out->n_never = 0;
     for (int figure = 0; figure < VALIDITY_FIGURE_COUNT; figure++) {
@@ -679,13 +710,15 @@ static void collect(findings *f, validity *out)
         }
     }
     out->is_compared = out->n == 0 && out->n_never == 0;
+    values_of(f, values);
+    comparisons_find(f->subject, values, &out->like);
 }
 
-/// The findings are on the heap: they are some 100 KB.
-static bf_status find(const scene *s, validity_subject subject, double overlap,
-                      validity *ret_validity, bf_error *err)
+/// Findings of a scene; the caller frees them by memory_free(): they are some 100 KB.
+static bf_status find(const scene *s, validity_subject subject, findings **ret_findings,
+                      bf_error *err)
 {
-    findings *f = memory_alloc(1, sizeof *f);
+    findings *f = *ret_findings = memory_alloc(1, sizeof *f);
     layout of;
 
     if (f == NULL)
@@ -693,6 +726,8 @@ static bf_status find(const scene *s, validity_subject subject, double overlap,
     f->s = s;
     f->subject = subject;
     f->diameter = diameter_of(s);
+    for (int figure = 0; figure < VALIDITY_FIGURE_COUNT; figure++)
+        f->least[figure] = f->largest[figure] = NAN;
     bf_status status = sum_feeds(f, err);
     if (status == BF_OK)
         status = layout_measure(s, &of, err);
@@ -700,13 +735,8 @@ static bf_status find(const scene *s, validity_subject subject, double overlap,
         status = note_swept(f, &of, err);
     if (status == BF_OK)
         status = note_falls(f, err);
-    if (status == BF_OK) {
+    if (status == BF_OK)
         note_figures(f, &of);
-        if (subject == VALIDITY_PARTS_MODEL && !isnan(overlap))
-            note(f, VALIDITY_OVERLAP, 100.0 * overlap, "/micro/modulus_reduction");
-        collect(f, ret_validity);
-    }
-    memory_free(f);
     return status;
 }
 
@@ -716,11 +746,37 @@ bf_status validity_of(const scene *s, validity *ret_validity, bf_error *err)
         [SCENE_DISPERSIVE] = VALIDITY_DISPERSIVE,
         [SCENE_CONGESTED] = VALIDITY_CONGESTED,
     };
+    findings *f;
+    const bf_status status = find(s, of_closures[s->macro.closure], &f, err);
 
-    return find(s, of_closures[s->macro.closure], NAN, ret_validity, err);
+    if (status == BF_OK)
+        collect(f, ret_validity);
+    memory_free(f);
+    return status;
 }
 
 bf_status validity_of_parts(const scene *s, double overlap, validity *ret_validity, bf_error *err)
 {
-    return find(s, VALIDITY_PARTS_MODEL, overlap, ret_validity, err);
+    findings *f;
+    const bf_status status = find(s, VALIDITY_PARTS_MODEL, &f, err);
+
+    if (status == BF_OK) {
+        if (!isnan(overlap))
+            note(f, VALIDITY_OVERLAP, 100.0 * overlap, "/micro/modulus_reduction");
+        collect(f, ret_validity);
+    }
+    memory_free(f);
+    return status;
+}
+
+bf_status validity_values(const scene *s, validity_subject subject, double *ret_values,
+                          bf_error *err)
+{
+    findings *f;
+    const bf_status status = find(s, subject, &f, err);
+
+    if (status == BF_OK)
+        values_of(f, ret_values);
+    memory_free(f);
+    return status;
 }

@@ -46,6 +46,7 @@ typedef enum validity_figure {
     VALIDITY_PARTS,   ///< parts at the start and of feeds
     VALIDITY_BATCH,   ///< parts that arrive at once
     VALIDITY_SPEED,   ///< of a belt, m/s
+    VALIDITY_ACCELERATION, ///< v^2/(2 mu g): belt that the fastest one needs to bring a part to its speed, diameters
     VALIDITY_SCHEDULES, ///< belts whose speed changes in time
     VALIDITY_COMMANDS,  ///< actions of photo eyes
     VALIDITY_BELTS,     ///< belts that differ in their velocity
@@ -97,9 +98,18 @@ typedef struct validity_item {
     char detail[640];              ///< for people: value, range, and what to expect
 } validity_item;
 
+/// Scenes of the comparison that are like a scenario (comparisons.h).
+typedef struct validity_like {
+    size_t n;       ///< how many
+    double largest; ///< by which the rate of the model was off in one of them, %
+    double mean;    ///< of its size in all of them, %
+    char text[160]; ///< for people; empty: there are none
+} validity_like;
+
 /// What is to be said about a scenario.
 typedef struct validity {
     validity_subject subject; ///< the model that would solve it
+    validity_like like;       ///< how far off it was in scenes like this one
     bool is_compared;         ///< every figure was compared
     size_t n;                 ///< outside
     size_t n_never;           ///< never compared
@@ -110,6 +120,11 @@ typedef struct validity {
 
 /// The words of the figures in documents, "angle" and so on; NULL-terminated.
 extern const char *const validity_words[];
+
+/// The values of comparisons_columns that a resolved and checked scenario has, NAN where it has none; all of them, if one
+/// is not known. BF_ENOMEM.
+BF_MUST_CHECK bf_status validity_values(const scene *s, validity_subject subject,
+                                        double *ret_values, bf_error *err);
 
 /// The validity of the macroscopic model for a resolved and checked scenario, with its closure. BF_ENOMEM.
 BF_MUST_CHECK bf_status validity_of(const scene *s, validity *ret_validity, bf_error *err);

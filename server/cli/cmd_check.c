@@ -20,6 +20,8 @@ static cmd_exit print_warnings(const char *command, const scene *s, run_model mo
         fprintf(stderr, "warning: %s: %s. %s%s%s\n", item->pointer, item->title, item->meaning,
                 item->detail[0] == '\0' ? "" : " ", item->detail);
     }
+    if (review.validity.like.n > 0)
+        fprintf(stderr, "%s\n", review.validity.like.text);
     return CMD_DONE;
 }
 
@@ -37,7 +39,9 @@ int cmd_check(int argc, char **argv)
             "Check a scenario ('-' reads standard input) without solving it.\v"
             "Exits with 0 if it can be solved; else prints one line per fault on stderr, "
             "'JSON-pointer: what is wrong', and exits with 2. What would make the results doubtful "
-            "is printed on stderr, too, 'warning: JSON-pointer: why', and is no fault.",
+            "is printed on stderr, too, 'warning: JSON-pointer: why', and is no fault. So is how "
+            "far "
+            "off the model was in scenes like this one.",
     };
     cmd_subject subject = { .model = RUN_MACRO };
     scene s;

@@ -205,7 +205,8 @@ export class NewView {
     else {
       const doubt = n === 0 ? "" : ` Read the ${n === 1 ? "warning" : `${n} warnings`} first.`;
       const time = seconds === null ? "" : ` It takes about ${span(seconds)}.`;
-      this.say(`${sizeText(validation)}${time}${doubt}`, n === 0 ? "good" : "doubt");
+      const like = validation.validity?.like === undefined ? "" : ` ${validation.validity.like.detail}`;
+      this.say(`${sizeText(validation)}${time}${like}${doubt}`, n === 0 ? "good" : "doubt");
     }
   }
 

@@ -105,6 +105,7 @@ export function summaryPanel(data) {
     ...verdictLines(summary?.verdicts),
     faults.length + warnings.length > 0
       ? h("ul", { class: "warnings", "aria-label": "Warnings" }, faults, warnings) : null,
+    summary?.validity?.like ? h("p", { class: "hint" }, readable(summary.validity.like.detail)) : null,
     summary ? [cargoFacts(summary),
       details("Computation", "What the solver did; it says nothing about the belt.", facts(solverRows(summary)))] : runFacts(data));
 }
