@@ -28,7 +28,9 @@ const figure figure_table[FIGURE_COUNT] = {
                            OF(RUN, BOTH) },
     [FIGURE_RESIDENCE_MEAN] = { "residence_s", "mean", "s",
                                 "Mean time from entering (or the start) to leaving the domain, of "
-                                "each part that left after the warm-up (microscopic), or by the "
+                                "each part that was inside after the warm-up, those still inside "
+                                "counting as longer than their age (Kaplan-Meier; microscopic, "
+                                "with feeds), of each part that left (without), or by the "
                                 "distance in time of the cumulative curves of entries and exits, "
                                 "first in, first out (macroscopic)",
                                 OF(RUN, BOTH) },
@@ -80,6 +82,7 @@ const figure figure_table[FIGURE_COUNT] = {
                            OF(FEED, BOTH) },
     [FIGURE_WAIT_P95] = { "wait_s", "p95", "s", "95 % of these times are not longer",
                           OF(FEED, BOTH) },
+    [FIGURE_WAIT_MAX] = { "wait_s", "max", "s", "Longest of these times", OF(FEED, BOTH) },
     [FIGURE_CONTENT_MEAN] = { "content", "mean", "parts",
                               "Mean over time of the parts in the counter", OF(COUNTER, BOTH) },
     [FIGURE_CONTENT_MAX] = { "content", "max", "parts", "Most parts in the counter",
@@ -104,6 +107,11 @@ const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_DOUBLES] = { "doubles_share", NULL, NULL,
                          "Share of the parts that interrupted the beam at the same time as another",
                          OF(EYE, PARTS) },
+    [FIGURE_BLOCKED_COUNT] = { "blocked", "count", NULL,
+                               "How often the eye was blocked after the warm-up", OF(EYE, BOTH) },
+    [FIGURE_BLOCKED_TOTAL] = { "blocked", "total_s", "s", "For how long together", OF(EYE, BOTH) },
+    [FIGURE_BLOCKED_LONGEST] = { "blocked", "longest_s", "s", "For how long at most at a time",
+                                 OF(EYE, BOTH) },
 };
 
 figure_id figure_first(figure_scope scope)

@@ -48,6 +48,7 @@ typedef enum figure_id {
     FIGURE_WAITING_MAX,
     FIGURE_WAIT_MEAN,
     FIGURE_WAIT_P95,
+    FIGURE_WAIT_MAX,
     FIGURE_CONTENT_MEAN, ///< the first one of a counter
     FIGURE_CONTENT_MAX,
     FIGURE_STATE_FREE,
@@ -57,6 +58,9 @@ typedef enum figure_id {
     FIGURE_GAP_P05,
     FIGURE_GAP_MEAN,
     FIGURE_DOUBLES,
+    FIGURE_BLOCKED_COUNT,
+    FIGURE_BLOCKED_TOTAL,
+    FIGURE_BLOCKED_LONGEST,
     FIGURE_COUNT
 } figure_id;
 

@@ -66,6 +66,10 @@ static bf_status init_items(figures *f, bf_error *err)
 {
     bf_status status = quantiles_init(&f->residence, err);
 
+    if (status == BF_OK && f->has_exits)
+        status = quantiles_init(&f->ages, err);
+    if (status == BF_OK && f->has_exits)
+        status = quantiles_init(&f->ages_first, err);
     for (size_t k = 0; status == BF_OK && k < f->s->n_feeds; k++)
         status = quantiles_init(&f->waits[k], err);
     for (size_t k = 0; status == BF_OK && f->has_parts && k < f->s->n_eyes; k++)
@@ -87,6 +91,8 @@ static void begin(figures *f, const figures_now *now)
     f->run.exited_start = now->exited;
     f->run.jam.since = now->t;
     f->run.jam.since_exited = now->exited;
+    if (f->has_exits && f->ages.bins != NULL)
+        quantiles_copy(&f->ages_first, &f->ages);
     scene_regime regime = scene_regime_of(f->s);
     regime.has_chance = regime.has_chance && f->has_parts;
     f->run.batches =
@@ -122,6 +128,8 @@ figures *figures_destroy(figures *f)
     if (f == NULL)
         return NULL;
     quantiles_fini(&f->residence);
+    quantiles_fini(&f->ages);
+    quantiles_fini(&f->ages_first);
     fifo_fini(&f->inside);
     thinned_fini(&f->outflow);
     for (size_t k = 0; k < SCENE_FEEDS_MAX; k++) {
@@ -141,9 +149,21 @@ static cargo_state state_of(const figures_cargo *cargo)
     return cargo->speed > free_speed * cargo->belt_speed ? STATE_FREE : STATE_QUEUED;
 }
 
+// Ages are those of one sample.
+static void forget_ages(figures *f)
+{
+    if (f->has_exits && f->are_ages_old)
+        quantiles_clear(&f->ages);
+    f->are_ages_old = false;
+}
+
 void figures_add_cargo(figures *f, const figures_cargo *cargo)
 {
     const cargo_state state = state_of(cargo);
+
+    forget_ages(f);
+    if (f->has_exits)
+        quantiles_add(&f->ages, cargo->age, cargo->parts);
     f->run.has_cargo = 1;
     const double upstream = f->upstream.x * cargo->at.x + f->upstream.y * cargo->at.y;
 
@@ -230,6 +250,8 @@ void figures_sample(figures *f, const figures_now *now)
 {
     const bool was_warm = f->run.is_warm;
 
+    forget_ages(f);
+    f->are_ages_old = true;
     if (!was_warm && now->t >= f->s->warmup)
         begin(f, now);
     for (size_t k = 0; k < f->s->n_counters; k++)
@@ -296,6 +318,20 @@ void figures_eye_end(figures *f, size_t eye, double travel)
 {
     f->eyes[eye].n_inside--;
     f->eyes[eye].last_end = travel;
+}
+
+void figures_eye_state(figures *f, size_t eye, double t, bool is_blocked)
+{
+    eye_sums *e = &f->eyes[eye];
+
+    if (e->is_blocked && !is_blocked && f->run.is_warm) {
+        const double lasted = t - fmax(e->blocked_since, f->run.t_start);
+        e->n_blocked += 1.0;
+        e->blocked_total += lasted;
+        e->blocked_longest = fmax(e->blocked_longest, lasted);
+    }
+    e->blocked_since = t;
+    e->is_blocked = is_blocked;
 }
 
 double figures_time(const figures *f)

@@ -4,7 +4,7 @@
 /// functions of events in the order of their times. Means over time take what is sampled as linear between samples.
 /// The values are those until the last sample; they depend on the scenario and the order of the calls alone.
 ///
-/// Memory   bounded: some 70 kB for each feed and photo eye and 140 kB for the run, whatever its length.
+/// Memory   bounded: some 70 kB for each feed and photo eye and 280 kB for the run, whatever its length.
 /// Units    SI.
 /// Threads  figures belong to one thread at a time.
 
@@ -40,6 +40,7 @@ typedef struct figures_cargo {
     double speed;      ///< m/s
     double belt_speed; ///< of the belt under it now, m/s; 0: it stands, or there is none
     double parts;      ///< how many
+    double age;        ///< since it entered, or the start, s; scenes with feeds and parts alone
 } figures_cargo;
 
 /// Begin the figures of a scene, which must outlive them, at t = 0. has_parts: the model is that of parts. The caller
@@ -71,6 +72,9 @@ void figures_wait(figures *f, size_t feed, double wait);
 /// moved since t = 0, m.
 void figures_eye_begin(figures *f, size_t eye, double travel);
 void figures_eye_end(figures *f, size_t eye, double travel);
+
+/// The state of a photo eye becomes blocked, or clear, at t, s.
+void figures_eye_state(figures *f, size_t eye, double t, bool is_blocked);
 
 /// Time of the last sample, s.
 double figures_time(const figures *f);

@@ -32,11 +32,16 @@ typedef struct feed_sums {
 
 /// Of a photo eye.
 typedef struct eye_sums {
-    uint64_t n_inside; ///< parts that interrupt the beam
-    uint64_t is_noted; ///< the doubles count all of them
-    double last_end;   ///< travel at the end of the last interruption, m; NAN: none
-    double n;          ///< parts that have interrupted it
-    double n_doubles;  ///< of them, together with another
+    uint64_t n_inside;      ///< parts that interrupt the beam
+    uint64_t is_noted;      ///< the doubles count all of them
+    double last_end;        ///< travel at the end of the last interruption, m; NAN: none
+    double n;               ///< parts that have interrupted it
+    double n_doubles;       ///< of them, together with another
+    uint64_t is_blocked;    ///< its state
+    double blocked_since;   ///< while it is, s
+    double n_blocked;       ///< times that are over
+    double blocked_total;   ///< of them together, s
+    double blocked_longest; ///< of one of them, s
 } eye_sums;
 
 /// Of jams.
@@ -80,10 +85,13 @@ struct figures {
     counter_sums counters[SCENE_COUNTERS_MAX]; ///< of each counter
     eye_sums eyes[SCENE_EYES_MAX];             ///< of each photo eye
     quantiles residence;                       ///< times in the domain
-    quantiles waits[SCENE_FEEDS_MAX];          ///< waits at each feed
-    quantiles gaps[SCENE_EYES_MAX];            ///< gaps at each photo eye
-    fifo inside;                               ///< without parts: the domain
-    fifo queues[SCENE_FEEDS_MAX];              ///< without parts: each feed
+    quantiles ages;       ///< has_exits: of the parts inside, at the last sample
+    quantiles ages_first; ///< same at the end of the warm-up
+    bool are_ages_old;    ///< those of the sample that is being taken have not begun to come
+    quantiles waits[SCENE_FEEDS_MAX]; ///< waits at each feed
+    quantiles gaps[SCENE_EYES_MAX];   ///< gaps at each photo eye
+    fifo inside;                      ///< without parts: the domain
+    fifo queues[SCENE_FEEDS_MAX];     ///< without parts: each feed
     thinned
         outflow; ///< without feeds: the first counter's curve after the warm-up, with what fell in it
 };

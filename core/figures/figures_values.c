@@ -1,8 +1,11 @@
 #include "core/figures/figures_priv.h"
 
 #include "core/compare/compare.h"
+#include "core/figures/survival.h"
 
 #include <math.h>
+
+enum { N_PERCENTILES = 4 }; // of residence, in the order of the table
 
 static const double s_per_h = 3600.0;
 
@@ -35,14 +38,17 @@ static double outflow_rate(const figures *f)
 
 static void fill_run(const figures *f, double *ret_values)
 {
-    static const double p[] = { 0.5, 0.9, 0.95, 0.99 };
+    static const double p[N_PERCENTILES] = { 0.5, 0.9, 0.95, 0.99 };
     const run_sums *run = &f->run;
     const jam_sums *jam = &run->jam;
 
     // Fed cargo without parts leaves first in, first out: its percentiles would be copies of its mean.
-    if (f->residence.weight >= whole_part)
+    if (f->residence.weight >= whole_part && f->ages.weight + f->ages_first.weight > 0.0)
+        survival_find(&(survival){ &f->residence, &f->ages, &f->ages_first }, p, N_PERCENTILES,
+                      &ret_values[FIGURE_RESIDENCE_MEAN], &ret_values[FIGURE_RESIDENCE_P50]);
+    else if (f->residence.weight >= whole_part)
         fill_quantiles(f, &f->residence, 0, FIGURE_RESIDENCE_MEAN, p,
-                       f->has_exits || f->s->n_feeds == 0 ? sizeof p / sizeof *p : 0, ret_values);
+                       f->has_exits || f->s->n_feeds == 0 ? N_PERCENTILES : 0, ret_values);
     ret_values[FIGURE_DRAINED_AT] = run->drained_at;
     ret_values[FIGURE_ENTERED] = run->entered;
     ret_values[FIGURE_LEFT] = run->exited;
@@ -73,6 +79,8 @@ static void fill_feed(const figures *f, size_t k, double *ret_values)
     if (f->run.is_warm)
         ret_values[figure_at(f->s, FIGURE_WAITING_MAX, k)] = sums->waiting_max;
     fill_quantiles(f, &f->waits[k], k, FIGURE_WAIT_MEAN, p, 1, ret_values);
+    if (f->waits[k].weight > 0.0)
+        ret_values[figure_at(f->s, FIGURE_WAIT_MAX, k)] = f->waits[k].max;
 }
 
 static void fill_counter(const figures *f, size_t k, double *ret_values)
@@ -90,6 +98,20 @@ static void fill_counter(const figures *f, size_t k, double *ret_values)
     for (int state = 0; state < STATES; state++)
         ret_values[figure_at(f->s, FIGURE_STATE_FREE + (figure_id)state, k)] =
             ratio(c->states_integral[state], all);
+}
+
+// With the time that goes on.
+static void fill_blocked(const figures *f, size_t k, double *ret_values)
+{
+    const eye_sums *e = &f->eyes[k];
+
+    if (!f->run.is_warm)
+        return;
+    const double now =
+        e->is_blocked ? fmax(f->run.t - fmax(e->blocked_since, f->run.t_start), 0.0) : 0.0;
+    ret_values[figure_at(f->s, FIGURE_BLOCKED_COUNT, k)] = e->n_blocked + (double)e->is_blocked;
+    ret_values[figure_at(f->s, FIGURE_BLOCKED_TOTAL, k)] = e->blocked_total + now;
+    ret_values[figure_at(f->s, FIGURE_BLOCKED_LONGEST, k)] = fmax(e->blocked_longest, now);
 }
 
 static void fill_eye(const figures *f, size_t k, double *ret_values)
@@ -126,8 +148,10 @@ void figures_fill(const figures *f, double *ret_values)
         fill_feed(f, k, ret_values);
     for (size_t k = 0; k < f->s->n_counters; k++)
         fill_counter(f, k, ret_values);
-    for (size_t k = 0; k < f->s->n_eyes; k++)
+    for (size_t k = 0; k < f->s->n_eyes; k++) {
         fill_eye(f, k, ret_values);
+        fill_blocked(f, k, ret_values);
+    }
     for (size_t k = 0; k < n; k++)
         ret_values[k] = rounded(ret_values[k]);
 }
@@ -139,6 +163,10 @@ void figures_save(const figures *f, checkpoint_writer *w)
     checkpoint_write(w, f->feeds, f->s->n_feeds * sizeof *f->feeds);
     checkpoint_write(w, f->eyes, f->s->n_eyes * sizeof *f->eyes);
     quantiles_save(&f->residence, w);
+    if (f->has_exits) {
+        quantiles_save(&f->ages, w);
+        quantiles_save(&f->ages_first, w);
+    }
     for (size_t k = 0; k < f->s->n_feeds; k++)
         quantiles_save(&f->waits[k], w);
     for (size_t k = 0; f->has_parts && k < f->s->n_eyes; k++)
@@ -159,6 +187,9 @@ bool figures_load(figures *f, checkpoint_reader *r)
                    checkpoint_read(r, f->eyes, f->s->n_eyes * sizeof *f->eyes) &&
                    quantiles_load(&f->residence, r) && f->run.batches.n < STEADY_BATCHES_MAX;
 
+    if (is_good && f->has_exits)
+        is_good = quantiles_load(&f->ages, r) && quantiles_load(&f->ages_first, r);
+    f->are_ages_old = true;
     for (size_t k = 0; is_good && k < f->s->n_feeds; k++)
         is_good = quantiles_load(&f->waits[k], r);
     for (size_t k = 0; is_good && f->has_parts && k < f->s->n_eyes; k++)

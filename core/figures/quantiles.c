@@ -31,8 +31,12 @@ static size_t bin_of(double x)
     return bin < N_BINS ? (size_t)bin : N_BINS - 1;
 }
 
-// Where a bin begins; that of N_BINS is where the last one ends.
-static double border_of(size_t bin)
+size_t quantiles_bins(void)
+{
+    return N_BINS;
+}
+
+double quantiles_border(size_t bin)
 {
     const uint64_t bits = (key_of(lowest) + bin - 1) << DROPPED_BITS;
     double x;
@@ -47,6 +51,21 @@ bf_status quantiles_init(quantiles *ret_q, bf_error *err)
     if (ret_q->bins == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for key figures");
     return BF_OK;
+}
+
+void quantiles_clear(quantiles *q)
+{
+    memset(q->bins, 0, N_BINS * sizeof *q->bins);
+    *q = (quantiles){ .min = (double)INFINITY, .bins = q->bins };
+}
+
+void quantiles_copy(quantiles *to, const quantiles *from)
+{
+    double *bins = to->bins;
+
+    memcpy(bins, from->bins, N_BINS * sizeof *bins);
+    *to = *from;
+    to->bins = bins;
 }
 
 void quantiles_fini(quantiles *q)
@@ -77,7 +96,7 @@ void quantiles_add_uniform(quantiles *q, double a, double b, double weight)
 
     note(q, low, high, weight);
     for (size_t bin = bin_of(low); bin < last; bin++) {
-        const double to = border_of(bin + 1);
+        const double to = quantiles_border(bin + 1);
         q->bins[bin] += weight * ((to - from) / (high - low));
         from = to;
     }
@@ -99,8 +118,8 @@ double quantiles_at(const quantiles *q, double p)
         return (double)NAN;
     while (bin < N_BINS - 1 && below + q->bins[bin] < wanted)
         below += q->bins[bin++];
-    const double from = border_of(bin), part = (wanted - below) / q->bins[bin];
-    return fmax(q->min, fmin(q->max, from + part * (border_of(bin + 1) - from)));
+    const double from = quantiles_border(bin), part = (wanted - below) / q->bins[bin];
+    return fmax(q->min, fmin(q->max, from + part * (quantiles_border(bin + 1) - from)));
 }
 
 typedef struct saved_bin {

@@ -14,6 +14,7 @@
 #include "core/base/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 /// The distribution. Begin with quantiles_init().
 typedef struct quantiles {
@@ -41,6 +42,16 @@ double quantiles_mean(const quantiles *q);
 
 /// The quantile p, 0 < p < 1; NAN: empty.
 double quantiles_at(const quantiles *q, double p);
+
+/// The number of bins, and where each begins; the border behind the last one is where it ends.
+size_t quantiles_bins(void);
+double quantiles_border(size_t bin);
+
+/// Make it empty again.
+void quantiles_clear(quantiles *q);
+
+/// Take the values of another one.
+void quantiles_copy(quantiles *to, const quantiles *from);
 
 /// Append the distribution to a checkpoint, and take one from it. False: damaged; *q then is as it may be, and
 /// only to be freed.

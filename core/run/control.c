@@ -72,6 +72,7 @@ static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, 
             passages_see(&c->passages[eye], (double)step * c->dt, &view.passages, eye, to, err);
     if (status != BF_OK || !photo_eyes_see(&c->eyes, eye, step, view.is_broken))
         return status;
+    figures_eye_state(to, eye, (double)step * c->dt, view.is_broken);
     status = emit_change(c, step, FRAME_CHANGE_EYE, eye, view.is_broken, sink, err);
     return status == BF_OK ? commands_note(&c->commands, eye, view.is_broken, step, err) : status;
 }

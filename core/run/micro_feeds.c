@@ -157,6 +157,11 @@ void micro_feeds_count_steps(micro_feeds *f, uint64_t n)
     f->part_steps += (double)n * (double)n_present;
 }
 
+double micro_feeds_age(const micro_feeds *f, size_t part)
+{
+    return time_now(f) - f->tags[part].entered;
+}
+
 double micro_feeds_entered(const micro_feeds *f)
 {
     double n = 0.0;

@@ -48,6 +48,9 @@ BF_MUST_CHECK bf_status micro_feeds_admit(micro_feeds *f, figures *to, bf_error 
 /// Count the parts in the domain for n steps that are made now.
 void micro_feeds_count_steps(micro_feeds *f, uint64_t n);
 
+/// How long a part of the solver has been in the domain, s.
+double micro_feeds_age(const micro_feeds *f, size_t part);
+
 /// Parts that entered since t = 0.
 double micro_feeds_entered(const micro_feeds *f);
 

@@ -396,11 +396,13 @@ static void tell_cargo(const void *solver, figures *to)
             continue;
         const micro_part part = micro_part_of(run->solver, k);
         const vec2 at = { part.x[0], part.x[1] };
-        const figures_cargo cargo = { .at = at,
-                                      .speed = hypot(part.v[0], part.v[1]),
-                                      .belt_speed =
-                                          vec2_length(micro_belt_velocity(run->solver, at)),
-                                      .parts = 1.0 };
+        const figures_cargo cargo = {
+            .at = at,
+            .speed = hypot(part.v[0], part.v[1]),
+            .belt_speed = vec2_length(micro_belt_velocity(run->solver, at)),
+            .parts = 1.0,
+            .age = run->feeds.entry == NULL ? (double)NAN : micro_feeds_age(&run->feeds, k)
+        };
         figures_add_cargo(to, &cargo);
     }
 }

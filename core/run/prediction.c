@@ -4,6 +4,8 @@
 #include "core/run/prediction_load.h"
 #include "core/run/run_priv.h"
 
+#include <math.h>
+
 const char *const prediction_kind_words[] = { "roe",
                                               "muscl",
                                               "congested",
@@ -15,35 +17,36 @@ const char *const prediction_kind_words[] = { "roe",
 
 /// Seconds for each amount. tests/bench/prediction.py fits them, and says how far off predictions are.
 static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
-    [PREDICTION_ROE] = { [PREDICTION_CELLS] = 4.04e-08,
-                         [PREDICTION_SNAPSHOT_CELLS] = 1.54e-09,
-                         [PREDICTION_STEPS] = 8.43e-07,
-                         [PREDICTION_ROW_STEPS] = 9.34e-08,
-                         [PREDICTION_COVERED_STEPS] = 8.74e-11,
-                         [PREDICTION_SATURATED_STEPS] = 9.49e-10 },
-    [PREDICTION_MUSCL] = { [PREDICTION_RUN] = 6.83e-03,
-                           [PREDICTION_CELL_STEPS] = 1.13e-09,
-                           [PREDICTION_COVERED_STEPS] = 9.51e-10,
-                           [PREDICTION_SATURATED_STEPS] = 1.00e-09 },
-    [PREDICTION_CONGESTED] = { [PREDICTION_RUN] = 1.26e-03,
-                               [PREDICTION_CELL_STEPS] = 3.31e-09,
-                               [PREDICTION_COVERED_STEPS] = 1.45e-09,
-                               [PREDICTION_SATURATED_STEPS] = 2.07e-08,
-                               [PREDICTION_MOVING_STEPS] = 1.34e-08 },
-    [PREDICTION_PLANAR_VERLET] = { [PREDICTION_SNAPSHOT_CELLS] = 1.12e-08,
-                                   [PREDICTION_STEPS] = 5.01e-08,
-                                   [PREDICTION_PART_STEPS] = 1.74e-09,
-                                   [PREDICTION_PAIR_STEPS] = 1.20e-08 },
-    [PREDICTION_PLANAR_IMPLICIT] = { [PREDICTION_SNAPSHOT_CELLS] = 1.13e-08,
-                                     [PREDICTION_PART_STEPS] = 6.65e-08,
-                                     [PREDICTION_PAIR_STEPS] = 2.44e-08 },
-    [PREDICTION_SPATIAL_VERLET] = { [PREDICTION_CELLS] = 1.40e-05,
-                                    [PREDICTION_SNAPSHOT_CELLS] = 1.03e-07,
-                                    [PREDICTION_STEPS] = 5.01e-07,
-                                    [PREDICTION_PART_STEPS] = 2.47e-08,
-                                    [PREDICTION_PAIR_STEPS] = 6.12e-07 },
-    [PREDICTION_SPATIAL_IMPLICIT] = { [PREDICTION_STEPS] = 5.44e-06,
-                                      [PREDICTION_PAIR_STEPS] = 1.28e-06 },
+    [PREDICTION_ROE] = { [PREDICTION_RUN] = 4.28e-03,
+                         [PREDICTION_CELLS] = 6.47e-07,
+                         [PREDICTION_ROW_STEPS] = 5.72e-08,
+                         [PREDICTION_COVERED_STEPS] = 7.37e-10,
+                         [PREDICTION_SATURATED_STEPS] = 2.13e-09 },
+    [PREDICTION_MUSCL] = { [PREDICTION_RUN] = 1.25e-02,
+                           [PREDICTION_ROW_STEPS] = 5.79e-08,
+                           [PREDICTION_CELL_STEPS] = 1.56e-09,
+                           [PREDICTION_COVERED_STEPS] = 2.14e-09,
+                           [PREDICTION_SATURATED_STEPS] = 1.70e-09 },
+    [PREDICTION_CONGESTED] = { [PREDICTION_RUN] = 4.46e-04,
+                               [PREDICTION_CELLS] = 2.03e-06,
+                               [PREDICTION_CELL_STEPS] = 1.64e-09,
+                               [PREDICTION_SATURATED_STEPS] = 6.27e-08,
+                               [PREDICTION_MOVING_STEPS] = 2.21e-08 },
+    [PREDICTION_PLANAR_VERLET] = { [PREDICTION_CELLS] = 1.79e-06,
+                                   [PREDICTION_STEPS] = 7.31e-08,
+                                   [PREDICTION_PART_STEPS] = 2.38e-09,
+                                   [PREDICTION_PAIR_STEPS] = 2.46e-08 },
+    [PREDICTION_PLANAR_IMPLICIT] = { [PREDICTION_SNAPSHOT_CELLS] = 1.21e-08,
+                                     [PREDICTION_STEPS] = 2.56e-07,
+                                     [PREDICTION_PART_STEPS] = 1.20e-07,
+                                     [PREDICTION_PAIR_STEPS] = 3.23e-08 },
+    [PREDICTION_SPATIAL_VERLET] = { [PREDICTION_RUN] = 7.73e-02,
+                                    [PREDICTION_CELLS] = 2.25e-05,
+                                    [PREDICTION_STEPS] = 2.95e-07,
+                                    [PREDICTION_PART_STEPS] = 9.80e-08,
+                                    [PREDICTION_PAIR_STEPS] = 9.52e-07 },
+    [PREDICTION_SPATIAL_IMPLICIT] = { [PREDICTION_STEPS] = 7.95e-06,
+                                      [PREDICTION_PAIR_STEPS] = 2.20e-06 },
 };
 
 static prediction_kind kind_of_macro(const scene_macro *macro)
@@ -133,11 +136,20 @@ bf_status prediction_work_of(const scene *s, run_model model, prediction_work *r
     return BF_OK;
 }
 
+void prediction_seconds_of_terms(const prediction_work *work, const prediction_speed *speed,
+                                 double *ret_seconds)
+{
+    for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
+        ret_seconds[i] = speed->factors[work->kind] * costs[work->kind][i] *
+                         exp(speed->corrections[work->kind][i]) * work->amounts[i];
+}
+
 double prediction_seconds(const prediction_work *work, const prediction_speed *speed)
 {
-    double seconds = 0.0;
+    double terms[PREDICTION_TERM_COUNT], seconds = 0.0;
 
+    prediction_seconds_of_terms(work, speed, terms);
     for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
-        seconds += costs[work->kind][i] * work->amounts[i];
-    return seconds * speed->factors[work->kind];
+        seconds += terms[i];
+    return seconds;
 }

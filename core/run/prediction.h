@@ -1,11 +1,12 @@
 /// How long a run will take, before it is solved.
 ///
-///     time = factor sum_i cost_i amount_i
+///     time = factor sum_i cost_i exp(correction_i) amount_i
 ///
 /// The amounts follow from the scenario and from a run of it on a coarse grid (prediction_load.h), which takes
 /// milliseconds. The costs are constants of the solvers, fitted on one machine. The factor is the time that a
 /// small scenario takes here, divided by what the costs say of it; there is one for each kind of solver, because
-/// machines differ in instruction sets and memory.
+/// machines differ in instruction sets and memory. The corrections are 0 at first and follow from what runs have taken here
+/// (prediction_learn.h).
 ///
 /// Meant is the CPU time on one thread, with all results, until the run has ended; s.
 
@@ -52,7 +53,8 @@ typedef struct prediction_work {
 
 /// How fast a machine is: time here, divided by the time on the machine of the costs, for each kind.
 typedef struct prediction_speed {
-    double factors[PREDICTION_KIND_COUNT]; ///< > 0
+    double factors[PREDICTION_KIND_COUNT];                            ///< > 0
+    double corrections[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT]; ///< of the costs; 0: none
 } prediction_speed;
 
 /// The words of the kinds, "roe" to "spatial_implicit"; NULL-terminated.
@@ -62,8 +64,10 @@ extern const char *const prediction_kind_words[];
 BF_MUST_CHECK bf_status prediction_work_of(const scene *s, run_model model,
                                            prediction_work *ret_work, bf_error *err);
 
-/// The time of a run, s.
+/// The time of a run, s; and what each amount has of it, s, into ret_seconds[PREDICTION_TERM_COUNT].
 double prediction_seconds(const prediction_work *work, const prediction_speed *speed);
+void prediction_seconds_of_terms(const prediction_work *work, const prediction_speed *speed,
+                                 double *ret_seconds);
 
 /// Solve a small scenario of a kind until least_s of CPU time have passed by the clock, and say how fast this machine is:
 /// the factor of the fastest of the runs. BF_ENOMEM.

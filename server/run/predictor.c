@@ -6,6 +6,7 @@
 #include "core/base/check.h"
 #include "core/base/digest.h"
 #include "core/base/memory.h"
+#include "core/run/prediction_learn.h"
 #include "server/base/lock.h"
 #include "server/base/log.h"
 
@@ -48,11 +49,16 @@ struct predictor {
     lock_condition asked; // for a run, or to stop
     bool has_speed;
     prediction_speed speed;
+    bool has_news;                        // somebody wants what ended runs say
     size_t n_waiting;                     // runs that were asked for and not predicted
     question waiting[PREDICTOR_RUNS_MAX]; // a ring
     size_t first;                         // of them
     entry entries
         [PREDICTOR_RUNS_MAX]; // each at the place of its id; a newer one takes an older one's
+    // The thread's own:
+    prediction_learned learned;
+    int64_t learned_ms;              // when the newest run that was learned from ended
+    char learned_study[API_ID_SIZE]; // whose trial it was
 };
 
 static double read_cpu_s(void)
@@ -144,13 +150,15 @@ bool predictor_speed(predictor *p, prediction_speed *ret_speed)
     const bool has_speed = p->has_speed;
     if (has_speed)
         *ret_speed = p->speed;
+    p->has_news = true;
+    lock_wake_one(&p->asked);
     lock_release(&p->lock);
     return has_speed;
 }
 
 static bf_status measure_speed(predictor *p, bf_error *err)
 {
-    prediction_speed speed;
+    prediction_speed speed = { 0 };
     bf_status status = BF_OK;
 
     for (int kind = 0; kind < PREDICTION_KIND_COUNT && status == BF_OK; kind++) {
@@ -168,16 +176,15 @@ static bf_status measure_speed(predictor *p, bf_error *err)
     return BF_OK;
 }
 
-static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, bf_error *err)
+// The work of a run; *ret_is_ended: it has ended.
+static bf_status find_work(predictor *p, const char *run_id, prediction_work *ret_work,
+                           bool *ret_is_ended, bf_error *err)
 {
-    prediction_work work;
     bf_buffer text = { 0 };
     api_run record;
     scene s;
 
     bf_status status = store_find(p->store, run_id, &record, err);
-    if (status == BF_OK && run_state_is_end(record.state))
-        return BF_OK;
     if (status == BF_OK)
         status = store_read_text(p->store, run_id, API_TEXT_SCENARIO, &text, err);
     if (status == BF_OK)
@@ -185,9 +192,47 @@ static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, 
     buffer_fini(&text);
     if (status != BF_OK)
         return status;
-    status = prediction_work_of(&s, record.model, &work, err);
+    *ret_is_ended = run_state_is_end(record.state);
+    status = prediction_work_of(&s, record.model, ret_work, err);
     scene_fini(&s);
-    if (status == BF_OK)
+    return status;
+}
+
+static void learn_from(predictor *p, const store_measured *ended, prediction_speed *speed)
+{
+    prediction_work work;
+    bool is_ended;
+
+    const bool is_alike = ended->study[0] != '\0' && strcmp(ended->study, p->learned_study) == 0;
+    memcpy(p->learned_study, ended->study, API_ID_SIZE);
+    p->learned_ms = ended->finished_ms;
+    if (!is_alike && find_work(p, ended->id, &work, &is_ended, NULL) == BF_OK)
+        prediction_learn(&p->learned, &work, ended->cpu_s, speed);
+}
+
+// Learn from the runs that have ended since the last time, the oldest first.
+static void learn_news(predictor *p)
+{
+    store_measured runs[PREDICTOR_LEARNED];
+    prediction_speed speed = p->speed; // nobody else writes it
+    size_t n;
+
+    if (store_list_measured(p->store, p->learned_ms, runs, PREDICTOR_LEARNED, &n, NULL) != BF_OK)
+        return;
+    while (n-- > 0 && !atomic_load(&p->is_stopping))
+        learn_from(p, &runs[n], &speed);
+    lock_acquire(&p->lock);
+    p->speed = speed;
+    lock_release(&p->lock);
+}
+
+static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, bf_error *err)
+{
+    prediction_work work;
+    bool is_ended;
+
+    const bf_status status = find_work(p, run_id, &work, &is_ended, err);
+    if (status == BF_OK && !is_ended)
         *ret_seconds = prediction_seconds(&work, &p->speed);
     return status;
 }
@@ -203,20 +248,21 @@ static void remember(predictor *p, const char *id, double seconds)
     lock_release(&p->lock);
 }
 
-// The next run; false: to be stopped.
+// Wait until somebody asks; false: to be stopped. *ret_question is the next run, its run_id "" where there is none.
 static bool take_next(predictor *p, question *ret_question)
 {
     lock_acquire(&p->lock);
-    while (p->n_waiting == 0 && !atomic_load(&p->is_stopping))
+    while (p->n_waiting == 0 && !p->has_news && !atomic_load(&p->is_stopping))
         (void)lock_wait(&p->asked, &p->lock, -1);
-    const bool has_next = !atomic_load(&p->is_stopping);
-    if (has_next) {
+    p->has_news = false;
+    *ret_question = (question){ .run_id = "" };
+    if (p->n_waiting > 0) {
         *ret_question = p->waiting[p->first];
         p->first = (p->first + 1) % PREDICTOR_RUNS_MAX;
         p->n_waiting--;
     }
     lock_release(&p->lock);
-    return has_next;
+    return !atomic_load(&p->is_stopping);
 }
 
 static void *run_loop(void *context)
@@ -232,10 +278,14 @@ static void *run_loop(void *context)
         log_event(LOG_LEVEL_WARN, "runs_not_predicted", "error=%s", log_quote(err.text, quoted));
         return NULL;
     }
+    prediction_learn_begin(&p->learned);
+    learn_news(p);
     while (take_next(p, &next)) {
         double seconds = (double)NAN;
+        learn_news(p);
         // A run that cannot be predicted is one of which nothing is said.
-        if (predict(p, next.run_id, &seconds, &err) == BF_OK && isfinite(seconds))
+        if (next.run_id[0] != '\0' && predict(p, next.run_id, &seconds, &err) == BF_OK &&
+            isfinite(seconds))
             remember(p, next.id, seconds);
     }
     return NULL;

@@ -1,6 +1,8 @@
 /// The predictor: says of runs that have not ended how long they will take (core/run/prediction.h).
 ///
-/// It first measures how fast this machine is, a fifth of a second. A run is predicted when somebody asks for the first
+/// It first measures how fast this machine is, a fifth of a second, and then learns from what the newest runs in the store took
+/// (core/run/prediction_learn.h), PREDICTOR_LEARNED at most; whenever it is asked, from those that have ended since. Of the trials of a
+/// study it learns from one that ended after a run that was not of it. A run is predicted when somebody asks for the first
 /// time, which takes some milliseconds; so one that nobody looks at costs nothing. What was found is kept in memory, of
 /// the PREDICTOR_RUNS_MAX runs and studies that were asked for last.
 ///
@@ -19,6 +21,7 @@
 enum {
     PREDICTOR_RUNS_MAX = 16384, ///< whose predictions are kept
     PREDICTOR_SAMPLE = 64,      ///< runs of the queue that are looked at
+    PREDICTOR_LEARNED = 64,     ///< runs that have ended, at a time
 };
 
 /// A running predictor; opaque.

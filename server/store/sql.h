@@ -108,6 +108,9 @@
                      "AND parent = '' ORDER BY id LIMIT 1")                                        \
     X(LIST_QUEUED, "SELECT id, parent FROM runs INDEXED BY runs_by_state WHERE state = 0 "         \
                    "ORDER BY id LIMIT ?1")                                                         \
+    X(LIST_MEASURED, "SELECT id, parent, cpu_s, finished_ms FROM runs INDEXED BY runs_by_end "     \
+                     "WHERE state >= 2 AND state = 2 AND cpu_s > 0 AND finished_ms > ?1 "          \
+                     "ORDER BY finished_ms DESC LIMIT ?2")                                         \
     X(COUNT_QUEUED_OWNED, "SELECT count(*) FROM runs INDEXED BY runs_waiting WHERE state = 0 "     \
                           "AND parent = '' AND owner = ?1")                                        \
     X(NEXT_QUEUED_OWNED,                                                                           \

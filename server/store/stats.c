@@ -75,6 +75,32 @@ void store_read_stats(store *s, store_stats *ret_stats)
     lock_release(&s->lock);
 }
 
+bf_status store_list_measured(store *s, int64_t after_ms, store_measured *runs, size_t n_most,
+                              size_t *ret_n, bf_error *err)
+{
+    store__connection *reader = NULL;
+    bool has_row = true;
+
+    *ret_n = 0;
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(reader, STORE__SQL_LIST_MEASURED);
+    store__bind_integer(&q, after_ms);
+    store__bind_integer(&q, (int64_t)n_most);
+    status = store__next(&q, &has_row, err);
+    for (; status == BF_OK && has_row; status = store__next(&q, &has_row, err)) {
+        store_measured *ended = &runs[(*ret_n)++];
+        store__column_text(&q, 0, ended->id, API_ID_SIZE);
+        store__column_text(&q, 1, ended->study, API_ID_SIZE);
+        ended->cpu_s = store__column_real(&q, 2);
+        ended->finished_ms = (int64_t)store__column_real(&q, 3);
+    }
+    store__end(&q);
+    store__release_reader(&s->pool, reader);
+    return status;
+}
+
 bf_status store_list_queued(store *s, store_queued *runs, size_t n_most, size_t *ret_n,
                             bf_error *err)
 {

@@ -209,6 +209,18 @@ typedef struct store_queued {
 BF_MUST_CHECK bf_status store_list_queued(store *s, store_queued *runs, size_t n_most,
                                           size_t *ret_n, bf_error *err);
 
+/// A run that has succeeded, with what it took.
+typedef struct store_measured {
+    char id[API_ID_SIZE];    ///< which
+    char study[API_ID_SIZE]; ///< whose trial it is; "": a run by itself
+    double cpu_s;            ///< > 0
+    int64_t finished_ms;     ///< when
+} store_measured;
+
+/// Of the runs that have succeeded after a time, without those that were known, the newest, newest first, n_most at most.
+BF_MUST_CHECK bf_status store_list_measured(store *s, int64_t after_ms, store_measured *runs,
+                                            size_t n_most, size_t *ret_n, bf_error *err);
+
 /// Let more or fewer runs wait, in all and of each client, or change what owners may use; see store_options.
 void store_set_queue_limit(store *s, size_t limit);
 void store_set_client_quota(store *s, size_t quota);

@@ -3,12 +3,14 @@
 // tests/bench/prediction.py makes scenarios, judges, and fits the costs.
 //
 //     bench_prediction macro|micro scenario.json...
+//     bench_prediction learn                           lines of kind, measured time and amounts from stdin: what is
+//                                                      predicted of each before it is learned from
 //     bench_prediction speed                           how fast this machine is, for each kind
 
 #include "api/scenario/scenario.h"
 #include "core/base/buffer.h"
 #include "core/base/check.h"
-#include "core/run/prediction.h"
+#include "core/run/prediction_learn.h"
 #include "server/base/file_io.h"
 
 #include <math.h>
@@ -48,8 +50,10 @@ static double solve(const scene *s, run_model model)
     for (int round = 0; round < ROUNDS && (round == 0 || now_s() < first + enough_s); round++) {
         const double begin = now_s();
         BF_CHECK(run_create(s, model, 1, &r, &err) == BF_OK);
-        BF_CHECK(run_execute(r, &sink, &err) == BF_OK);
+        const bf_status status = run_execute(r, &sink, &err);
         r = run_destroy(r);
+        if (status != BF_OK)
+            return NAN;
         best = fmin(best, now_s() - begin);
     }
     return best;
@@ -57,7 +61,7 @@ static double solve(const scene *s, run_model model)
 
 static prediction_speed measure_speed(void)
 {
-    prediction_speed here;
+    prediction_speed here = { 0 };
 
     for (int kind = 0; kind < PREDICTION_KIND_COUNT; kind++)
         BF_CHECK(prediction_measure((prediction_kind)kind, now_s, speed_s, &here.factors[kind],
@@ -82,22 +86,54 @@ static bool measure(const char *path, run_model model, const prediction_speed *h
     const double begin = now_s();
     BF_CHECK(prediction_work_of(&s, model, &work, &err) == BF_OK);
     const double spent = now_s() - begin;
-    printf("%s,%s,%.6g,%.6g,%.6g", path, prediction_kind_words[work.kind], solve(&s, model),
+    const double seconds = solve(&s, model);
+    buffer_fini(&text);
+    scene_fini(&s);
+    if (isnan(seconds))
+        return false;
+    printf("%s,%s,%.6g,%.6g,%.6g", path, prediction_kind_words[work.kind], seconds,
            prediction_seconds(&work, here), spent);
     for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
         printf(",%.6g", work.amounts[i]);
     printf("\n");
     fflush(stdout);
-    buffer_fini(&text);
-    scene_fini(&s);
     return true;
+}
+
+static prediction_kind find_kind(const char *word)
+{
+    int kind = 0;
+
+    while (kind < PREDICTION_KIND_COUNT && strcmp(prediction_kind_words[kind], word) != 0)
+        kind++;
+    BF_CHECK(kind < PREDICTION_KIND_COUNT);
+    return (prediction_kind)kind;
+}
+
+static void learn(prediction_speed *here)
+{
+    static prediction_learned learned;
+    char word[32];
+    double seconds;
+
+    prediction_learn_begin(&learned);
+    while (scanf("%31[^,],%lf", word, &seconds) == 2) {
+        prediction_work work = { .kind = find_kind(word) };
+        for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
+            BF_CHECK(scanf(",%lf", &work.amounts[i]) == 1);
+        BF_CHECK(scanf(" ") == 0);
+        printf("%.6g\n", prediction_seconds(&work, here));
+        prediction_learn(&learned, &work, seconds, here);
+    }
 }
 
 int main(int n_arguments, char **arguments)
 {
     BF_CHECK(n_arguments > 1);
     const run_model model = strcmp(arguments[1], "micro") == 0 ? RUN_MICRO : RUN_MACRO;
-    const prediction_speed here = measure_speed();
+    prediction_speed here = measure_speed();
+    if (strcmp(arguments[1], "learn") == 0)
+        learn(&here);
     for (int k = 0; k < PREDICTION_KIND_COUNT && strcmp(arguments[1], "speed") == 0; k++)
         printf("%s,%.4g\n", prediction_kind_words[k], here.factors[k]);
     for (int k = 2; k < n_arguments; k++) {

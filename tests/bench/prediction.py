@@ -2,6 +2,7 @@
 """How far off predictions of the time of a run are (core/run/prediction.h), on the ready scenarios and on random ones.
 
     tests/bench/prediction.py                  judge: scenarios of a seed that the costs were not fitted to
+    tests/bench/prediction.py --learn          judge how much better they are when runs were learned from
     tests/bench/prediction.py --fit            fit the costs to scenarios of another seed; prints the table
 
 The machine's speed is measured as the daemon does it, so that costs of one machine are judged on another. Prints each
@@ -88,12 +89,12 @@ def make(draw, kind):
                         "snapshot_every_s": draw.choice([0.1, 0.5, 1.0])},
              "macro": {"cell_m": draw.choice([0.005, 0.01, 0.01] if kind in ("roe", "muscl") else [0.01, 0.01, 0.02]),
                        "step_s": "auto"},
-             "micro": {"modulus_reduction": draw.choice([1e4, 1e6]), "step_s": "auto"}}
+             "micro": {"modulus_reduction": draw.choice([1e3, 1e4]), "overlap_limit": 1, "step_s": "auto"}}
     scene["macro"]["closure"] = "congested" if kind == "congested" else "dispersive"
     if kind == "muscl":
         scene["macro"]["scheme"] = "muscl"
-    if kind.endswith("implicit"):
-        scene["micro"]["integrator"] = "implicit"
+    if not kind.startswith(("roe", "muscl", "congested")):
+        scene["micro"]["integrator"] = kind.split("_")[1]
     if kind.startswith("spatial"):
         spatial_cargo(draw, scene, width)
     else:
@@ -110,14 +111,45 @@ def measure(paths, model):
              "predicted": float(row[3]), "amounts": [float(value) for value in row[5:]]} for row in rows]
 
 
-def measure_random(seed, n_each, folder):
+def equip(draw, scene):
+    """A flap that turns, and an eye before it that stops the belt."""
+    length, width = scene["domain"]["x_m"][1], scene["domain"]["y_m"][1]
+    scene["obstacles"].append({"id": "flap", "path_m": [[round(0.8 * length, 3), 0], [round(0.8 * length + 0.15, 3), 0]],
+                               "motion": {"t_s": [0, 0.5, 2, 2.5], "turn_deg": [0, 40, 40, 0], "repeat_s": 4}})
+    scene["photo_eyes"] = [{"id": "eye", "line_m": [[round(0.5 * length, 3), 0], [round(0.5 * length, 3), width]],
+                            "block_time_s": draw.choice([0.2, 0.5, 1])}]
+    scene["actions"] = [{"when": {"photo_eye": "eye", "state": state}, "do": {"belt": "main", "factor": factor}}
+                        for state, factor in [("blocked", 0.5), ("clear", 1)]]
+
+
+def measure_random(seed, n_each, folder, is_equipped=False):
     draw, rows = random.Random(seed), []
-    for kind in KINDS:
+    for kind in ["congested", "planar_implicit"] if is_equipped else KINDS:
         paths = [pathlib.Path(folder) / f"{kind}-{k}.json" for k in range(n_each)]
         for path in paths:
-            path.write_text(json.dumps(make(draw, kind)))
+            scene = make(draw, kind)
+            if is_equipped:
+                equip(draw, scene)
+            path.write_text(json.dumps(scene))
         rows += measure(paths, "micro" if kind.startswith(("planar", "spatial")) else "macro")
     return rows
+
+
+def learn(rows):
+    """The rows in the order given, each with what was predicted before it was learned from."""
+    lines = "".join(",".join(map(str, [row["kind"], row["measured"], *row["amounts"]])) + "\n" for row in rows)
+    output = subprocess.run([PROGRAM, "learn"], input=lines, stdout=subprocess.PIPE, text=True, check=True).stdout
+    return [{**row, "predicted": float(line)} for row, line in zip(rows, output.splitlines())]
+
+
+def judge_learning(rows):
+    """How near predictions are before anything was learned, and after the first 30 runs in a random order."""
+    random.Random(3).shuffle(rows)
+    learned = learn(rows)
+    for title, part, bound in [("before any run", rows, 2.0), ("before any run", rows, BOUND),
+                               ("after 30 runs", learned[30:], BOUND), ("after 30 runs", learned[30:], 2.0)]:
+        good = sum(1 / bound <= row["predicted"] / row["measured"] <= bound for row in part)
+        print(f"{title}: {good} of {len(part)} within a factor of {bound}")
 
 
 def measure_ready():
@@ -155,10 +187,14 @@ def fit(rows):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fit", action="store_true", help="print the table of costs")
+    parser.add_argument("--learn", action="store_true", help="judge what is predicted after runs were learned from")
     parser.add_argument("--each", type=int, default=12, help="random scenarios of each kind")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         rows = measure_random(SEED_OF_FIT if options.fit else SEED_OF_JUDGEMENT, options.each, folder)
+        if options.learn:
+            judge_learning(rows + measure_random(SEED_OF_JUDGEMENT, options.each, folder, True))
+            return 0
     ready = measure_ready()
     if options.fit:
         for kind in KINDS:

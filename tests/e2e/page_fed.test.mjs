@@ -122,7 +122,7 @@ test("key figures are the daemon's, with their units and definitions, and the li
   assert.equal(await throughput.getAttribute("title"), described.properties.throughput_per_h.description);
   const glance = page.getByRole("region", { name: "At a glance" });
   for (const [name, value] of [["Throughput", figures.throughput_per_h], ["Longest queue", figures.queue_end_m],
-    ["Residence", figures.residence_s.p95], ["Peak density", 100 * figures.peak_density]]) {
+    ["Residence", figures.residence_s.p95], ["Peak density", 100 * figures.peak_density]].filter(([, known]) => known !== undefined)) {
     const shown = await numberIn(glance.locator("dl > div", { hasText: name }).locator("dd").first());
     assert.ok(Math.abs(shown - value) <= 0.005 * value, `${name}: ${shown} is not ${value}`);
   }

@@ -52,8 +52,9 @@ const figures = [
     unit: "s",
     value: ({ figures: known }) => (known && residenceOf(known)) ?? null,
     text: (value) => number(value),
-    sentence: ({ run, scenario }) => (run.model === "macro" && isFed(scenario) ? "Only the microscopic model knows it of a fed belt."
-      : "95 % of the parts that left stayed no longer."),
+    sentence: ({ run, scenario }) => (!isFed(scenario) ? "95 % of the parts that left stayed no longer."
+      : run.model === "macro" ? "Only the microscopic model knows it of a fed belt."
+        : "95 % of the parts stay no longer; those still inside count as longer than their age, so that it may not be known yet."),
   },
   {
     name: () => "Peak density",

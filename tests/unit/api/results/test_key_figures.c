@@ -35,7 +35,7 @@ static key_figures make(double values[N_VALUES])
     values[OF_RUN] = 240.0;
     values[OF_RUN + OF_FEED + FIGURE_WAIT_P95 - FIGURE_OFFERED] = 0.5;
     values[OF_RUN + 2 * OF_FEED] = 10.0;
-    values[N_VALUES - 1] = 0.125;
+    values[N_VALUES - OF_EYE + FIGURE_DOUBLES - FIGURE_GAP_MIN] = 0.125;
     return (key_figures){ .columns = columns, .t = 60.0, .n = N_VALUES, .values = values };
 }
 

@@ -234,7 +234,7 @@ static void a_model_that_is_not_built_in_is_refused(void **unused)
 }
 
 // What POST /v1/validate answers.
-static const prediction_speed same_speed = { { 1, 1, 1, 1, 1, 1, 1 } };
+static const prediction_speed same_speed = { .factors = { 1, 1, 1, 1, 1, 1, 1 } };
 
 static void validate_with_parts(const char *text, size_t parts_max, bf_buffer *out)
 {

@@ -198,6 +198,37 @@ static void residence_is_that_of_each_part_that_left(void **state)
     end(&x);
 }
 
+// At the end of the warm-up one part has been inside for 4 s. After it parts of 1, 3 and 5 s leave, the last one being that one,
+// and two of 2 and 4 s are inside still: of 4 parts that came later S falls to 3/4 at 1 s and, one of 2 being left, to 3/8 at
+// 3 s; at 5 s, where the first one is the only one, to 0. The mean is 1 + 2 3/4 + 2 3/8.
+static void parts_that_are_inside_stay_longer_than_their_age(void **state)
+{
+    (void)state;
+    static const figures_cargo at_first[] = { { { 0.1, 0.3 }, 0.4, 0.4, 1.0, 4.0 } };
+    static const figures_cargo at_last[] = { { { 0.1, 0.3 }, 0.4, 0.4, 1.0, 2.0 },
+                                             { { 0.2, 0.3 }, 0.4, 0.4, 1.0, 4.0 } };
+    fixture x;
+    begin(&x, 1.0, true);
+    sample(&x, 0.0, 1.0, 0.0);
+    figures_add_cargo(x.f, &at_first[0]);
+    sample(&x, 1.0, 1.0, 0.0);
+    figures_exit(x.f, 1.0);
+    figures_exit(x.f, 3.0);
+    figures_exit(x.f, 5.0);
+    figures_add_cargo(x.f, &at_last[0]);
+    figures_add_cargo(x.f, &at_last[1]);
+    sample(&x, 6.0, 2.0, 3.0);
+    assert_near(value(&x, FIGURE_RESIDENCE_MEAN, 0), 3.25, 0.02);
+    assert_near(value(&x, FIGURE_RESIDENCE_P50, 0), 3.0, 3.0 / 256.0);
+    assert_near(value(&x, FIGURE_RESIDENCE_P90, 0), 5.0, 5.0 / 256.0);
+    // Nothing is known of when 90 % will have left where more than a tenth are inside for longer than all that left.
+    for (size_t k = 0; k < 4; k++)
+        figures_add_cargo(x.f, &(figures_cargo){ { 0.1, 0.3 }, 0.4, 0.4, 1.0, 5.5 });
+    sample(&x, 7.0, 4.0, 3.0);
+    assert_true(isnan(value(&x, FIGURE_RESIDENCE_P90, 0)));
+    end(&x);
+}
+
 // 10 parts of the start leave evenly from 1 s to 3 s: uniform from 1 s to 3 s.
 static void residence_of_a_density_is_the_distance_of_the_curves(void **state)
 {
@@ -312,10 +343,10 @@ static void content_is_a_mean_over_time(void **state)
 static void states_go_by_the_speed_of_the_belt(void **state)
 {
     (void)state;
-    static const figures_cargo cargo[] = { { { 0.1, 0.3 }, 0.33, 0.4, 1.0 },
-                                           { { 0.2, 0.3 }, 0.31, 0.4, 1.0 },
-                                           { { 0.7, 0.3 }, 0.019, 0.4, 1.0 },
-                                           { { 0.8, 0.3 }, 0.01, 0.0, 1.0 } };
+    static const figures_cargo cargo[] = { { { 0.1, 0.3 }, 0.33, 0.4, 1.0, 0.0 },
+                                           { { 0.2, 0.3 }, 0.31, 0.4, 1.0, 0.0 },
+                                           { { 0.7, 0.3 }, 0.019, 0.4, 1.0, 0.0 },
+                                           { { 0.8, 0.3 }, 0.01, 0.0, 1.0, 0.0 } };
     fixture x;
     begin(&x, 0.0, true);
     for (int t = 0; t < 2; t++) {
@@ -342,10 +373,10 @@ static void a_queue_reaches_from_the_next_plate_to_its_last_slow_part(void **sta
     static const vec2 rail[] = { { 0.0, 0.1 }, { 1.0, 0.1 } },
                       plate[] = { { 0.9, 0.1 }, { 0.7, 0.5 } },
                       gate[] = { { 0.3, 0.1 }, { 0.3, 0.5 } };
-    static const figures_cargo cargo[] = { { { 0.45, 0.3 }, 0.2, 0.4, 1.0 },
-                                           { { 0.25, 0.3 }, 0.2, 0.4, 1.0 },
-                                           { { 0.1, 0.3 }, 0.4, 0.4, 1.0 },
-                                           { { 0.95, 0.3 }, 0.0, 0.4, 1.0 } };
+    static const figures_cargo cargo[] = { { { 0.45, 0.3 }, 0.2, 0.4, 1.0, 0.0 },
+                                           { { 0.25, 0.3 }, 0.2, 0.4, 1.0, 0.0 },
+                                           { { 0.1, 0.3 }, 0.4, 0.4, 1.0, 0.0 },
+                                           { { 0.95, 0.3 }, 0.0, 0.4, 1.0, 0.0 } };
     fixture x;
     begin(&x, 0.0, true);
     figures_destroy(x.f);
@@ -472,11 +503,30 @@ static void a_chain_of_parts_is_all_doubles(void **state)
     end(&x);
 }
 
+// Blocked from 0.5 s to 2 s, of which 1 s is after the warm-up, from 3 s to 3.5 s, and from 4 s on.
+static void an_eye_is_blocked_for_some_time_after_the_warm_up(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 1.0, true);
+    figures_eye_state(x.f, 0, 0.5, true);
+    sample(&x, 1.0, 1.0, 0.0);
+    figures_eye_state(x.f, 0, 2.0, false);
+    figures_eye_state(x.f, 0, 3.0, true);
+    figures_eye_state(x.f, 0, 3.5, false);
+    figures_eye_state(x.f, 0, 4.0, true);
+    sample(&x, 6.0, 1.0, 0.0);
+    assert_near(value(&x, FIGURE_BLOCKED_COUNT, 0), 3.0, 0.0);
+    assert_near(value(&x, FIGURE_BLOCKED_TOTAL, 0), 3.5, 1e-14);
+    assert_near(value(&x, FIGURE_BLOCKED_LONGEST, 0), 2.0, 1e-14);
+    end(&x);
+}
+
 // Some samples and events of a run.
 static void go_on(fixture *x, bool has_parts, int first, int last)
 {
     for (int k = first; k < last; k++) {
-        const figures_cargo cargo = { { 0.02 * k, 0.3 }, 0.01 * k, 0.4, 1.0 };
+        const figures_cargo cargo = { { 0.02 * k, 0.3 }, 0.01 * k, 0.4, 1.0, 0.0 };
         figures_add_cargo(x->f, &cargo);
         if (has_parts && x->s.n_feeds > 0) {
             figures_exit(x->f, 0.3 * k + 0.1);
@@ -601,6 +651,8 @@ int main(void)
         cmocka_unit_test(parts_are_counted_from_the_start),
         cmocka_unit_test(a_constant_throughput_is_steady_after_32_batches),
         cmocka_unit_test(residence_is_that_of_each_part_that_left),
+        cmocka_unit_test(parts_that_are_inside_stay_longer_than_their_age),
+        cmocka_unit_test(an_eye_is_blocked_for_some_time_after_the_warm_up),
         cmocka_unit_test(residence_of_a_density_is_the_distance_of_the_curves),
         cmocka_unit_test(a_density_that_is_fed_has_no_percentiles),
         cmocka_unit_test(figures_have_the_digits_that_they_have),

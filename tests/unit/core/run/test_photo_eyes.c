@@ -269,13 +269,17 @@ static void a_run_tells_of_so_many_changes_at_most(void **state)
     uint64_t n = 0;
     const run_sink sink = { .context = &n, .take = count_change };
 
+    figures *to;
+
     (void)state;
+    assert_int_equal(figures_create(&s, false, &to, NULL), BF_OK);
     for (uint64_t step = 0; step < FRAME_CHANGES_MAX + 5; step++)
-        assert_int_equal(control_tick(&c, &is_broken, step, NULL, &sink, NULL), BF_OK);
+        assert_int_equal(control_tick(&c, &is_broken, step, to, &sink, NULL), BF_OK);
     assert_int_equal(n, FRAME_CHANGES_MAX);
     // The state is known all the same.
     assert_int_equal(c.eyes.states[0].is_blocked, is_broken);
     control_fini(&c);
+    figures_destroy(to);
 }
 
 int main(void)

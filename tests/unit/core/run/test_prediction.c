@@ -14,7 +14,7 @@
 
 enum { ROWS = 10, COLUMNS = 10 };
 
-static const prediction_speed same = { { 1, 1, 1, 1, 1, 1, 1 } };
+static const prediction_speed same = { .factors = { 1, 1, 1, 1, 1, 1, 1 } };
 
 // A block of parts 2 m before the end of a belt of 0.5 m/s.
 static void make_scene(scene *s, double duration)
@@ -120,7 +120,7 @@ static void test_a_jam_takes_time_in_proportion_to_its_duration(void **state)
 
 static void test_a_machine_half_as_fast_takes_twice_as_long(void **state)
 {
-    const prediction_speed half = { { 2, 2, 2, 2, 2, 2, 2 } };
+    const prediction_speed half = { .factors = { 2, 2, 2, 2, 2, 2, 2 } };
     prediction_work work;
     scene s;
 

@@ -88,6 +88,31 @@ static void test_trials_take_as_long_on_average_as_those_before_them(void **stat
     assert_null(predictor_stop(p));
 }
 
+// A run that took a hundred times as long as predicted: the next one is predicted to take longer, by a predictor that ran
+// then and by one that starts later.
+static void test_what_runs_took_corrects_what_is_predicted(void **state)
+{
+    helper_store *h = *state;
+    predictor *p;
+
+    const api_run first = submit_scene(h->store), second = submit_scene(h->store);
+    assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
+    const double before = await_seconds(p, first.id);
+    (void)helper_claim(h->store);
+    const store_ending ending = { .run_id = first.id,
+                                  .state = RUN_SUCCEEDED,
+                                  .cpu_s = 100.0 * before };
+    api_run ended;
+    assert_int_equal(store_finish(h->store, &ending, &ended, NULL), BF_OK);
+    const double after = await_seconds(p, second.id);
+    assert_true(after > 2.0 * before);
+    assert_null(predictor_stop(p));
+    assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
+    const double again = await_seconds(p, second.id);
+    assert_true(again > 2.0 * before);
+    assert_null(predictor_stop(p));
+}
+
 static void test_the_queue_takes_as_long_as_its_oldest_runs_on_average(void **state)
 {
     helper_store *h = *state;
@@ -109,6 +134,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_runs_that_wait_are_predicted_when_asked_for,
                                         helper_store_setup, helper_store_teardown),
         cmocka_unit_test_setup_teardown(test_trials_take_as_long_on_average_as_those_before_them,
+                                        helper_store_setup, helper_store_teardown),
+        cmocka_unit_test_setup_teardown(test_what_runs_took_corrects_what_is_predicted,
                                         helper_store_setup, helper_store_teardown),
         cmocka_unit_test_setup_teardown(test_the_queue_takes_as_long_as_its_oldest_runs_on_average,
                                         helper_store_setup, helper_store_teardown),
