@@ -147,7 +147,7 @@ static void say_edges(const about *a)
                                   : (is_log ? high / step : high - step);
         const double to = best == low ? (is_log ? low * step : low + step)
                                       : (is_log ? high * step * step : high + 2.0 * step);
-        if (low > 0.0 && from <= 0.0)
+        if (low > 0.0 && from <= 1e-6 * low)
             from = 0.5 * low;
         verdict *v = verdict_add(a->verdicts, "edge");
         verdict_say(v, "The best point is at the edge of the range, ");
@@ -158,6 +158,16 @@ static void say_edges(const about *a)
         verdict_rests_on(v, "try_from", "", from);
         verdict_rests_on(v, "try_to", "", to);
     }
+}
+
+// A value of the first objective, "8730 ± 120 parts/h".
+static void say_value(verdict *v, const about *a, double value, double half_width)
+{
+    const char *unit = figure_table[a->document->objectives[0].figure].unit;
+    char number[VERDICT_NUMBER_SIZE];
+
+    verdict_say(v, "%s%s%s", verdict_number(value, half_width, number), unit != NULL ? " " : "",
+                unit != NULL ? unit : "");
 }
 
 // What two objectives leave to choose.
@@ -183,7 +193,7 @@ static void say_demanded(verdict *v, const about *a)
 {
     const size_t best = a->choice->best;
     const statistics_sample sample = study_sample(a->study, best, 0);
-    char number[VERDICT_NUMBER_SIZE], word[STUDY_DOCUMENT_COLUMN];
+    char word[STUDY_DOCUMENT_COLUMN];
 
     study_document_column(a->document, 0, word);
     for (size_t k = 0; k < a->document->n_parameters; k++) {
@@ -192,9 +202,8 @@ static void say_demanded(verdict *v, const about *a)
         verdict_say(v, " %.6g", value_of(a, best, k));
         verdict_rests_on(v, a->document->parameters[k].pointer, "", value_of(a, best, k));
     }
-    verdict_say(
-        v, ", with %s",
-        verdict_number(sample.mean, statistics_half_width(&sample, confidence_of_means), number));
+    verdict_say(v, ", with ");
+    say_value(v, a, sample.mean, statistics_half_width(&sample, confidence_of_means));
     verdict_rests_on(v, word, "", sample.mean);
     verdict_rests_on(v, "demand", "", a->document->objectives[0].demand);
 }
@@ -203,10 +212,8 @@ static void say_demand(const about *a, bool *are_meant)
 {
     const study_document *d = a->document;
     const study_choice *c = a->choice;
-    const char *unit = figure_table[d->objectives[0].figure].unit;
     const statistics_sample sample = study_sample(a->study, c->best, 0);
     const double half = statistics_half_width(&sample, confidence_of_means);
-    char number[VERDICT_NUMBER_SIZE];
 
     for (size_t p = 0; p < study_points(a->study); p++)
         are_meant[p] = has_value(a->study, p);
@@ -221,9 +228,8 @@ static void say_demand(const about *a, bool *are_meant)
     say_demanded(v, a);
     verdict_say(v, ". Demanded is ");
     say_figure(v, d, 0);
-    verdict_say(v, " of at least %s%s%s",
-                verdict_number(d->objectives[0].demand, (double)NAN, number),
-                unit != NULL ? " " : "", unit != NULL ? unit : "");
+    verdict_say(v, " of at least ");
+    say_value(v, a, d->objectives[0].demand, (double)NAN);
     if (d->objectives[0].is_offered)
         verdict_say(v, ", 99 %% of what is offered");
     if (c->is_known && study_has_chance(a->study, c->best))
@@ -385,16 +391,14 @@ static void say_replications(const about *a)
 {
     const statistics_sample sample = study_sample(a->study, a->choice->best, 0);
     const double half = statistics_half_width(&sample, confidence_of_means);
-    const char *unit = figure_table[a->document->objectives[0].figure].unit;
-    char number[VERDICT_NUMBER_SIZE], word[STUDY_DOCUMENT_COLUMN];
+    char word[STUDY_DOCUMENT_COLUMN];
 
     if (sample.n < 2 || !study_document_definition(a->document).has_chance)
         return;
     study_document_column(a->document, 0, word);
     verdict *v = verdict_add(a->verdicts, "replications");
-    verdict_say(v, "%s%s%s is the mean of %" PRIu64 " runs with its interval of 95 %%.",
-                verdict_number(sample.mean, half, number), unit != NULL ? " " : "",
-                unit != NULL ? unit : "", sample.n);
+    say_value(v, a, sample.mean, half);
+    verdict_say(v, " is the mean of %" PRIu64 " runs with its interval of 95 %%.", sample.n);
     if (half > 0.0)
         verdict_advise(v, "%" PRIu64 " more runs would halve it.", 3 * sample.n);
     verdict_rests_on(v, word, "", sample.mean);

@@ -481,7 +481,8 @@ static void a_demand_says_where_it_is_met_or_what_is_nearest(void **state)
     static const double throughputs[] = { 6000.0, 7100.0, 7200.0, 7150.0, 6500.0 };
     static const char *const met[] = {
         "\"best\":{\"point\":2,", "\"demand\":7128,\"is_met\":true,",
-        "{\"kind\":\"demand_met\",\"text\":\"The least is angle_deg 54, with 7200. Demanded is "
+        "{\"kind\":\"demand_met\",\"text\":\"The least is angle_deg 54, with 7200 parts/h. "
+        "Demanded is "
         "throughput_per_h of at least 7128 parts/h, 99 % of what is offered. It is met at "
         "angle_deg "
         "54, 63.\"",
@@ -490,7 +491,8 @@ static void a_demand_says_where_it_is_met_or_what_is_nearest(void **state)
     static const char *const not_met[] = {
         "\"set\":[],\"demand\":9000,\"is_met\":false,",
         "{\"kind\":\"demand_not_met\",\"text\":\"None of angle_deg 36 to 72 does; the nearest is "
-        "angle_deg 54, with 7200. Demanded is throughput_per_h of at least 9000 parts/h. Vary ",
+        "angle_deg 54, with 7200 parts/h. Demanded is throughput_per_h of at least 9000 parts/h. "
+        "Vary ",
         NULL
     };
     const char *const demands[] = { "'offered'", "9000" };
@@ -551,6 +553,22 @@ static void a_best_point_at_the_edge_is_told(void **state)
                                          "edge of the range, angle_deg 40. Try 20 to "
                                          "50.\"",
                                          NULL };
+    assert_says(&d, s, texts);
+    study_destroy(s);
+    study_document_fini(&d);
+}
+
+// 0.2 less two steps of 0.1 is 0 but for rounding, which is no number to try where all are positive.
+static void a_range_to_try_stays_positive(void **state)
+{
+    (void)state;
+    static const char *const texts[] = { "\"advice\":\"Try 0.1 to 0.3.\"", NULL };
+    study_document d = read_good(FED("", "{'pointer': '/feeds/0/rate_per_s', 'range': [0.2, 0.6]}",
+                                     THROUGHPUT, "'type': 'grid'", ""));
+    study *s = begin_study(&d);
+    for (size_t k = 0; k < 5; k++)
+        study_tell(s, k, (const double[]){ 1000.0 - 100.0 * (double)k, 3.0 });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
     assert_says(&d, s, texts);
     study_destroy(s);
     study_document_fini(&d);
@@ -645,6 +663,7 @@ int main(void)
         cmocka_unit_test(a_demand_says_where_it_is_met_or_what_is_nearest),
         cmocka_unit_test(two_objectives_leave_a_front),
         cmocka_unit_test(a_best_point_at_the_edge_is_told),
+        cmocka_unit_test(a_range_to_try_stays_positive),
         cmocka_unit_test(one_run_each_says_nothing_of_chance),
         cmocka_unit_test(a_screening_says_what_was_compared),
         cmocka_unit_test(without_memory_no_document_is_read),
