@@ -138,6 +138,22 @@ const comparison_row comparisons_table[] = {
     { VALIDITY_CONGESTED, -0.0529, { 33, 33, 3.826, NAN, 203.4, 13.42, 0.62, 0.26, 0.32, 0.003696, 1.49, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 2, NAN, NAN, NAN, NAN, NAN } }, // plate 33, 5.7 d; 350 mm; 0.11 m/s; 0.62/0.26/0.32; sizes 1, 1.49
     { VALIDITY_CONGESTED, -0.0369, { 83, 83, 5.362, NAN, 222.3, 26.81, 0.53, 0.67, 1, 0.01498, 1.38, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 2, NAN, NAN, NAN, NAN, NAN } }, // plate 83, 7.4 d; 89 mm; 0.19 m/s; 0.53/0.67/1; sizes 1, 1.38; foot 37
     { VALIDITY_CONGESTED, -0.0160, { 83, 83, 3.613, NAN, 355.5, 6.806, 0.25, 0.32, 0.68, 0.01226, 1.91, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 2, NAN, NAN, NAN, NAN, NAN } }, // plate 83, 6.9 d; 200 mm; 0.25 m/s; 0.25/0.32/0.68; sizes 1, 1.91; foot 13
+    { VALIDITY_PARTS_MODEL, -0.0041, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.1236, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can
+    { VALIDITY_PARTS_MODEL, 0.0025, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.09594, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // jar
+    { VALIDITY_PARTS_MODEL, -0.0076, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.01119, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // keg
+    { VALIDITY_PARTS_MODEL, 0.0010, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.3398, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // heavy disk
+    { VALIDITY_PARTS_MODEL, 0.0116, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.3398, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // paper
+    { VALIDITY_PARTS_MODEL, 0.0051, { 45, 45, 5.5, NAN, 135.4, 14.5, 0.15, 0.19, 1, 0.1236, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can, 45 degrees
+    { VALIDITY_PARTS_MODEL, -0.0045, { 90, 90, 5.5, NAN, 171, 21, 0.15, 0.19, 1, 0.1236, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can, 90 degrees
+    { VALIDITY_PARTS_MODEL, -0.0046, { 60, 60, 8, NAN, 154.7, 18.69, 0.15, 0.19, 1, 0.1236, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can, 8 diameters
+    { VALIDITY_PARTS_MODEL, -0.0033, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.05097, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // pill box
+    { VALIDITY_PARTS_MODEL, 0.0053, { 60, 60, 6.5, NAN, 154.7, 17.82, 0.15, 0.19, 1, 0.3008, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // beer bottle
+    { VALIDITY_PARTS_MODEL, 0.0016, { 70, 70, 6, NAN, 155.9, 18.82, 0.15, 0.19, 1, 0.1073, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // wine bottle
+    { VALIDITY_PARTS_MODEL, -0.0047, { 60, 60, 5.5, NAN, 154.6, 17.25, 0.15, 0.19, 1, 0.04247, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // bucket
+    { VALIDITY_PARTS_MODEL, 0.0000, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.003515, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // drum
+    { VALIDITY_PARTS_MODEL, 0.0036, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.1973, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // coin
+    { VALIDITY_PARTS_MODEL, 0.0099, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.7722, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can at 1 m/s
+    { VALIDITY_PARTS_MODEL, 0.0099, { 60, 60, 5.5, NAN, 154.7, 86.25, 0.15, 0.19, 1, 0.1236, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can, 120 widths of belt
 };
 // clang-format on
 

@@ -6,17 +6,20 @@
 #include <math.h>
 #include <stdio.h>
 
+// Kinds of parts whose masses have this ratio overlap by up to 7 % of a radius at the defaults.
+static const double unlike = 300.0;
+
 // Whether a part with its centre there may touch an obstacle: its path, or where that may turn to.
 static bool may_touch(const scene_obstacle *o, vec2 at, double range)
 {
-    double nearest = HUGE_VAL, reach = 0.0;
+    double nearest = HUGE_VAL, farthest = 0.0;
 
     for (size_t k = 0; k < o->n_points; k++) {
         if (k > 0)
             nearest = fmin(nearest, polygon_segment_distance(at, o->path[k - 1], o->path[k]));
-        reach = fmax(reach, vec2_length(vec2_sub(o->path[k], o->pivot)));
+        farthest = fmax(farthest, vec2_length(vec2_sub(o->path[k], o->pivot)));
     }
-    if (scene_obstacle_moves(o) && vec2_length(vec2_sub(at, o->pivot)) <= reach + range)
+    if (scene_obstacle_moves(o) && vec2_length(vec2_sub(at, o->pivot)) <= farthest + range)
         return true;
     return nearest <= range + o->thickness;
 }
@@ -31,6 +34,18 @@ static const scene_obstacle *find_plate(const scene *s, vec2 at)
         if (may_touch(&s->obstacles[k], at, range))
             return &s->obstacles[k];
     return NULL;
+}
+
+// The largest mass of a kind divided by the smallest.
+static double ratio_of_masses(const scene *s)
+{
+    double least = HUGE_VAL, largest = 0.0;
+
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        least = fmin(least, s->cargo[k].mass);
+        largest = fmax(largest, s->cargo[k].mass);
+    }
+    return largest / least;
 }
 
 bf_status micro_press_fail(const scene *s, const micro_press *press, double t, bf_error *err)
@@ -51,6 +66,11 @@ bf_status micro_press_fail(const scene *s, const micro_press *press, double t, b
         change =
             "parts are too soft for what presses on them: leave modulus_reduction out, or make "
             "it smaller";
+    } else if (is_between_parts && ratio_of_masses(s) > unlike) {
+        snprintf(pointer, sizeof pointer, "/cargo");
+        change =
+            "the masses of the kinds differ so much that light parts are squeezed between heavy "
+            "ones faster than contacts follow: give them masses that are more alike";
     } else {
         change = "parts are pressed harder than their materials bear: a shorter step_s or a larger "
                  "young_modulus_pa may help";

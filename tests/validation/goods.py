@@ -75,7 +75,8 @@ def box(length, width, height):
 
 HEXAGON = {"type": "prism", "height_m": 0.1,
            "outline_m": [[.06, 0], [.03, .052], [-.03, .052], [-.06, 0], [-.03, -.052], [.03, -.052]]}
-IN_SPACE = {"across": 9.0, "along": 14.0, "seconds": 20.0}
+# A belt fills within 10 s at the speeds of these, and few boxes pass in a second.
+IN_SPACE = {"across": 9.0, "along": 14.0, "seconds": 80.0}
 
 SCENES = [
     Scene("development", "can", cylinder(0.066, 0.115), 0.35, 0.066),
@@ -87,7 +88,7 @@ SCENES = [
     Scene("development", "can, 90 degrees", cylinder(0.066, 0.115), 0.35, 0.066, angle=90.0),
     Scene("development", "can, 8 diameters", cylinder(0.066, 0.115), 0.35, 0.066, opening=8.0),
     Scene("development", "carton", box(0.24, 0.18, 0.12), 1.7, 0.24, 0.6, **IN_SPACE),
-    Scene("development", "crate", box(0.6, 0.4, 0.3), 20.0, 0.6, **{**IN_SPACE, "seconds": 60.0}),
+    Scene("development", "crate", box(0.6, 0.4, 0.3), 20.0, 0.6, **IN_SPACE),
     Scene("development", "hexagon", HEXAGON, 1.0, 0.12, **IN_SPACE),
     Scene("development", "long box", box(0.3, 0.06, 0.06), 0.8, 0.3, **IN_SPACE),
     Scene("apart", "pill box", cylinder(0.04, 0.03), 0.02, 0.04, speed=0.2),
@@ -99,7 +100,7 @@ SCENES = [
     Scene("apart", "can at 1 m/s", cylinder(0.066, 0.115), 0.35, 0.066, speed=1.0, seconds=30.0),
     Scene("apart", "can, 120 widths of belt", cylinder(0.066, 0.115), 0.35, 0.066, along=120.0, seconds=90.0),
     Scene("apart", "shoe box", box(0.33, 0.2, 0.12), 1.1, 0.33, 0.5, **IN_SPACE),
-    Scene("apart", "tote", box(0.6, 0.4, 0.2), 8.0, 0.6, 0.8, **{**IN_SPACE, "seconds": 40.0}),
+    Scene("apart", "tote", box(0.6, 0.4, 0.2), 8.0, 0.6, 0.8, **IN_SPACE),
     Scene("apart", "parcel", box(0.2, 0.2, 0.2), 3.0, 0.2, 0.5, **IN_SPACE),
     Scene("apart", "octagonal tub", {"type": "prism", "height_m": 0.06, "outline_m": [
         [0.05 * math.cos(math.radians(45 * k)), 0.05 * math.sin(math.radians(45 * k))] for k in range(8)]},

@@ -148,6 +148,30 @@ static void parts_that_are_too_soft_fail_with_part_and_plate(void **state)
     check_soft(&carton);
 }
 
+// A part of 1 g between parts of 1 kg, at the hardness of their materials: the masses are the cause.
+static void a_light_part_between_heavy_ones_fails_with_the_masses(void **state)
+{
+    const micro_press press = { .overlap = 0.3, .part = 1, .other = 2, .at = { 0.1, 0.5 } };
+    bf_error err = { 0 };
+    scene s;
+
+    (void)state;
+    make_heap(&s, &can);
+    s.micro.modulus_reduction = 0.0; // "auto"
+    scene mixed = s;
+    mixed.n_obstacles = 0;
+    mixed.n_cargo = 2;
+    mixed.cargo[1] = mixed.cargo[0];
+    mixed.cargo[0].mass = 1e-3;
+    mixed.cargo[1].mass = 1.0;
+    assert_int_equal(micro_press_fail(&mixed, &press, 1.0, &err), BF_ENUMERIC);
+    assert_string_equal(err.pointer, "/cargo");
+    mixed.cargo[0].mass = 0.5;
+    assert_int_equal(micro_press_fail(&mixed, &press, 1.0, &err), BF_ENUMERIC);
+    assert_string_equal(err.pointer, "/micro/modulus_reduction");
+    scene_fini(&s);
+}
+
 // The expected overlap d of a line of mass M = 2 L m/2r under F = mu g M, from v, with k of steel on aluminium:
 // k d^2/2 = M v^2/2 + F d.
 static void the_expected_overlap_stops_the_line(void **state)
@@ -204,6 +228,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(goods_overlap_little_at_the_defaults),
         cmocka_unit_test(parts_that_are_too_soft_fail_with_part_and_plate),
+        cmocka_unit_test(a_light_part_between_heavy_ones_fails_with_the_masses),
         cmocka_unit_test(the_expected_overlap_stops_the_line),
         cmocka_unit_test(parts_that_press_harder_than_foreseen_become_harder),
     };
