@@ -8,6 +8,7 @@
 #include "core/macro/moving_plates.h"
 #include "core/macro/velocity_field.h"
 #include "core/run/beam.h"
+#include "core/run/crossings.h"
 #include "core/run/run_priv.h"
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
@@ -25,8 +26,10 @@ typedef struct macro_run {
     size_t n_counters;
     counter_cells counters[SCENE_COUNTERS_MAX];
     size_t n_eyes;
-    beam_cells beams[SCENE_EYES_MAX];
-    double broken_from[SCENE_EYES_MAX]; // density from which on each beam is broken
+    crossings *crossings;
+    beam_cells beams[SCENE_EYES_MAX]; // of eyes that see a density
+    double broken_from
+        [SCENE_EYES_MAX]; // density from which on such a beam is broken; 0: it sees parts
 } macro_run;
 
 static void check_step(const scene *s, bf_faults *faults)
@@ -200,6 +203,7 @@ static void destroy_run(void *solver)
     macro_destroy(run->solver);
     feed_density_destroy(run->feeds);
     moving_plates_destroy(run->plates);
+    crossings_destroy(run->crossings);
     for (size_t k = 0; k < run->n_eyes; k++)
         beam_cells_fini(&run->beams[k]);
     memory_free(run);
@@ -209,7 +213,7 @@ static void destroy_run(void *solver)
 static bf_status create_eyes(const scene *s, macro_run *run, bf_error *err)
 {
     const double saturated = s->macro.closure == SCENE_CONGESTED ? s->macro.jam_density : 1.0;
-    bf_status status = BF_OK;
+    bf_status status = s->n_eyes > 0 ? crossings_create(s, &run->crossings, err) : BF_OK;
 
     for (size_t k = 0; k < s->n_eyes && status == BF_OK; k++, run->n_eyes++) {
         run->broken_from[k] = s->eyes[k].density_ratio * saturated;
@@ -272,15 +276,24 @@ static void add_to_cell(void *context, size_t cell, double density)
     macro_add(run->solver, cell, density);
 }
 
+static bool is_dense(const macro_run *run, size_t eye)
+{
+    bool is_found = false;
+
+    for (size_t i = 0; i < run->beams[eye].n && !is_found; i++)
+        is_found = density_of_cell(run, run->beams[eye].cells[i]) >= run->broken_from[eye];
+    return is_found;
+}
+
 static bf_status look_run(void *solver, size_t eye, run_view *ret_view, bf_error *err)
 {
     const macro_run *run = solver;
-    bool is_broken = false;
+    const crossings_field field = { run, density_of_cell, factor_of_belt };
 
     (void)err;
-    for (size_t i = 0; i < run->beams[eye].n && !is_broken; i++)
-        is_broken = density_of_cell(run, run->beams[eye].cells[i]) >= run->broken_from[eye];
-    *ret_view = (run_view){ .is_broken = is_broken };
+    *ret_view = (run_view){ .is_broken = run->broken_from[eye] > 0.0
+                                             ? is_dense(run, eye)
+                                             : crossings_advance(run->crossings, eye, &field) };
     return BF_OK;
 }
 
@@ -391,16 +404,24 @@ static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load,
     return BF_OK;
 }
 
+// There is no state but the solver's.
+static bool is_plain(const macro_run *run)
+{
+    return !run->is_fed && run->plates == NULL && run->crossings == NULL;
+}
+
 static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
 {
     const macro_run *run = solver;
     checkpoint_writer w;
 
-    if (!run->is_fed && run->plates == NULL)
+    if (is_plain(run))
         return macro_save(run->solver, out, err);
     checkpoint_begin(&w, out, CHECKPOINT_FEED, 0);
     if (run->plates != NULL)
         moving_plates_save(run->plates, &w);
+    if (run->crossings != NULL)
+        crossings_save(run->crossings, &w);
     if (run->is_fed)
         feed_density_save(run->feeds, &w);
     const bf_status status = macro_save(run->solver, out, err);
@@ -414,23 +435,27 @@ static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *e
 {
     macro_run *run = solver;
     checkpoint_reader r, feeds;
-    const char *commands = NULL;
+    const char *commands = NULL, *crossed = NULL;
     bf_status status;
 
-    if (!run->is_fed && run->plates == NULL)
+    if (is_plain(run))
         return macro_load(run->solver, bytes, n, err);
     if ((status = checkpoint_open(&r, bytes, n, CHECKPOINT_FEED, 0, err)) != BF_OK)
         return status;
     if (run->plates != NULL && (commands = moving_plates_read(run->plates, &r)) == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's obstacles are damaged");
+    if (run->crossings != NULL && (crossed = crossings_read(run->crossings, &r)) == NULL)
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
     feeds = r;
     if (run->is_fed && checkpoint_read_items(&r, 1, feed_density_state_size(run->feeds)) == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
-    // Feeds and obstacles come last: until the solver has taken its state, everything is as before.
+    // Feeds, eyes and obstacles come last: until the solver has taken its state, everything is as before.
     if ((status = macro_load(run->solver, r.at, r.n_left, err)) != BF_OK)
         return status;
     if (run->is_fed)
         feed_density_load(run->feeds, &feeds);
+    if (run->crossings != NULL)
+        crossings_take(run->crossings, crossed);
     if (run->plates != NULL)
         moving_plates_take(run->plates, commands, run->solver);
     return BF_OK;

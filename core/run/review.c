@@ -119,6 +119,29 @@ static bool stays(const standing *c, size_t belt)
     return is_stopped;
 }
 
+/// Warn of photo eyes that command something and lie beside all belts.
+static void review_beams(const standing *c, review_warnings *ret_warnings)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    for (size_t e = 0; e < c->s->n_eyes; e++) {
+        bool commands = false, crosses = false;
+        for (size_t k = 0; k < c->s->n_actions; k++)
+            commands = commands || c->s->actions[k].eye == e;
+        for (size_t k = 0; k < c->s->n_belts; k++)
+            crosses = crosses || c->crosses[e][k];
+        if (!commands || crosses)
+            continue;
+        snprintf(pointer, sizeof pointer, "/photo_eyes/%zu/line_m", e);
+        review_warning *item =
+            review_add(ret_warnings, pointer, "A photo eye lies beside the belts");
+        snprintf(item->meaning, sizeof item->meaning,
+                 "No cargo is carried through the beam of '%s', so that nothing it commands will "
+                 "happen.",
+                 c->s->eyes[e].id);
+    }
+}
+
 /// Warn of actions in a circle. The belts that stay are the largest set of which each one stays as long as the others
 /// do.
 static void review_actions(const scene *s, review_warnings *ret_warnings)
@@ -130,6 +153,7 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
     if (s->n_actions == 0)
         return;
     find_crossed(&c);
+    review_beams(&c, ret_warnings);
     for (size_t k = 0; k < s->n_belts; k++)
         c.stands[k] = true;
     while (changes) {

@@ -123,7 +123,6 @@ void scene__check_obstacles(const scene *s, bf_faults *faults)
 static const number_rule eye_rules[] = {
     RULE("/block_time_s", scene_photo_eye, block_time, scene_range_instant),
     RULE("/clear_time_s", scene_photo_eye, clear_time, scene_range_instant),
-    RULE("/density_ratio", scene_photo_eye, density_ratio, scene_range_ratio),
 };
 
 /// A beam may end beyond the domain, where its housing stands.
@@ -153,6 +152,9 @@ void scene__check_photo_eyes(const scene *s, bf_faults *faults)
         snprintf(pointer, sizeof pointer, "/photo_eyes/%zu", k);
         scene__check_numbers(&s->eyes[k], pointer, eye_rules, sizeof eye_rules / sizeof *eye_rules,
                              faults);
+        snprintf(pointer, sizeof pointer, "/photo_eyes/%zu/density_ratio", k);
+        if (s->eyes[k].density_ratio != 0.0) // 0 stands for "auto"
+            range_check(&scene_range_ratio, s->eyes[k].density_ratio, pointer, faults);
         snprintf(pointer, sizeof pointer, "/photo_eyes/%zu/line_m", k);
         check_beam(s, &s->eyes[k], pointer, faults);
     }

@@ -16,8 +16,9 @@ typedef struct scene_photo_eye {
     vec2 line[2];           ///< ends of the beam, m
     double block_time; ///< s, >= 0, for which the beam is broken before it is blocked (default 0)
     double clear_time; ///< s, >= 0, for which it is free before it is clear (default 0)
-    double density_ratio; ///< macroscopic: the beam is broken where the largest density on it
-                          ///< is at least this, in (0, 1] (default 0.8)
+    double
+        density_ratio; ///< macroscopic: the beam is broken where the largest density on it is at least this, in
+    ///< (0, 1]; 0, "auto": by the parts that cross it (core/run/crossings.h; default 0)
 } scene_photo_eye;
 
 /// What an action acts on.

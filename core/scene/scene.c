@@ -126,7 +126,7 @@ void scene_feed_init(scene_feed *f)
 
 void scene_photo_eye_init(scene_photo_eye *e)
 {
-    *e = (scene_photo_eye){ .line = { { NAN, NAN }, { NAN, NAN } }, .density_ratio = 0.8 };
+    *e = (scene_photo_eye){ .line = { { NAN, NAN }, { NAN, NAN } } };
 }
 
 void scene_action_init(scene_action *a)

@@ -17,7 +17,7 @@ from pathlib import Path
 from metrics import Curve
 
 
-KEPT = ["curve.csv", "summary.json"]
+KEPT = ["curve.csv", "summary.json", "photo_eyes.csv"]
 KEPT_SNAPSHOTS = ["snapshots.json", "snapshots", "parts"]
 
 

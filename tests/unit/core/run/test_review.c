@@ -74,6 +74,31 @@ static const double late[][2] = { { 0.7, 0.7 } };
 static const double both[][2] = { { 0.3, 0.3 }, { 0.7, 0.7 } };
 static const double across[][2] = { { 0.4, 0.6 } };
 
+static void add_eyes(scene *s, size_t n, const double (*places)[2])
+{
+    s->n_eyes = n;
+    s->eyes = memory_alloc(n, sizeof *s->eyes);
+    for (size_t k = 0; k < n; k++) {
+        scene_photo_eye_init(&s->eyes[k]);
+        s->eyes[k].line[0] = (vec2){ places[k][0], 0.1 };
+        s->eyes[k].line[1] = (vec2){ places[k][1], 0.5 };
+    }
+}
+
+static void add_rules(scene *s, size_t n, const rule *rules)
+{
+    s->n_actions = n;
+    s->actions = memory_alloc(n, sizeof *s->actions);
+    for (size_t k = 0; k < n; k++) {
+        scene_action_init(&s->actions[k]);
+        s->actions[k].eye = rules[k].eye;
+        s->actions[k].when_blocked = rules[k].when_blocked;
+        s->actions[k].type = SCENE_ACTION_BELT;
+        s->actions[k].target = rules[k].belt;
+        s->actions[k].value = rules[k].factor;
+    }
+}
+
 // The warnings about one belt or two with photo eyes and actions.
 static const review_warnings *warnings_with(size_t n_belts, size_t n_eyes, const double (*eyes)[2],
                                             size_t n_rules, const rule *rules)
@@ -81,23 +106,8 @@ static const review_warnings *warnings_with(size_t n_belts, size_t n_eyes, const
     scene s;
 
     make_scene(&s, n_belts > 1);
-    s.n_eyes = n_eyes;
-    s.eyes = memory_alloc(n_eyes, sizeof *s.eyes);
-    for (size_t k = 0; k < n_eyes; k++) {
-        scene_photo_eye_init(&s.eyes[k]);
-        s.eyes[k].line[0] = (vec2){ eyes[k][0], 0.1 };
-        s.eyes[k].line[1] = (vec2){ eyes[k][1], 0.5 };
-    }
-    s.n_actions = n_rules;
-    s.actions = memory_alloc(n_rules, sizeof *s.actions);
-    for (size_t k = 0; k < n_rules; k++) {
-        scene_action_init(&s.actions[k]);
-        s.actions[k].eye = rules[k].eye;
-        s.actions[k].when_blocked = rules[k].when_blocked;
-        s.actions[k].type = SCENE_ACTION_BELT;
-        s.actions[k].target = rules[k].belt;
-        s.actions[k].value = rules[k].factor;
-    }
+    add_eyes(&s, n_eyes, eyes);
+    add_rules(&s, n_rules, rules);
     return warnings_of(&s);
 }
 
@@ -150,6 +160,26 @@ static void two_belts_may_wait_for_each_other(void **unused)
     assert_string_equal(found->items[1].pointer, "/actions/1");
 }
 
+// The belt ends at 0.5 m, and the beam is at 0.7 m.
+static void an_eye_beside_the_belts_is_warned_of(void **unused)
+{
+    const vec2 left[] = { { 0, 0 }, { 0.5, 0 }, { 0.5, 0.6 }, { 0, 0.6 } };
+    scene s;
+    bool is_said = false;
+
+    (void)unused;
+    make_scene(&s, false);
+    s.belts[0].n_points = 4;
+    s.belts[0].polygon = memory_alloc(4, sizeof *left);
+    memcpy(s.belts[0].polygon, left, sizeof left);
+    add_eyes(&s, 1, late);
+    add_rules(&s, 1, (rule[]){ { 0, true, 0, 0.0 } });
+    const review_warnings *found = warnings_of(&s);
+    for (size_t k = 0; k < found->n; k++)
+        is_said |= strcmp(found->items[k].pointer, "/photo_eyes/0/line_m") == 0;
+    assert_true(is_said);
+}
+
 // A beam across both belts clears as long as one of them moves.
 static void a_beam_above_a_moving_belt_clears(void **unused)
 {
@@ -186,6 +216,7 @@ int main(void)
         cmocka_unit_test(another_belt_may_start_it_again),
         cmocka_unit_test(two_belts_may_wait_for_each_other),
         cmocka_unit_test(a_beam_above_a_moving_belt_clears),
+        cmocka_unit_test(an_eye_beside_the_belts_is_warned_of),
         cmocka_unit_test(no_memory_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,55 @@
+/// Photo eyes of the macroscopic model that see parts: from the density that crosses a beam to parts that break it.
+///
+/// A density is spread, and parts are not: a beam is broken while at least one part is within half its length of it. So
+/// what the belts carry to the beam is counted in parts, and each one breaks the beam while it travels by the mean
+/// length of its chords through the places that do:
+///
+///     rate     lambda = sigma rho v P      rho, v: means over the beam's line, shifted upstream by half a part
+///     chord    h = A/P                     A: area within half a part of the beam, P: its width across the belt
+///     N        = sigma rho A               parts that break the beam at a time, in the mean
+///
+/// The next part comes when lambda dt has summed up to a gap, of mean 1. Gaps follow the law of the feeds: 1 if all are
+/// regular, Erlang variates if all are, else exponential ones. Parts do not lie on each other, so that of each random
+/// gap c = (N/m)^m <= 1 is not random, with m parts of the length l side by side. Then the beam is free for 1 - N of the
+/// time where parts pass one by one, for exp(-N) on a wide belt that is loosely covered, and never where cargo is packed.
+/// A beam that was free between two steps counts as free at the second one. Where the belt stands, what breaks the beam
+/// goes on breaking it.
+///
+/// Choice   the length l of a part is its extent along the belt at the heading of the first feed; of random headings and
+///          of cargo that is there at the start, the mean over all headings; of kinds, the mean by what feeds bring.
+/// Bits     draws are a function of the eye's id, the scenario's substream and the number of the part (core/feed/draws.h).
+/// Units    SI.
+
+#pragma once
+
+#include "core/base/checkpoint.h"
+#include "core/base/status.h"
+#include "core/scene/scene.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/// The parts that cross the beams of a scene's photo eyes; opaque. It borrows the scene.
+typedef struct crossings crossings;
+
+/// The density that crosses, as functions that get its context.
+typedef struct crossings_field {
+    const void *context;                                 ///< of the functions
+    double (*density)(const void *context, size_t cell); ///< of a cell of scene_grid()
+    double (*factor)(const void *context, size_t belt);  ///< on the velocity of a belt
+} crossings_field;
+
+/// Begin at t = 0 with free beams, for steps of the macroscopic model. The caller owns *ret_crossings: crossings_destroy(). BF_ENOMEM.
+BF_MUST_CHECK bf_status crossings_create(const scene *s, crossings **ret_crossings, bf_error *err);
+
+/// Free it. NULL is fine. Always returns NULL.
+crossings *crossings_destroy(crossings *c);
+
+/// Let parts cross the beam of an eye for a step. True: one breaks it at the end.
+bool crossings_advance(crossings *c, size_t eye, const crossings_field *field);
+
+/// Append the state to a checkpoint. crossings_read() finds the bytes in one of the same scene, NULL: it is damaged, and
+/// crossings_take() takes them.
+void crossings_save(const crossings *c, checkpoint_writer *w);
+const char *crossings_read(const crossings *c, checkpoint_reader *r);
+void crossings_take(crossings *c, const char *bytes);
