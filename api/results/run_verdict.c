@@ -265,6 +265,28 @@ static void say_chance(const run_verdict_subject *of, verdicts *all)
     verdict_rests_on(v, "duration_s", "", of->end->t);
 }
 
+// What the validity says of parts that bridge the opening; NULL: nothing.
+static const validity_item *find_bridges(const validity *known)
+{
+    for (size_t k = 0; k < known->n; k++)
+        if (known->items[k].figure == VALIDITY_BRIDGES)
+            return &known->items[k];
+    return NULL;
+}
+
+// A density knows no bridges: what it says of the throughput is not told.
+static void say_bridged(const validity_item *bridges, verdicts *all)
+{
+    verdict *v = verdict_add(all, "bridged");
+
+    verdict_say(v,
+                "Parts bridge this opening: %.3g %% of queues before it stop for good within 1,000 "
+                "parts, which the macroscopic model cannot show. Its throughput says nothing here.",
+                bridges->value);
+    verdict_advise(v, "Solve it with the microscopic model, or widen the narrowest opening.");
+    verdict_rests_on(v, "bridges", "", bridges->value);
+}
+
 static void say_doubt(const run_verdict_subject *of, verdicts *all)
 {
     const validity *known = &of->review->validity;
@@ -287,9 +309,12 @@ static void say_doubt(const run_verdict_subject *of, verdicts *all)
 
 bf_status run_verdict_find(const run_verdict_subject *of, verdicts *ret_verdicts, bf_error *err)
 {
+    const validity_item *bridges = find_bridges(&of->review->validity);
     bf_status status = BF_OK;
 
-    if (of->values != NULL && of->scene->n_feeds > 0)
+    if (bridges != NULL)
+        say_bridged(bridges, ret_verdicts);
+    else if (of->values != NULL && of->scene->n_feeds > 0)
         status = say_fed(of, ret_verdicts, err);
     else if (of->values != NULL && of->end->parts_start > 0.0)
         say_heap(of, ret_verdicts);

@@ -1,5 +1,6 @@
 /// What a run says, in sentences (api/results/verdict.h).
 ///
+///     bridged             of the density: parts bridge the opening, so that none of the throughputs below is told
 ///     everything_through  all that is offered gets through, with the rate
 ///     queue_at_inlet      parts wait at a feed since the queue comes up to it: the throughput is what the line takes
 ///     inlet_limit         parts wait at a feed though no queue comes up to it: its line does not take what is offered

@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
 #include "core/feed/arrivals.h"
+#include "core/run/bridges.h"
 #include "core/run/comparisons.h"
 #include "core/run/review_belts.h"
 #include "core/run/validity_table.h"
@@ -25,6 +26,12 @@
 
 /// From this share of what a full opening passes on, cargo queues before it.
 #define FULL 0.95
+
+/// From this share on parts that arrive by chance queue now and then.
+#define QUEUES 0.5
+
+/// Parts within which a queue may stop for good.
+#define BRIDGED_WITHIN 1000.0
 
 enum {
     WIDTH_DIRECTIONS = 64, ///< in which the width of a part is looked for, over half a turn
@@ -165,6 +172,13 @@ static void note_load(findings *f, const layout *of)
              "/feeds/%zu", k);
 }
 
+static void note_bridges(findings *f, const layout *of)
+{
+    if (f->s->n_feeds == 0 || f->rate >= QUEUES * full_rate(f, of))
+        note(f, VALIDITY_BRIDGES, 100.0 * bridges_of(f->s, of, f->diameter, BRIDGED_WITHIN),
+             "/obstacles/%zu", of->opening.index);
+}
+
 static void note_heap(findings *f, const layout *of)
 {
     const double n_parts = (double)scene_parts(f->s), width = of->opening.value / f->diameter;
@@ -178,6 +192,7 @@ static void note_heap(findings *f, const layout *of)
     if (of->n_plates == 0)
         return;
     note_opening(f, of);
+    note_bridges(f, of);
     if (width > 0.0 && isfinite(width))
         note(f, VALIDITY_HEAP, n_parts / width, "/initial");
     if (f->s->n_feeds > 0)

@@ -4,9 +4,12 @@
 
 #include <math.h>
 
-#define NOTHING         -INFINITY
+#define NOTHING -INFINITY
 
-#define BRIDGE          "Parts may bridge the opening, which a density cannot show."
+#define BRIDGE  "Parts may bridge the opening, which a density cannot show."
+#define BRIDGED                                                                                    \
+    "Parts bridge this opening: solve it with the microscopic model. The throughput of a density " \
+    "says nothing about it."
 #define FEW             "A density says little about a few parts."
 #define CORNER          "Cargo collects in the corner that the deflector closes, and stays there."
 #define AT_WALL         "Cargo collects at such a wall."
@@ -72,6 +75,12 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                             { 6.0, INFINITY,
                               "Whether and how long parts bridge such an opening was not compared.",
                               NULL } } },
+    [VALIDITY_BRIDGES] = { "%",
+                           "Of queues before the narrowest opening",
+                           " % stop for good within 1,000 parts",
+                           "",
+                           "openings at which at most 5 % do",
+                           { UP_TO(5.0, BRIDGED), UP_TO(5.0, BRIDGED), ANY } },
     [VALIDITY_SWEPT] = { "diameters",
                          "Where deflectors turn, the narrowest opening becomes",
                          " part diameters wide",
@@ -345,6 +354,7 @@ const char *const validity_words[] = {
     [VALIDITY_ANGLE] = "angle",
     [VALIDITY_OPENING] = "opening",
     [VALIDITY_FUNNEL] = "funnel",
+    [VALIDITY_BRIDGES] = "bridges",
     [VALIDITY_SWEPT] = "swept_opening",
     [VALIDITY_HEAP] = "heap",
     [VALIDITY_LOAD] = "load",

@@ -19,6 +19,9 @@ function lackOf({ run, figures: known }) {
   return known.throughput_needs_s > 0 ? ` Too short for an interval: it needs about ${quantity(known.throughput_needs_s, "s", 2)}.` : "";
 }
 
+// A density knows no bridges: its throughput is none where parts bridge the opening.
+const isBridged = ({ run, summary }) => run.model === "macro" && Boolean(summary?.validity?.outside.some(({ what }) => what === "bridges"));
+
 // name(data); value(data): a number, or null: not known; text(value, data): without its unit; sentence(data).
 const figures = [
   {
@@ -31,12 +34,14 @@ const figures = [
   {
     name: ({ scenario }) => (isFed(scenario) ? "Throughput" : "Sustained throughput"),
     unit: "parts/h",
-    value: ({ figures: known }) => known?.sustained_throughput_per_h ?? null,
+    value: (data) => (isBridged(data) ? null : data.figures?.sustained_throughput_per_h ?? null),
     text: (value, { figures: known }) => {
+      if (value === null) return "–";
       const error = known?.throughput_error_per_h;
       return `${number(value, 6)}${error > 0 ? ` ± ${parts(error, 2)}` : ""}`;
     },
-    sentence: (data) => (isFed(data.scenario) ? `Parts that left the belt, after the warm-up.${lackOf(data)}`
+    sentence: (data) => (isBridged(data) ? "Parts bridge this opening: solve it with the microscopic model."
+      : isFed(data.scenario) ? `Parts that left the belt, after the warm-up.${lackOf(data)}`
       : `While the middle 80 % of the parts passed counter “${data.scenario.counters[0].id}”.`),
   },
   {

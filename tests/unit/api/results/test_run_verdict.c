@@ -21,6 +21,12 @@
     "{}, "                                                                                         \
     "'obstacles': [{'from_m': [0.6, 0], 'to_m': [0.9, 0.4]}], "                                    \
     "'feeds': [{'id': 'infeed', 'edge': 'west', 'rate_per_s': 2}]}"
+// The same with an opening of 2 parts, and more offered than it passes.
+#define NARROW                                                                                     \
+    "{'duration_s': 100, 'warmup_s': 10, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, 'cargo': "    \
+    "{}, "                                                                                         \
+    "'obstacles': [{'from_m': [0.6, 0], 'to_m': [0.9, 0.55]}], "                                   \
+    "'feeds': [{'id': 'infeed', 'edge': 'west', 'rate_per_s': 50}]}"
 #define HEAP "{" DOCUMENT_NEEDED "}"
 
 // A run that is told of, with the words of its verdicts.
@@ -168,6 +174,25 @@ static void parts_bridge_where_they_stand_before_a_plate(void **unused)
     finish(t);
 }
 
+static void a_density_tells_no_throughput_where_parts_bridge(void **unused)
+{
+    told *t = begin(NARROW, RUN_MACRO);
+
+    (void)unused;
+    feed(t, 90000.0, 5000.0, 2600.0);
+    const verdict *v = say(t, "bridged");
+    assert_ptr_equal(v, &t->verdicts.items[0]);
+    assert_non_null(strstr(v->text, "Parts bridge this opening: "));
+    assert_non_null(strstr(v->advice, "Solve it with the microscopic model"));
+    for (size_t k = 0; k < t->verdicts.n; k++)
+        assert_null(strstr(t->verdicts.items[k].text, "parts/h"));
+    finish(t);
+    t = begin(NARROW, RUN_MICRO);
+    feed(t, 90000.0, 5000.0, 2600.0);
+    assert_non_null(strstr(say(t, "inlet_limit")->text, "parts/h"));
+    finish(t);
+}
+
 static void a_run_that_is_too_short_says_how_long_it_has_to_be(void **unused)
 {
     told *t = begin(FED, RUN_MICRO);
@@ -211,6 +236,7 @@ int main(void)
         cmocka_unit_test(a_density_has_a_queue_where_the_inlet_could_take_more),
         cmocka_unit_test(a_heap_is_drained_or_not),
         cmocka_unit_test(parts_bridge_where_they_stand_before_a_plate),
+        cmocka_unit_test(a_density_tells_no_throughput_where_parts_bridge),
         cmocka_unit_test(a_run_that_is_too_short_says_how_long_it_has_to_be),
         cmocka_unit_test(more_than_there_is_room_for_is_dropped),
     };
