@@ -59,7 +59,7 @@ bf_status compare_verdict_side(run_model model, const char *scenario, size_t n_s
         status = scenario_read_resolved(scenario, n_scenario, &s, err);
     if (status != BF_OK)
         return status;
-    ret_side->has_chance = model == RUN_MICRO && scene_has_chance(&s);
+    ret_side->has_chance = scene_has_chance(&s, model == RUN_MACRO);
     status = review_side(&s, ret_side, err);
     ret_side->line = line_of(&s);
     scene_fini(&s);

@@ -219,7 +219,7 @@ static void check_base(json_in *in, study_document *d)
     if (!is_read)
         return;
     d->substream = s.substream;
-    d->has_chance = scene_has_chance(&s);
+    d->has_chance = scene_has_chance(&s, d->model == RUN_MACRO && d->method.type != STUDY_SCREEN);
     for (size_t k = 0; k < d->n_objectives; k++)
         check_objective(in, d, &s, k);
     for (size_t k = 0; k < d->n_curves; k++)

@@ -59,20 +59,18 @@ void study_document_fini(study_document *d)
 
 study_definition study_document_definition(const study_document *d)
 {
-    const bool has_chance =
-        d->has_chance && (d->method.type == STUDY_SCREEN || d->model == RUN_MICRO);
     study_definition def = { .method = d->method.type,
                              .d = d->n_parameters,
                              .n_values = d->n_curves > 0 ? d->n_curves : d->n_objectives,
                              .is_maximized = d->n_objectives > 0 && d->objectives[0].is_maximized,
                              .is_second_maximized =
                                  d->n_objectives > 1 && d->objectives[1].is_maximized,
-                             .has_chance = has_chance,
+                             .has_chance = d->has_chance,
                              .has_demand = d->n_objectives > 0 && !isnan(d->objectives[0].demand),
                              .demand = d->objectives[0].demand,
                              .seed = d->seed,
                              .n_trials_max = d->trials_max,
-                             .n_replications = has_chance ? d->replications : 1,
+                             .n_replications = d->has_chance ? d->replications : 1,
                              .sweep = d->method.sweep,
                              .n_points = d->method.points,
                              .tolerance = d->method.tolerance,

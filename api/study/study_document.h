@@ -98,8 +98,8 @@ typedef struct study_document {
     size_t n_curves;                                    ///< STUDY_CALIBRATE: at least 1, else 0
     study_document_method method;                       ///< how points are chosen
     uint64_t replications;                              ///< of each point, where there is chance
-    bool has_chance;     ///< in the parts of the base; follows from it
-    uint64_t seed;       ///< of what is drawn
+    bool has_chance; ///< in runs of the base that are not a sweep of a screening; follows from it
+    uint64_t seed;   ///< of what is drawn
     uint64_t substream;  ///< of the base: that of the first replication
     uint64_t trials_max; ///< limit
     int workers;         ///< at a time; 0: as many as there are cores

@@ -93,8 +93,7 @@ static void begin(figures *f, const figures_now *now)
     f->run.jam.since_exited = now->exited;
     if (f->has_exits && f->ages.bins != NULL)
         quantiles_copy(&f->ages_first, &f->ages);
-    scene_regime regime = scene_regime_of(f->s);
-    regime.has_chance = regime.has_chance && f->has_parts;
+    const scene_regime regime = scene_regime_of(f->s, !f->has_parts);
     f->run.batches =
         steady_from(&regime, f->s->steady_precision,
                     &(steady_levels){ now->t, now->entered - now->fallen, now->exited });

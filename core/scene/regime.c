@@ -28,8 +28,22 @@ static bool has_draws(const scene_feed *f)
            (f->n_cargo > 1 && (!is_list || list->kinds == NULL));
 }
 
-bool scene_has_chance(const scene *s)
+// Whether an eye commands something that draws the gaps between a density's parts: those of regular feeds are not random.
+static bool commands_by_draws(const scene *s)
 {
+    bool are_random = s->n_feeds == 0, is_drawing = false;
+
+    for (size_t k = 0; k < s->n_feeds; k++)
+        are_random = are_random || s->feeds[k].arrivals != SCENE_ARRIVALS_REGULAR;
+    for (size_t k = 0; k < s->n_actions; k++)
+        is_drawing = is_drawing || s->eyes[s->actions[k].eye].density_ratio == 0.0;
+    return are_random && is_drawing;
+}
+
+bool scene_has_chance(const scene *s, bool is_density)
+{
+    if (is_density)
+        return commands_by_draws(s);
     for (size_t k = 0; k < s->n_feeds; k++)
         if (has_draws(&s->feeds[k]))
             return true;
@@ -62,9 +76,10 @@ static void add_series(scene_regime *r, const scene *s, double t0, size_t n, con
             r->is_constant = false;
 }
 
-scene_regime scene_regime_of(const scene *s)
+scene_regime scene_regime_of(const scene *s, bool is_density)
 {
-    scene_regime r = { .has_chance = scene_has_chance(s), .is_constant = s->n_feeds > 0 };
+    scene_regime r = { .has_chance = scene_has_chance(s, is_density),
+                       .is_constant = s->n_feeds > 0 };
 
     for (size_t k = 0; k < s->n_belts; k++)
         add_series(&r, s, 0.0, s->belts[k].speed_schedule.n_times, s->belts[k].speed_schedule.times,

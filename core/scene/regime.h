@@ -1,8 +1,8 @@
 /// Whether a scene is left to chance, and whether what it does in the long run is always the same.
 ///
 /// Chance are the draws of feeds, which depend on the substream: times of Poisson and Erlang arrivals, kinds of a mix,
-/// places on a line, headings. It is in the parts alone: the density is fed by rates. Two runs of a scene without
-/// chance are the same run.
+/// places on a line, headings. The density is fed by rates, and has chance only where photo eyes that draw the gaps between its
+/// parts (density_ratio "auto") command something. Two runs of a scene without chance are the same run.
 ///
 /// Rates, speeds and plates are constant, or repeat with a common period, the cycle; or they change, and no time of the
 /// run is like another.
@@ -15,14 +15,14 @@
 
 /// What there is.
 typedef struct scene_regime {
-    bool has_chance; ///< of parts
+    bool has_chance; ///< see above
     bool
         is_constant; ///< after the warm-up nothing changes but by cycles and by photo eyes, and feeds deliver until the end
     double cycle;    ///< s; 0: nothing repeats
 } scene_regime;
 
-/// True if runs of parts with other substreams are other runs.
-bool scene_has_chance(const scene *s);
+/// True if runs with other substreams are other runs, of the density or of parts.
+bool scene_has_chance(const scene *s, bool is_density);
 
 /// The regime of a checked scene with feeds; without any it is not constant.
-scene_regime scene_regime_of(const scene *s);
+scene_regime scene_regime_of(const scene *s, bool is_density);

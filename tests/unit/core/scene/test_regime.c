@@ -34,21 +34,47 @@ static void what_feeds_draw_is_chance(void **state)
     scene s;
     make(&s);
     scene_feed *f = s.feeds;
-    assert_false(scene_has_chance(&s));
+    assert_false(scene_has_chance(&s, false));
     f->arrivals = SCENE_ARRIVALS_POISSON;
-    assert_true(scene_has_chance(&s));
+    assert_true(scene_has_chance(&s, false));
     f->arrivals = SCENE_ARRIVALS_ERLANG;
-    assert_true(scene_has_chance(&s));
+    assert_true(scene_has_chance(&s, false));
     f->arrivals = SCENE_ARRIVALS_BATCH;
-    assert_false(scene_has_chance(&s));
+    assert_false(scene_has_chance(&s, false));
     f->line[1].y = 0.3;
-    assert_true(scene_has_chance(&s));
+    assert_true(scene_has_chance(&s, false));
     f->line[1].y = 0.25;
     f->has_random_heading = true;
-    assert_true(scene_has_chance(&s));
+    assert_true(scene_has_chance(&s, false));
     f->has_random_heading = false;
     f->n_cargo = 2;
-    assert_true(scene_has_chance(&s));
+    assert_true(scene_has_chance(&s, false));
+    scene_fini(&s);
+}
+
+// The density is fed by rates; an eye that draws gaps, and commands a belt, makes its runs differ.
+static void eyes_that_command_by_drawn_gaps_are_chance_of_the_density(void **state)
+{
+    scene_photo_eye eyes[] = { { .density_ratio = 0.5 } };
+    scene_action actions[] = { { .eye = 0, .type = SCENE_ACTION_BELT } };
+    scene s;
+
+    (void)state;
+    make(&s);
+    s.feeds[0].arrivals = SCENE_ARRIVALS_POISSON;
+    assert_false(scene_has_chance(&s, true));
+    s.eyes = eyes;
+    s.actions = actions;
+    s.n_eyes = s.n_actions = 1;
+    assert_false(scene_has_chance(&s, true));
+    eyes[0].density_ratio = 0.0; // "auto"
+    assert_true(scene_has_chance(&s, true));
+    assert_true(scene_regime_of(&s, true).has_chance);
+    s.feeds[0].arrivals = SCENE_ARRIVALS_REGULAR;
+    assert_false(scene_has_chance(&s, true));
+    s.n_eyes = s.n_actions = 0;
+    s.eyes = NULL;
+    s.actions = NULL;
     scene_fini(&s);
 }
 
@@ -63,11 +89,11 @@ static void a_list_draws_what_it_does_not_give(void **state)
     f->arrivals = SCENE_ARRIVALS_POISSON;
     f->line[1].y = 0.3;
     f->schedule.n = 2;
-    assert_true(scene_has_chance(&s));
+    assert_true(scene_has_chance(&s, false));
     f->schedule.places = memory_alloc(2, sizeof *f->schedule.places);
-    assert_false(scene_has_chance(&s));
+    assert_false(scene_has_chance(&s, false));
     f->schedule.places[1] = (double)NAN;
-    assert_true(scene_has_chance(&s));
+    assert_true(scene_has_chance(&s, false));
     scene_fini(&s);
 }
 
@@ -89,13 +115,13 @@ static void a_gate_that_repeats_is_a_cycle(void **state)
     static scene_obstacle plate;
     scene s;
     make(&s);
-    assert_true(scene_regime_of(&s).is_constant && scene_regime_of(&s).cycle == 0.0);
+    assert_true(scene_regime_of(&s, false).is_constant && scene_regime_of(&s, false).cycle == 0.0);
     s.obstacles = &plate;
     set_presence(&s, 0.0, 6.0, 12.0);
-    assert_true(scene_regime_of(&s).is_constant);
-    assert_near(scene_regime_of(&s).cycle, 12.0, 0.0);
+    assert_true(scene_regime_of(&s, false).is_constant);
+    assert_near(scene_regime_of(&s, false).cycle, 12.0, 0.0);
     s.feeds[0].arrivals = SCENE_ARRIVALS_BATCH; // of 10 by 4 parts/s: 2.5 s; 24 times are 5 cycles
-    assert_near(scene_regime_of(&s).cycle, 60.0, 1e-12);
+    assert_near(scene_regime_of(&s, false).cycle, 60.0, 1e-12);
     s.obstacles = NULL;
     s.n_obstacles = 0;
     scene_fini(&s);
@@ -109,16 +135,16 @@ static void what_changes_once_does_so_before_the_warm_up_or_is_not_constant(void
     make(&s);
     s.obstacles = &plate;
     set_presence(&s, 2.0, 10.0, (double)INFINITY);
-    assert_true(scene_regime_of(&s).is_constant);
+    assert_true(scene_regime_of(&s, false).is_constant);
     set_presence(&s, 2.0, 11.0, (double)INFINITY);
-    assert_false(scene_regime_of(&s).is_constant);
+    assert_false(scene_regime_of(&s, false).is_constant);
     s.obstacles = NULL;
     s.n_obstacles = 0;
     s.feeds[0].end = 90.0;
-    assert_false(scene_regime_of(&s).is_constant);
+    assert_false(scene_regime_of(&s, false).is_constant);
     s.feeds[0].end = (double)INFINITY;
     s.feeds[0].count = 1e6;
-    assert_false(scene_regime_of(&s).is_constant);
+    assert_false(scene_regime_of(&s, false).is_constant);
     scene_fini(&s);
 }
 
@@ -126,6 +152,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_feeds_draw_is_chance),
+        cmocka_unit_test(eyes_that_command_by_drawn_gaps_are_chance_of_the_density),
         cmocka_unit_test(a_list_draws_what_it_does_not_give),
         cmocka_unit_test(a_gate_that_repeats_is_a_cycle),
         cmocka_unit_test(what_changes_once_does_so_before_the_warm_up_or_is_not_constant),
