@@ -141,7 +141,8 @@ void pull__expire(pull_executor *e, int64_t now_ms)
         if (job->place == PULL_AWAITED && now_ms >= job->until_ms)
             pull__lose_job(e, job, "restart");
         else if (is_held(job, now_ms)) {
-            pull__blame(e, job, "it renews the lease of a run that it does not begin");
+            pull__blame(e, job->about.run, job->token, job->worker,
+                        "it renews the lease of a run that it does not begin");
             pull__lose_job(e, job, "not_begun");
         }
     }
@@ -186,7 +187,8 @@ static bool fits(const batch *b, const executor_job *job, const api_worker *who)
 static void add_waiting(batch *b, const pull_executor *e, bool is_trial, const api_worker *who)
 {
     for (executor_job *job = e->first; job != NULL; job = job->next) {
-        if (job->place != PULL_WAITING || job->about.is_trial != is_trial)
+        if (job->place != PULL_WAITING || job->about.is_trial != is_trial ||
+            !pull__may_have(e, job, who))
             continue;
         job->about.predicted_s = pull__predict(e, job);
         if (b->n == API_LEASE_JOBS_MAX || !fits(b, job, who))

@@ -99,6 +99,7 @@ static executor_job *add_job(pull_executor *e, pull__place place, const char *ru
     job->about.attempt = attempt;
     job->about.n_threads = 1;
     job->place = place;
+    job->started_ms = clock_monotonic_ms();
     job->previous = e->last;
     if (e->last == NULL)
         e->first = job;
@@ -285,29 +286,42 @@ static executor_state poll_job(executor *base, executor_job *job, void *bytes, s
     return state;
 }
 
-void pull__blame(pull_executor *e, const executor_job *job, const char *why)
+void pull__blame(pull_executor *e, const char *run_id, uint64_t token, const char *name,
+                 const char *why)
 {
-    pull__worker *worker = pull__find_worker(e, job->token, job->worker);
+    pull__worker *worker = pull__find_worker(e, token, name);
     char quoted[LOG_QUOTED_SIZE];
 
     metrics_add(METRICS_PULL_FAULTS, 0, 1);
-    log_event(LOG_LEVEL_ERROR, "worker_at_fault", "run=%s worker=%s error=%s", job->about.run,
-              job->worker, log_quote(why, quoted));
+    log_event(LOG_LEVEL_ERROR, "worker_at_fault", "run=%s worker=%s error=%s", run_id, name,
+              log_quote(why, quoted));
     if (worker == NULL || ++worker->n_faults < PULL_FAULTS_MAX)
         return;
     worker->n_faults = 0;
     worker->barred_until_ms = clock_monotonic_ms() + PULL_BARRED_MS;
-    log_event(LOG_LEVEL_ERROR, "worker_barred", "worker=%s s=%d", job->worker,
-              PULL_BARRED_MS / 1000);
+    log_event(LOG_LEVEL_ERROR, "worker_barred", "worker=%s s=%d", name, PULL_BARRED_MS / 1000);
 }
 
 static bool blame(executor *base, executor_job *job, const bf_error *why)
 {
     pull_executor *e = pull__enter(base);
 
-    pull__blame(e, job, why->text);
+    pull__blame(e, job->about.run, job->token, job->worker, why->text);
     lock_release(&e->lock);
     return true;
+}
+
+static bool confirm(executor *base, const executor_job *job, const bf_error *why)
+{
+    pull_executor *e = pull__enter(base);
+    bool counts = true;
+
+    if (why != NULL)
+        counts = pull__confirm_failure(e, job, why);
+    else
+        pull__refute_failures(e, job);
+    lock_release(&e->lock);
+    return counts;
 }
 
 static double cpu_s(executor *base, executor_job *job)
@@ -348,8 +362,9 @@ static bool open_parts(pull_executor *e)
     e->workers = memory_alloc(API_WORKERS_MAX, sizeof *e->workers);
     e->leases = memory_alloc(API_LEASES_MAX, sizeof *e->leases);
     e->ends = memory_alloc(PULL_ENDS_KEPT, sizeof *e->ends);
+    e->doubts = memory_alloc(PULL_DOUBTS_KEPT, sizeof *e->doubts);
     return watch(e->base.wake_fd, e->news_fd) && watch(e->base.wake_fd, e->timer_fd) &&
-           e->workers != NULL && e->leases != NULL && e->ends != NULL;
+           e->workers != NULL && e->leases != NULL && e->ends != NULL && e->doubts != NULL;
 }
 
 bf_status pull_executor_create(executor **ret_executor, bf_error *err)
@@ -362,6 +377,7 @@ bf_status pull_executor_create(executor **ret_executor, bf_error *err)
                                                   .update = update,
                                                   .poll = poll_job,
                                                   .blame = blame,
+                                                  .confirm = confirm,
                                                   .cpu_s = cpu_s,
                                                   .external_id = external_id,
                                                   .release = release };
@@ -435,6 +451,7 @@ executor *pull_executor_destroy(executor *base)
     memory_free(e->workers);
     memory_free(e->leases);
     memory_free(e->ends);
+    memory_free(e->doubts);
     memory_free(e);
     return NULL;
 }

@@ -1,5 +1,6 @@
 /// What the files of the pulling workers' executor have in common: pull_executor.c (what the supervisor calls), workers.c
-/// (who there is), leases.c (who has which jobs), delivery.c (bytes of frames), and ends.c (what was reported as ended).
+/// (who there is), leases.c (who has which jobs), delivery.c (bytes of frames), ends.c (what was reported as ended), and doubts.c (failures
+/// that are to be confirmed).
 /// All functions but the executor's and the services' own are called with the lock held.
 
 #pragma once
@@ -13,6 +14,8 @@
 enum {
     PULL_TICK_MS = 1000,                 ///< between looks at who is silent
     PULL_ENDS_KEPT = 4096,               ///< that later ones are compared with
+    PULL_DOUBTS_KEPT = 512,              ///< failures that are to be confirmed
+    PULL_OTHERS_FIRST_MS = 600000,       ///< that a run waits for a worker who has not failed at it
     PULL_BEGIN_MS = 300000,              ///< until a run that was leased must have begun
     PULL_BEGIN_TRIAL_MS = 3600000,       ///< the same of a trial, which waits for others
     PULL_TRIALS_A_CORE = 4,              ///< of a batch; as many again wait here
@@ -41,6 +44,7 @@ struct executor_job {
     pull__lease *lease;           ///< PULL_LEASED: whose it is; else NULL
     uint64_t token;               ///< of who had it last
     char worker[API_WORKER_SIZE]; ///< who had it last; "": nobody
+    int64_t started_ms;           ///< since when it is the supervisor's
     int64_t leased_ms;            ///< PULL_LEASED: since when
     bool is_adopted;              ///< it was leased by the daemon before
     int64_t until_ms;             ///< PULL_AWAITED: then it is lost
@@ -85,6 +89,15 @@ typedef struct pull__end {
     char digest[API_DIGEST_SIZE]; ///< of its last frame
 } pull__end;
 
+/// A failure of a run that one worker has told of.
+typedef struct pull__doubt {
+    char run[API_ID_SIZE];        ///< "": none
+    uint64_t attempt;             ///< which
+    uint64_t token;               ///< of whose
+    char worker[API_WORKER_SIZE]; ///< whose
+    bf_error why;                 ///< as it says
+} pull__doubt;
+
 /// The executor.
 typedef struct pull_executor {
     executor base;            ///< first
@@ -106,6 +119,8 @@ typedef struct pull_executor {
     pull__lease **leases;     ///< room for API_LEASES_MAX
     size_t n_ends;            ///< ever noted
     pull__end *ends;          ///< PULL_ENDS_KEPT, the newest ones, in a ring
+    size_t n_doubts;          ///< ever noted
+    pull__doubt *doubts;      ///< PULL_DOUBTS_KEPT, the newest ones, in a ring
 } pull_executor;
 
 /// Make wake_fd readable.
@@ -129,8 +144,9 @@ static inline bool pull__is_of(const pull__lease *lease, uint64_t token, const c
     return lease->token == token && strcmp(lease->worker, name) == 0;
 }
 
-/// Who had the job is at fault; with PULL_FAULTS_MAX faults it gets nothing for a while.
-void pull__blame(pull_executor *e, const executor_job *job, const char *why);
+/// A worker is at fault for what became of a run; with PULL_FAULTS_MAX faults it gets nothing for a while.
+void pull__blame(pull_executor *e, const char *run_id, uint64_t token, const char *worker,
+                 const char *why);
 
 /// Register a worker or bring it up to date. BF_ECONFLICT: another version of the solver; BF_EBUSY: there are too many.
 BF_MUST_CHECK bf_status pull__meet_worker(pull_executor *e, const api_worker *who,
@@ -180,6 +196,15 @@ BF_MUST_CHECK bf_status pull__deliver(void *context, uint64_t token, const char 
 BF_MUST_CHECK bf_status pull__renew(void *context, const char *id, const api_renewal *renewal,
                                     api_job_states *ret_states, bf_error *err);
 BF_MUST_CHECK bf_status pull__leave(void *context, uint64_t token, const char *id, bf_error *err);
+
+/// True if another attempt at the run has failed in the same way; else note that this one did.
+bool pull__confirm_failure(pull_executor *e, const executor_job *job, const bf_error *why);
+
+/// The run of a job has succeeded: who said that it fails is at fault.
+void pull__refute_failures(pull_executor *e, const executor_job *job);
+
+/// Whether a worker may have the job: not one that failed at its run, while there are others, first of all of other tokens.
+bool pull__may_have(const pull_executor *e, const executor_job *job, const api_worker *who);
 
 /// Note the end of an attempt that was completed, and compare that of another attempt at the same run with it.
 void pull__note_end(pull_executor *e, const char *worker, const api_job_end *end);

@@ -126,6 +126,10 @@ typedef struct executor_functions {
     /// NULL: the run is at fault.
     bool (*blame)(executor *e, executor_job *job, const bf_error *why);
 
+    /// Who solved the job says that its run fails for this reason, or, with NULL, its run has succeeded. True: that counts;
+    /// false: the run is to be tried again, as nobody else has said the same. NULL: what a job says counts.
+    bool (*confirm)(executor *e, const executor_job *job, const bf_error *why);
+
     /// CPU seconds that the job has used so far; once it has ended, all that it used. Never falls.
     double (*cpu_s)(executor *e, executor_job *job);
 

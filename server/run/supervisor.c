@@ -107,6 +107,23 @@ static void blame_for_end(supervisor__task *task)
     (void)supervisor__blame(task, &why);
 }
 
+// A failure that only one has seen, elsewhere, may be that one's: the run is tried again, and fails for good when another
+// attempt fails in the same way.
+static void doubt_failure(supervisor__task *task)
+{
+    executor *e = task->supervisor->executor;
+    store_ending *ending = &task->ending;
+    const bf_error why = ending->error;
+
+    if (ending->state != RUN_FAILED || task->requested != SUPERVISOR_STOP_NONE ||
+        task->job == NULL || e->functions->confirm == NULL ||
+        e->functions->confirm(e, task->job, &why))
+        return;
+    ending->state = RUN_QUEUED;
+    ending->attempt = STORE_ATTEMPT_FAILED;
+    (void)bf_fail(&ending->error, BF_ESYSTEM, "", "%s", why.text);
+}
+
 // The job is over, and of what it has sent only the last is not stored. The place of a run that has succeeded is free:
 // the next one is claimed together with its end. One that ends in another way may have met what the next would meet.
 static void begin_end(supervisor__task *task)
@@ -117,6 +134,7 @@ static void begin_end(supervisor__task *task)
     metrics_add(METRICS_CHILD_EXITS, supervisor__exit_reason(task), 1);
     blame_for_end(task);
     task->ending = supervisor__classify_exit(task);
+    doubt_failure(task);
     task->ending.last = last;
     task->ending.cpu_s = supervisor__cpu_s(task);
     task->phase = SUPERVISOR_ENDING;
@@ -138,6 +156,9 @@ static void finish_end(supervisor *s, supervisor__task *task)
     if (task->ending.state == RUN_QUEUED && task->ending.error.code == BF_ECORRUPT &&
         !task->is_blamed && task->job != NULL)
         (void)supervisor__blame(task, &task->ending.error);
+    if (task->is_solved && task->ending.state == RUN_SUCCEEDED && task->write.status == BF_OK &&
+        s->executor->functions->confirm != NULL)
+        (void)s->executor->functions->confirm(s->executor, task->job, NULL);
     if (task->write.status != BF_OK)
         supervisor__defer(s, task->claimed.run.id,
                           task->requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED,

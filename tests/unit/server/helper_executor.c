@@ -34,6 +34,7 @@ struct helper_executor {
     bf_status refusal;
     bool ignores_stops;
     size_t chunk;
+    unsigned n_failures; // that jobs told of
     size_t room;
 };
 
@@ -209,13 +210,25 @@ static bool blame(executor *base, executor_job *job, const bf_error *why)
     return true;
 }
 
+static bool confirm(executor *base, const executor_job *job, const bf_error *why)
+{
+    helper_executor *e = (helper_executor *)base;
+
+    (void)job;
+    lock_acquire(&e->lock);
+    const bool counts = why == NULL || e->n_failures++ > 0;
+    lock_release(&e->lock);
+    return counts;
+}
+
 #define FUNCTIONS                                                                                  \
     .ready = ready, .start = start, .attach = attach, .stop = stop, .update = update,              \
     .poll = poll_job, .cpu_s = cpu_s, .external_id = external_id, .release = release
 
 void helper_executor_employ(helper_executor *e, size_t n)
 {
-    static const executor_functions functions = { FUNCTIONS, .has_room = has_room, .blame = blame };
+    static const executor_functions functions = { FUNCTIONS, .has_room = has_room, .blame = blame,
+                                                  .confirm = confirm };
 
     lock_acquire(&e->lock);
     e->room = n;

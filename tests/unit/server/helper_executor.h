@@ -45,7 +45,8 @@ void helper_executor_ignore_stops(helper_executor *e);
 /// From now on poll() returns at most n bytes at a time.
 void helper_executor_deliver_slowly(helper_executor *e, size_t n);
 
-/// From now on it has workers with room for n further jobs, of trials or not, who may be at fault. First called before the
+/// From now on it has workers with room for n further jobs, of trials or not, who may be at fault; the first failure that
+/// one tells of is not believed. First called before the
 /// supervisor is started.
 void helper_executor_employ(helper_executor *e, size_t n);
 

@@ -397,6 +397,80 @@ static void a_worker_at_fault_gets_nothing_for_a_while(void **state)
     api_lease_fini(&l);
 }
 
+static void assert_leases(fixture *f, const char *name, uint64_t token, size_t n)
+{
+    api_worker who = worker_of(name, 1);
+    api_lease made = { .n_jobs = 0 };
+
+    who.token = token;
+    assert_int_equal(f->api.lease(f->api.context, &who, &made, NULL), BF_OK);
+    assert_int_equal(made.n_jobs, n);
+    api_lease_fini(&made);
+}
+
+// An attempt at a run of which this worker says that it fails.
+static bool fails_at(fixture *f, const char *name, uint64_t token, const char *text)
+{
+    bf_error why = { 0 };
+
+    (void)bf_fail(&why, BF_EINPUT, "", "%s", text);
+    executor_job *job = start(f, RUN_A, false);
+    assert_leases(f, name, token, 1);
+    const bool counts = f->executor->functions->confirm(f->executor, job, &why);
+    release(f, job);
+    return counts;
+}
+
+static void a_failure_counts_when_another_attempt_has_the_same(void **state)
+{
+    fixture *f = *state;
+
+    assert_false(fails_at(f, "one", 1, "parts overlap"));
+    assert_false(
+        fails_at(f, "one", 1, "no memory")); // there is nobody else, but it says another thing
+    assert_true(fails_at(f, "one", 1, "parts overlap"));
+}
+
+static void who_failed_at_a_run_gets_it_after_others(void **state)
+{
+    fixture *f = *state;
+
+    assert_false(fails_at(f, "one", 1, "parts overlap"));
+    executor_job *job = start(f, RUN_A, false);
+    executor_job *other_run = start(f, RUN_B, false);
+    assert_leases(f, "two", 1, 1); // of the same token: there is no other
+    release(f, job);
+    release(f, other_run);
+    job = start(f, RUN_A, false);
+    assert_leases(f, "one", 1, 0); // "two" is there
+    release(f, job);
+    other_run = start(f, RUN_B, false);
+    assert_leases(f, "three", 2, 1);
+    release(f, other_run);
+    job = start(f, RUN_A, false);
+    assert_leases(f, "two", 1, 0); // now another token is
+    job->started_ms -= PULL_OTHERS_FIRST_MS;
+    assert_leases(f, "one", 1, 1); // nobody came
+    release(f, job);
+}
+
+static void who_said_that_a_run_fails_is_at_fault_when_it_succeeds(void **state)
+{
+    fixture *f = *state;
+
+    for (int k = 0; k < PULL_FAULTS_MAX; k++) {
+        assert_false(fails_at(f, "liar", 1, "parts overlap"));
+        executor_job *job = start(f, RUN_A, false);
+        assert_leases(f, "honest", 2, 1);
+        assert_true(f->executor->functions->confirm(f->executor, job, NULL));
+        release(f, job);
+    }
+    executor_job *job = start(f, RUN_B, false);
+    assert_leases(f, "liar", 1, 0);
+    assert_leases(f, "honest", 2, 1);
+    release(f, job);
+}
+
 // The daemon after this one knows the job by its name, and its worker by the lease that it renews.
 static void a_job_goes_on_after_a_restart(void **state)
 {
@@ -631,6 +705,9 @@ int main(void)
         TEST(a_stop_reaches_the_worker),
         TEST(another_version_is_refused),
         TEST(a_worker_at_fault_gets_nothing_for_a_while),
+        TEST(a_failure_counts_when_another_attempt_has_the_same),
+        TEST(who_failed_at_a_run_gets_it_after_others),
+        TEST(who_said_that_a_run_fails_is_at_fault_when_it_succeeds),
         TEST(a_job_goes_on_after_a_restart),
         TEST(a_job_nobody_comes_back_for_is_lost),
         TEST(ends_that_come_twice_are_compared),

@@ -257,6 +257,46 @@ static void an_end_without_results_is_no_success(void **state)
     assert_non_null(strstr(failed.error.text, "41 samples and 11 snapshots, of which"));
 }
 
+static void send_error(helper_jobs *f, size_t index)
+{
+    frame error = { .type = FRAME_ERROR };
+
+    (void)bf_fail(&error.error.error, BF_EINPUT, "/belts/0", "the belt cannot be solved");
+    helper_executor_send(f->executor, index, &error);
+    helper_executor_end(f->executor, index, EXECUTOR_FAILED);
+}
+
+static void a_failure_that_another_does_not_have_fails_no_run(void **state)
+{
+    helper_jobs *f = *state;
+    const api_run solved = start_with_attempts(f, 5);
+
+    helper_executor_begin(f->executor, 0);
+    helper_executor_samples(f->executor, 0, 0, 2, 0);
+    send_error(f, 0);
+    helper_executor_await(f->executor, 2);
+    assert_int_equal(helper_executor_job(f->executor, 0).n_blamed, 0); // nobody knows yet
+    helper_executor_begin(f->executor, 1);
+    helper_executor_finish(f->executor, 1, false);
+    helper_await_state(f->world, solved.id, RUN_SUCCEEDED);
+}
+
+static void a_failure_that_others_have_is_the_runs(void **state)
+{
+    helper_jobs *f = *state;
+    const api_run solved = start_with_attempts(f, 5);
+
+    for (size_t i = 0; i < 2; i++) {
+        helper_executor_await(f->executor, i + 1);
+        if (i == 0)
+            helper_executor_begin(f->executor, i);
+        send_error(f, i);
+    }
+    const api_run failed = helper_await_state(f->world, solved.id, RUN_FAILED);
+    assert_int_equal(failed.error.code, BF_EINPUT);
+    assert_string_equal(failed.error.pointer, "/belts/0");
+}
+
 static void jobs_are_left_to_the_daemon_after_this_one(void **state)
 {
     helper_jobs *f = *state;
@@ -291,6 +331,8 @@ int main(void)
         TEST(ends_of_a_workers_own_are_an_attempt_each),
         TEST(a_run_that_brings_something_new_has_all_its_attempts_again),
         TEST(an_end_without_results_is_no_success),
+        TEST(a_failure_that_another_does_not_have_fails_no_run),
+        TEST(a_failure_that_others_have_is_the_runs),
         TEST(jobs_are_left_to_the_daemon_after_this_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
