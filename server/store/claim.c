@@ -10,6 +10,7 @@
 #include "server/store/studies.h"
 #include "server/store/turns.h"
 
+#include "server/base/clock.h"
 #include "server/base/log.h"
 
 #include <sqlite3.h>
@@ -302,13 +303,16 @@ typedef struct remove_context {
     const char *id;
     uint64_t revision; ///< that the run must have, or API_ANY_REVISION
     int64_t results;
-    bool is_running; ///< and thus still there, but asked to stop
-    bool is_over;    ///< nothing is left
+    bool is_running;            ///< and thus still there, but asked to stop
+    bool is_over;               ///< nothing is left
+    char owner[API_OWNER_SIZE]; ///< whose it was
+    int64_t cpu_ns;             ///< CPU time that its removal took
 } remove_context;
 
 static bf_status apply_remove(store__connection *writer, store__operation *operation, bf_error *err)
 {
     remove_context *context = operation->context;
+    const int64_t since_ns = clock_thread_cpu_ns();
     store__row row;
 
     bf_status status = store__find_row(writer, context->id, &row, err);
@@ -320,8 +324,11 @@ static bf_status apply_remove(store__connection *writer, store__operation *opera
     if (context->is_running)
         return request_stop(writer, operation, &row, STORE_STOP_KILL, err);
     memcpy(operation->changed, row.run.id, API_ID_SIZE);
+    memcpy(context->owner, row.run.owner, sizeof context->owner);
     context->results = row.results;
-    return store__remove_row(writer, &row, &context->is_over, err);
+    status = store__remove_row(writer, &row, &context->is_over, err);
+    context->cpu_ns = clock_thread_cpu_ns() - since_ns;
+    return status;
 }
 
 static bf_status apply_collect(store__connection *writer, store__operation *operation,
@@ -370,12 +377,32 @@ static bf_status list_runs_of_study(store *s, const char *study_id, size_t n_mos
     return status;
 }
 
-// Each run is an operation of its own, so that those who wait for it are told.
+/// Runs of one study that were removed in this transaction.
+typedef struct removals {
+    size_t n;
+    const remove_context *contexts;
+} removals;
+
+static bf_status apply_charge_removals(store__connection *writer, store__operation *operation,
+                                       bf_error *err)
+{
+    const removals *removed = operation->context;
+    const char *owner = "";
+    int64_t cpu_ns = 0;
+
+    for (size_t k = 0; k < removed->n; k++) {
+        cpu_ns += removed->contexts[k].cpu_ns;
+        owner = removed->contexts[k].cpu_ns > 0 ? removed->contexts[k].owner : owner;
+    }
+    return cpu_ns > 0 ? store__charge_owner(writer, owner, 1e-9 * (double)cpu_ns, err) : BF_OK;
+}
+
+// Each run is an operation of its own, so that those who wait for it are told. The owner pays for what that takes.
 bf_status store_remove_runs_of_study(store *s, const char *id, bool *ret_has_runs, bf_error *err)
 {
     char ids[REMOVALS_A_COMMIT][API_ID_SIZE];
     remove_context contexts[REMOVALS_A_COMMIT];
-    store__operation operations[REMOVALS_A_COMMIT];
+    store__operation operations[REMOVALS_A_COMMIT + 1];
     size_t n = 0;
 
     bf_status status = list_runs_of_study(s, id, REMOVALS_A_COMMIT, ids, &n, err);
@@ -387,8 +414,12 @@ bf_status store_remove_runs_of_study(store *s, const char *id, bool *ret_has_run
                                             .context = &contexts[k],
                                             .may_use_reserve = true };
     }
+    removals removed = { .n = n, .contexts = contexts };
+    operations[n] = (store__operation){ .apply = apply_charge_removals,
+                                        .context = &removed,
+                                        .may_use_reserve = true };
     if (n > 0)
-        store__write_group(s, operations, n);
+        store__write_group(s, operations, n + 1);
     for (size_t k = 0; k < n && status == BF_OK; k++) {
         status = operations[k].status == BF_ENOTFOUND ? BF_OK : operations[k].status;
         if (status != BF_OK && err != NULL)

@@ -34,17 +34,23 @@ void store_set_quotas(store *s, const store_quotas *quotas)
     s->quotas.n_studies = quotas->n_studies;
 }
 
+bf_status store__charge_owner(store__connection *writer, const char *owner, double cpu_s,
+                              bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_CHARGE);
+    store__bind_text(&q, owner, strlen(owner));
+    store__bind_integer(&q, clock_unix_ms() / HOUR_MS);
+    store__bind_real(&q, cpu_s);
+    return store__run(&q, err);
+}
+
 bf_status store__charge(store__connection *writer, store__row *row, double cpu_s, bf_error *err)
 {
     const double more_s = cpu_s - row->cpu_s;
 
     if (!isfinite(more_s) || more_s <= 0.0)
         return BF_OK;
-    store__query q = store__begin(writer, STORE__SQL_CHARGE);
-    store__bind_text(&q, row->run.owner, strlen(row->run.owner));
-    store__bind_integer(&q, clock_unix_ms() / HOUR_MS);
-    store__bind_real(&q, more_s);
-    bf_status status = store__run(&q, err);
+    bf_status status = store__charge_owner(writer, row->run.owner, more_s, err);
     if (status == BF_OK)
         row->cpu_s = cpu_s;
     return status;

@@ -12,6 +12,10 @@ store_quotas store__quotas(const store *s);
 BF_MUST_CHECK bf_status store__charge(store__connection *writer, store__row *row, double cpu_s,
                                       bf_error *err);
 
+/// Charge an owner for CPU time that the service used for him, s.
+BF_MUST_CHECK bf_status store__charge_owner(store__connection *writer, const char *owner,
+                                            double cpu_s, bf_error *err);
+
 /// Check that an owner may store further results. BF_ENOSPACE.
 BF_MUST_CHECK bf_status store__check_bytes(store__connection *writer, const store *s,
                                            const char *owner, bf_error *err);

@@ -69,6 +69,7 @@ typedef struct store_study_step {
     const bf_buffer *best;     ///< what was found so far; NULL: as it was
     api_study_state state;     ///< where it goes; API_STUDY_STATES: where it is
     bf_error error;            ///< of API_STUDY_FAILED
+    double cpu_s;              ///< that making the trials took: charged to the owner of the study
 } store_study_step;
 
 /// Write a step in one transaction. A run whose results are known is inserted with them and has ended. BF_ECONFLICT: the

@@ -2,6 +2,7 @@
 // on it goes on from any step. What is known of a trial's run stands in the run.
 
 #include "server/store/columns.h"
+#include "server/store/quotas.h"
 #include "server/store/studies_priv.h"
 #include "server/store/submit.h"
 
@@ -129,6 +130,8 @@ static bf_status apply_step(store__connection *writer, store__operation *operati
         row->study.error = step->error;
         status = store__move_study(row, step->state, err);
     }
+    if (status == BF_OK && step->cpu_s > 0.0)
+        status = store__charge_owner(writer, row->study.owner, step->cpu_s, err);
     memcpy(operation->changed, row->study.id, API_ID_SIZE);
     return status == BF_OK ? store__save_study(writer, row, err) : status;
 }

@@ -7,6 +7,7 @@
 #include "core/base/memory.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,9 +19,12 @@ static bf_status make_scene(study__task *t, const api_trial *trial, scene *ret_s
 
     if (faults == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    faults->is_cancelled = &t->owner->is_abandoned;
     bf_status status = study_document_scene(&t->document, point.at, about.substream, trial->model,
                                             ret_scene, faults, err);
     memory_free(faults);
+    if (status != BF_OK && atomic_load(&t->owner->is_abandoned))
+        status = bf_fail(err, BF_EBUSY, "", "the service is stopping");
     return status;
 }
 

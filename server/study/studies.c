@@ -19,7 +19,7 @@ enum {
     EXPIRY_MS = 60000  // between looks at studies that are too old
 };
 
-static void look_again(studies *s, int64_t after_ms)
+void studies__look_again(studies *s, int64_t after_ms)
 {
     const int64_t at_ms = clock_monotonic_ms() + after_ms;
 
@@ -149,7 +149,7 @@ static bf_status take_away(studies *s, const store_study *work)
     else if (is_over)
         log_event(LOG_LEVEL_INFO, "study_removed", "study=%s", work->study.id);
     if (status == BF_OK && !is_over)
-        look_again(s, REMOVAL_MS);
+        studies__look_again(s, REMOVAL_MS);
     return status;
 }
 
@@ -177,9 +177,9 @@ static bf_status stop_studies(studies *s, bf_error *err)
         s->n_removals += is_late ? k + 1 : 0;
     }
     if (is_late || n == STOPS_A_TURN)
-        look_again(s, 0);
+        studies__look_again(s, 0);
     if (has_trouble)
-        look_again(s, RETRY_MS);
+        studies__look_again(s, RETRY_MS);
     memory_free(work);
     return status;
 }
@@ -192,7 +192,7 @@ static void handle_trouble(studies *s, const char *id, const bf_error *why)
     log_trouble("study_trouble", id, why);
     if (!study__may_work_later(why->code) && end_study(s, id, API_STUDY_FAILED, why, &err) != BF_OK)
         log_trouble("study_not_stopped", id, &err);
-    look_again(s, RETRY_MS);
+    studies__look_again(s, RETRY_MS);
 }
 
 static void begin_study(studies *s, const api_study *about)
@@ -285,7 +285,7 @@ static bf_status expire_studies(studies *s, bf_error *err)
             log_event(LOG_LEVEL_INFO, "study_expired", "study=%s", id);
     }
     if (age_ms > 0)
-        look_again(s, EXPIRY_MS);
+        studies__look_again(s, EXPIRY_MS);
     return status == BF_ENOTFOUND ? BF_OK : status;
 }
 
@@ -303,7 +303,7 @@ static void tend_studies(studies *s)
     if (status == BF_OK)
         return;
     log_trouble("studies_not_read", "", &err);
-    look_again(s, RETRY_MS);
+    studies__look_again(s, RETRY_MS);
 }
 
 // The thread goes round once more without being woken.
@@ -327,6 +327,8 @@ static bool work_on_tasks(studies *s)
         if (!studies__goes_on(s))
             break;
         bf_status status = study__task_turn(s->tasks[k], &is_over, &has_more, &err);
+        if (status == BF_EBUSY && !studies__goes_on(s))
+            break;
         if (has_more)
             note_more(s);
         if (status == BF_OK && !is_over) {
@@ -453,6 +455,7 @@ studies *studies_stop(studies *s)
 {
     if (s == NULL)
         return NULL;
+    atomic_store(&s->is_abandoned, true);
     lock_acquire(&s->lock);
     s->is_stopping = true;
     lock_wake_all(&s->woken);

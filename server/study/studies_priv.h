@@ -9,6 +9,7 @@
 #include "server/study/studies.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 
 enum {
     STUDIES_AT_WORK = 8,    ///< studies that take turns; others wait
@@ -49,6 +50,7 @@ struct studies {
     bool has_news;                       ///< something is asked of studies
     bool has_changes;                    ///< runs of trials have changed
     bool is_stopping;                    ///< the thread is to end
+    _Atomic bool is_abandoned;           ///< checks of scenarios are to end early
     liveness liveness;                   ///< of the thread
     size_t n_tasks;                      ///< studies at work
     study__task *tasks[STUDIES_AT_WORK]; ///< n_tasks
@@ -58,6 +60,9 @@ struct studies {
 
 /// Between two things that take time: say that the thread lives. False: it is to end, and what is left is left.
 bool studies__goes_on(studies *s);
+
+/// Look at all studies again after this time, or before.
+void studies__look_again(studies *s, int64_t after_ms);
 
 /// Bring a study from what the store has of it. The caller owns *ret_task: study__task_destroy(). BF_ECORRUPT: its
 /// trials are not those that it would make.

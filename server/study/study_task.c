@@ -17,6 +17,7 @@ enum {
     BEST_MS = 1000,       // between what was found so far
     BEGINS_MAX = 64,      // trials that begin in a step
     AHEAD_OF_WORKERS = 4, // trials that wait or run for each worker
+    HELD_MS = 60000,      // between looks at an owner without CPU time
 };
 
 /// What a turn writes.
@@ -28,6 +29,7 @@ typedef struct study__turn {
     store_trial_begin begins[BEGINS_MAX];   ///< n_begins
     api_submission submissions[BEGINS_MAX]; ///< of those that are not infeasible
     bf_buffer best;                         ///< n = 0: it is not due
+    int64_t cpu_ns;                         ///< CPU time that making them took
 } turn;
 
 static bf_status no_memory(bf_error *err)
@@ -165,6 +167,7 @@ static void empty_turn(turn *u)
     for (size_t k = 0; k < u->n_begins; k++)
         submission_fini(&u->submissions[k]);
     u->n_begins = u->n_ends = 0;
+    u->cpu_ns = 0;
     buffer_fini(&u->best);
 }
 
@@ -242,10 +245,23 @@ static bf_status make_begin(study__task *t, turn *u, bf_error *err)
     return BF_OK;
 }
 
+// Making trials is work for the owner, as solving them is: without CPU time of his own nothing is begun.
+static bool is_held(study__task *t, const turn *u)
+{
+    api_quotas quotas = { .owner = "" };
+
+    if (store_read_quotas(t->owner->options.store, u->about.owner, &quotas, NULL) != BF_OK ||
+        quotas.cpu_s.allowed == 0 || quotas.cpu_s.used < quotas.cpu_s.allowed)
+        return false;
+    studies__look_again(t->owner, HELD_MS);
+    return true;
+}
+
 static bf_status make_begins(study__task *t, turn *u, bf_error *err)
 {
-    const size_t room = room_of(t);
+    const size_t room = is_held(t, u) ? 0 : room_of(t);
     const int64_t until_ms = clock_monotonic_ms() + STUDIES_TURN_MS;
+    const int64_t since_ns = clock_thread_cpu_ns();
     bf_status status = BF_OK;
 
     if (t->n_told == study_trials(t->core))
@@ -257,6 +273,7 @@ static bf_status make_begins(study__task *t, turn *u, bf_error *err)
             break;
         status = make_begin(t, u, err);
     } while (clock_monotonic_ms() < until_ms);
+    u->cpu_ns = clock_thread_cpu_ns() - since_ns;
     return status;
 }
 
@@ -302,6 +319,7 @@ static bf_status write_turn(study__task *t, turn *u, bf_error *err)
                               .n_begins = u->n_begins,
                               .begins = u->begins,
                               .best = u->best.n > 0 ? &u->best : NULL,
+                              .cpu_s = 1e-9 * (double)u->cpu_ns,
                               .state = API_STUDY_STATES };
 
     if (has_ended(t) && study_best(t->core) == SIZE_MAX) {

@@ -473,6 +473,41 @@ static void a_scenario_that_is_not_valid_is_infeasible_and_has_no_run(void **sta
     free(r);
 }
 
+static void making_and_removing_trials_is_charged_to_their_owner(void **state)
+{
+    world *w = *state;
+    const api_study of = submit_of(w, "ada", GRID);
+
+    await(w, "SELECT count(*) FROM runs WHERE state = 0", 4);
+    await(w, "SELECT count(*) FROM cpu_sums WHERE owner = 'ada' AND cpu_s > 0", 1);
+    const int64_t made_ns = helper_store_sql(w->h, "SELECT sum(1e9 * cpu_s) FROM cpu_sums");
+    assert_int_equal(store_remove_study(w->h->store, of.id, API_ANY_REVISION, NULL), BF_OK);
+    studies_wake(w->studies);
+    await(w, "SELECT count(*) FROM studies", 0);
+    assert_true(helper_store_sql(
+                    w->h, "SELECT sum(1e9 * cpu_s) FROM cpu_sums WHERE owner = 'ada'") > made_ns);
+}
+
+static void an_owner_without_cpu_time_begins_no_trials(void **state)
+{
+    world *w = *state;
+    const store_quotas quotas = { .cpu_s = 10 };
+    char sql[160];
+
+    studies_stop(w->studies);
+    snprintf(sql, sizeof sql, "INSERT INTO cpu_sums (owner, hour, cpu_s) VALUES ('ada', %lld, 11)",
+             (long long)(clock_unix_ms() / 3600000));
+    helper_store_close(w->h);
+    helper_store_sql(w->h, sql);
+    helper_store_open(w->h);
+    store_set_quotas(w->h->store, &quotas);
+    start(w);
+    submit_of(w, "ada", GRID);
+    const api_study of = submit_of(w, "eve", GRID);
+    assert_int_equal(solve(w, of.id, SIZE_MAX, RUN_SUCCEEDED).state, API_STUDY_SUCCEEDED);
+    assert_int_equal(helper_store_sql(w->h, "SELECT n_trials FROM studies WHERE owner = 'ada'"), 0);
+}
+
 static void cancelling_a_study_cancels_its_trials(void **state)
 {
     world *w = *state;
@@ -569,6 +604,8 @@ int main(void)
         CASE(a_trial_whose_run_fails_has_no_value),
         CASE(a_study_without_any_value_has_failed),
         CASE(a_scenario_that_is_not_valid_is_infeasible_and_has_no_run),
+        CASE(making_and_removing_trials_is_charged_to_their_owner),
+        CASE(an_owner_without_cpu_time_begins_no_trials),
         CASE(cancelling_a_study_cancels_its_trials),
         CASE(a_paused_study_goes_on_where_it_was),
         CASE(a_removed_study_leaves_nothing_behind),
