@@ -56,5 +56,6 @@ typedef struct api_measurement_query {
 typedef struct api_measurement_list {
     size_t n;                            ///< measurements in this page
     bool has_more;                       ///< older ones follow
+    char next_cursor[API_ID_SIZE];       ///< of these: who answers writes it
     api_measurement items[API_LIST_MAX]; ///< the page
 } api_measurement_list;

@@ -11,10 +11,16 @@
 enum {
     API_LIST_NEWEST =
         50000, ///< runs that a search, another order or a count looks at, the newest of the list
+    API_LIST_LOOKS =
+        20000, ///< runs that a page in the order of creation looks at to find those that were asked for
     API_SORT_KEY_SIZE = 81, ///< bytes of the text of a run's key with its terminator
     API_SORT_FIGURE_SIZE =
         48, ///< bytes of the name of a key figure, "residence_s.p95", with its terminator
 };
+
+enum {
+    API_CURSOR_SIZE = API_ID_SIZE + 2 * API_SORT_KEY_SIZE
+}; ///< bytes of a cursor with its terminator
 
 /// What a list is sorted by.
 typedef enum api_sort_by {

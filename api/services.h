@@ -94,8 +94,10 @@ typedef struct api_acceptance {
 
 /// A page of a list.
 typedef struct api_run_list {
-    size_t n;                         ///< runs in this page
-    bool has_more;                    ///< further ones follow
+    size_t n;                          ///< runs in this page
+    bool has_more;                     ///< further ones may follow
+    char last_id[API_ID_SIZE];         ///< the last one that was looked at for it
+    char next_cursor[API_CURSOR_SIZE]; ///< of what follows: who answers writes it
     char last_key[API_SORT_KEY_SIZE]; ///< key of the last one; "": it has none, or API_SORT_CREATED
     bool has_total;                   ///< it was wanted
     uint64_t total;                   ///< runs on all pages, of the newest API_LIST_NEWEST

@@ -117,6 +117,7 @@ typedef struct api_study_query {
 typedef struct api_study_list {
     size_t n;                      ///< studies in this page
     bool has_more;                 ///< older ones follow
+    char next_cursor[API_ID_SIZE]; ///< of these: who answers writes it
     api_study items[API_LIST_MAX]; ///< the page
 } api_study_list;
 

@@ -186,11 +186,11 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
 }
 
 static void add_next_link(exchange *x, const exchange_page *page, const api_list_query *wanted,
-                          const api_run_list *list)
+                          api_run_list *list)
 {
     const char *sort = exchange__text(x, "sort");
     bool has_state = wanted->state >= 0, has_model = wanted->model >= 0;
-    char filters[FILTERS_SIZE], search[3 * API_LABEL_SIZE], cursor[RUN_SORT_CURSOR_SIZE];
+    char filters[FILTERS_SIZE], search[3 * API_LABEL_SIZE];
 
     exchange__encode(wanted->search, search);
     int n = snprintf(filters, sizeof filters, "%s%s%s%s%s%s%s%s%s%s%s", has_state ? "&status=" : "",
@@ -200,8 +200,8 @@ static void add_next_link(exchange *x, const exchange_page *page, const api_list
                      search[0] != '\0' ? "&search=" : "", search, sort != NULL ? "&sort=" : "",
                      sort != NULL ? sort : "", wanted->counts ? "&count=1" : "");
     BF_CHECK(n >= 0 && (size_t)n < sizeof filters);
-    run_sort_write_cursor(list->runs[list->n - 1].id, list->last_key, cursor);
-    exchange__link_next(x, page, filters, cursor);
+    run_sort_write_cursor(list->last_id, list->last_key, list->next_cursor);
+    exchange__link_next(x, page, filters, list->next_cursor);
 }
 
 static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err)
@@ -224,7 +224,7 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     bf_status status = x->services->list(x->services->context, &list_query, list, err);
-    if (status == BF_OK && list->has_more && list->n > 0)
+    if (status == BF_OK && list->has_more)
         add_next_link(x, &page, &list_query, list);
     exchange__cache_revalidate(x);
     if (status == BF_OK)

@@ -93,8 +93,10 @@ bf_status handlers_studies_list(exchange *x, bf_error *err)
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     bf_status status = x->services->list_studies(x->services->context, &wanted, list, err);
-    if (status == BF_OK && list->has_more && list->n > 0)
-        exchange__link_next(x, &page, filter, list->items[list->n - 1].id);
+    if (status == BF_OK && list->has_more && list->n > 0) {
+        memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);
+        exchange__link_next(x, &page, filter, list->next_cursor);
+    }
     exchange__cache_revalidate(x);
     if (status == BF_OK)
         status = write_list(x, list, err);

@@ -80,10 +80,14 @@ static bf_status write_page(exchange *x, const api_study *about, const study_col
     bf_status status =
         x->services->read_trials(x->services->context, about->id, &wanted, write_trial, &p, err);
     json_out_array_end(&p.w);
+    const bool has_more = wanted.from + wanted.limit < about->n_trials;
+    json_out_key_bool(&p.w, "has_more", has_more);
+    if (has_more)
+        json_out_key_integer(&p.w, "next_from", (int64_t)(wanted.from + wanted.limit));
     json_out_object_end(&p.w);
     if (status != BF_OK)
         return status;
-    if (wanted.from + wanted.limit < about->n_trials)
+    if (has_more)
         api_response_header(x->response, "Link",
                             "</v1/studies/%s/trials?limit=%zu&from=%" PRIu64 ">; rel=\"next\"",
                             about->id, wanted.limit, wanted.from + wanted.limit);

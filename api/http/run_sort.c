@@ -56,9 +56,9 @@ const char *run_sort_words(void)
            "each also with - before it";
 }
 
-void run_sort_write_cursor(const char *id, const char *key, char ret_cursor[RUN_SORT_CURSOR_SIZE])
+void run_sort_write_cursor(const char *id, const char *key, char ret_cursor[API_CURSOR_SIZE])
 {
-    char *at = ret_cursor + snprintf(ret_cursor, RUN_SORT_CURSOR_SIZE, "%s", id);
+    char *at = ret_cursor + snprintf(ret_cursor, API_CURSOR_SIZE, "%s", id);
 
     if (*key != '\0')
         *at++ = '.';

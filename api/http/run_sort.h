@@ -19,12 +19,8 @@ bool run_sort_is_word(const char *text);
 /// The words without signs, with blanks between.
 const char *run_sort_words(void);
 
-enum {
-    RUN_SORT_CURSOR_SIZE = API_ID_SIZE + 2 * API_SORT_KEY_SIZE
-}; ///< bytes of a cursor with its terminator
-
 /// Write the cursor behind the run with this id and key.
-void run_sort_write_cursor(const char *id, const char *key, char ret_cursor[RUN_SORT_CURSOR_SIZE]);
+void run_sort_write_cursor(const char *id, const char *key, char ret_cursor[API_CURSOR_SIZE]);
 
 /// Read a cursor that was written for this order into the query's `before` and `before_key`. False: it was not.
 bool run_sort_read_cursor(const char *cursor, api_list_query *query);

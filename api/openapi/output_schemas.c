@@ -113,6 +113,8 @@ STUDY_LINE("StudyEndLine", study_end_line, "end", "Study", LAST);
 
 static const member trial_list_members[] = {
     ROW("trials", "[#Trial]", "A page of the list, by number"),
+    ROW("has_more", "boolean", "Further ones follow"),
+    ROW("next_from", "#Count", "The `from` of the page that follows", .flags = MEMBER_OPTIONAL),
 };
 ROWS("TrialList", trial_list);
 

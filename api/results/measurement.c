@@ -329,9 +329,19 @@ const member_table measurement_item = { MEMBER_TABLE("MeasurementItem", item_mem
 #undef AT
 
 #define AT(place) offsetof(api_measurement_list, place)
+static bool has_more(const void *item)
+{
+    const api_measurement_list *list = item;
+
+    return list->has_more;
+}
+
 static const member measurement_list_members[] = {
     MEMBER("measurements", array, AT(items), "A page of the list, newest first", .offset_n = AT(n),
            .table = &measurement_item),
+    MEMBER("has_more", bool, AT(has_more), "Older ones follow"),
+    MEMBER("next_cursor", text, AT(next_cursor), "The `cursor` of the page that follows",
+           .applies = has_more),
 };
 const member_table measurement_list = { MEMBER_TABLE("MeasurementList", measurement_list_members) };
 #undef AT

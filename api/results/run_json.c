@@ -153,12 +153,23 @@ static bool has_total(const void *item)
     return list->has_total;
 }
 
+static bool has_more(const void *item)
+{
+    const api_run_list *list = item;
+
+    return list->has_more;
+}
+
 static const member list_members[] = {
     MEMBER("runs", array, offsetof(api_run_list, runs),
            "A page of the list, newest first unless `sort` says otherwise",
            .offset_n = offsetof(api_run_list, n), .table = &run_json),
     MEMBER("total", size, offsetof(api_run_list, total),
            "With `count`: runs on all pages, of the newest 50,000", .applies = has_total),
+    MEMBER("has_more", bool, offsetof(api_run_list, has_more),
+           "Further ones may follow: this page looked at 20,000 runs at most"),
+    MEMBER("next_cursor", text, offsetof(api_run_list, next_cursor),
+           "The `cursor` of the page that follows", .applies = has_more),
 };
 const member_table run_json_list = { MEMBER_TABLE("RunList", list_members) };
 

@@ -69,9 +69,19 @@ static const member study_members[] = {
 const member_table study_json = { MEMBER_TABLE("Study", study_members), .size = sizeof(api_study) };
 #undef AT
 
+static bool has_more(const void *item)
+{
+    const api_study_list *list = item;
+
+    return list->has_more;
+}
+
 static const member list_members[] = {
     MEMBER("studies", array, offsetof(api_study_list, items), "A page of the list, newest first",
            .offset_n = offsetof(api_study_list, n), .table = &study_json),
+    MEMBER("has_more", bool, offsetof(api_study_list, has_more), "Older ones follow"),
+    MEMBER("next_cursor", text, offsetof(api_study_list, next_cursor),
+           "The `cursor` of the page that follows", .applies = has_more),
 };
 const member_table study_json_list = { MEMBER_TABLE("StudyList", list_members) };
 

@@ -13,17 +13,33 @@ static bool is_sorted(const api_list_query *query)
     return query->sort.by != API_SORT_CREATED || query->sort.is_rising;
 }
 
-static store__sql choose_list(const api_list_query *query)
+/// What a page is read by: its rows, and where they end if it is narrowed by what its index does not have.
+typedef struct list_way {
+    store__sql page;
+    store__sql oldest;
+    bool is_narrowed;
+} list_way;
+
+static list_way choose_list(const api_list_query *query)
 {
+    const bool has_owner = query->owner[0] != '\0', has_label = query->label[0] != '\0';
+    const bool has_state = query->state >= 0, has_model = query->model >= 0;
+
     if (is_sorted(query))
-        return query->sort.is_rising ? STORE__SQL_LIST_RISING : STORE__SQL_LIST_FALLING;
+        return (list_way){ query->sort.is_rising ? STORE__SQL_LIST_RISING : STORE__SQL_LIST_FALLING,
+                           STORE__SQL_COUNT, false };
     if (query->search[0] != '\0')
-        return STORE__SQL_LIST_FOUND;
-    if (query->owner[0] != '\0')
-        return STORE__SQL_LIST_OWNER;
-    if (query->label[0] != '\0')
-        return STORE__SQL_LIST_LABEL;
-    return query->state >= 0 ? STORE__SQL_LIST_STATE : STORE__SQL_LIST_ALL;
+        return (list_way){ STORE__SQL_LIST_FOUND, STORE__SQL_COUNT, false };
+    if (has_state && query->state < RUN_SUCCEEDED) // these are few
+        return (list_way){ STORE__SQL_LIST_OPEN, STORE__SQL_COUNT, false };
+    if (has_label)
+        return (list_way){ STORE__SQL_LIST_LABEL, STORE__SQL_LAST_LABEL,
+                           has_owner || has_state || has_model };
+    if (has_owner)
+        return (list_way){ STORE__SQL_LIST_OWNER, STORE__SQL_LAST_OWNER, has_state || has_model };
+    if (has_state)
+        return (list_way){ STORE__SQL_LIST_ENDED, STORE__SQL_LAST_ENDED, has_model };
+    return (list_way){ STORE__SQL_LIST_ALL, STORE__SQL_LAST_ALL, has_model };
 }
 
 static void bind_text(store__query *q, const char *text)
@@ -31,11 +47,11 @@ static void bind_text(store__query *q, const char *text)
     store__bind_text(q, text, strlen(text));
 }
 
-static void bind_filters(store__query *q, const api_list_query *query)
+static void bind_filters(store__query *q, const api_list_query *query, int64_t n)
 {
     // Every id is less than "~".
     bind_text(q, query->before[0] == '\0' ? "~" : query->before);
-    store__bind_integer(q, (int64_t)query->limit + 1);
+    store__bind_integer(q, n);
     store__bind_integer(q, query->model);
     store__bind_integer(q, query->state);
     bind_text(q, query->label);
@@ -108,25 +124,53 @@ static bf_status take_rows(store__query *q, const api_list_query *query, api_run
         if (list->has_more)
             break;
         list->runs[list->n++] = row.run;
+        memcpy(list->last_id, row.run.id, sizeof list->last_id);
         take_key(q, query, list);
     }
+    return status;
+}
+
+// Where a page that is narrowed ends, so that it takes a bounded time; "": with the list.
+static bf_status find_oldest(store__connection *reader, const api_list_query *query, store__sql sql,
+                             char ret_oldest[API_ID_SIZE], bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(reader, sql);
+    bind_filters(&q, query, API_LIST_LOOKS - 1);
+    const bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        store__column_text(&q, 0, ret_oldest, API_ID_SIZE);
+    store__end(&q);
     return status;
 }
 
 static bf_status read_page(store__connection *reader, const api_list_query *query,
                            api_run_list *list, bf_error *err)
 {
-    const store__sql sql = choose_list(query);
-    char path[API_SORT_FIGURE_SIZE + 2];
+    const list_way way = choose_list(query);
+    const bool is_found = is_sorted(query) || way.page == STORE__SQL_LIST_FOUND;
+    char path[API_SORT_FIGURE_SIZE + 2], oldest[API_ID_SIZE] = "";
+    bf_status status = BF_OK;
 
-    store__query q = store__begin(reader, sql);
-    bind_filters(&q, query);
-    if (is_sorted(query) || sql == STORE__SQL_LIST_FOUND)
+    if (way.is_narrowed)
+        status = find_oldest(reader, query, way.oldest, oldest, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(reader, way.page);
+    bind_filters(&q, query, (int64_t)query->limit + 1);
+    if (is_found)
         bind_search(&q, query);
+    else
+        bind_text(&q, oldest);
     if (is_sorted(query))
         bind_order(&q, query, path);
-    const bf_status status = take_rows(&q, query, list, err);
+    status = take_rows(&q, query, list, err);
     store__end(&q);
+    if (status == BF_OK && !list->has_more && oldest[0] != '\0') {
+        list->has_more = true;
+        memcpy(list->last_id, oldest, sizeof list->last_id);
+    }
     return status;
 }
 
@@ -143,7 +187,7 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
         bind_text(&q, query->study);
         store__bind_integer(&q, API_LIST_NEWEST);
     } else {
-        bind_filters(&q, query);
+        bind_filters(&q, query, 0);
         bind_search(&q, query);
     }
     const bf_status status = store__next(&q, &has_row, err);

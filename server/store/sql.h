@@ -92,7 +92,8 @@
       "UPDATE runs SET revision = ?" STORE__RUN_CHANGING(STORE__ASSIGN) " WHERE number = ?")       \
     X(DELETE_RUN, "DELETE FROM runs WHERE number = ?1")                                            \
     X(FIND_RUN, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id = ?1")                           \
-    X(NEXT_RUNNING, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state = 1 AND id > ?1 "         \
+    X(NEXT_RUNNING, "SELECT " STORE__RUN_COLUMNS                                                   \
+                    " FROM runs INDEXED BY runs_open WHERE state = 1 AND state < 2 AND id > ?1 "   \
                     "ORDER BY id LIMIT 1")                                                         \
     X(REQUEST_STOP, "UPDATE runs SET stop_request = ?2 WHERE number = ?1")                         \
     X(SET_EXTERNAL_ID, "UPDATE runs SET external_id = ?2 WHERE id = ?1 AND state = 1")             \
@@ -100,14 +101,18 @@
                     "AND parent = ''")                                                             \
     X(COUNT_QUEUED_OF, "SELECT count(*) FROM runs INDEXED BY runs_by_client WHERE state = 0 "      \
                        "AND client <> '' AND client = ?1")                                         \
-    X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_by_state GROUP BY state")    \
+    X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_open WHERE state < 2 "       \
+                    "GROUP BY state UNION ALL SELECT state, count(*) FROM runs INDEXED BY "        \
+                    "runs_ended WHERE state NOT IN (0, 1) GROUP BY parent, state")                 \
     X(COUNT_CLAIMABLE_TRIALS,                                                                      \
       "SELECT count(*) FROM runs INDEXED BY trials_waiting WHERE state = 0 AND parent <> '' AND "  \
       "parent IN (SELECT id FROM studies WHERE state = 1 AND stop_request = 0)")                   \
-    X(OLDEST_QUEUED, "SELECT created_ms FROM runs INDEXED BY runs_by_state WHERE state = 0 "       \
-                     "AND parent = '' ORDER BY id LIMIT 1")                                        \
-    X(LIST_QUEUED, "SELECT id, parent FROM runs INDEXED BY runs_by_state WHERE state = 0 "         \
-                   "ORDER BY id LIMIT ?1")                                                         \
+    X(OLDEST_QUEUED,                                                                               \
+      "SELECT created_ms FROM runs INDEXED BY runs_open WHERE state = 0 AND state < 2 "            \
+      "AND parent = '' ORDER BY id LIMIT 1")                                                       \
+    X(LIST_QUEUED,                                                                                 \
+      "SELECT id, parent FROM runs INDEXED BY runs_open WHERE state = 0 AND state < 2 "            \
+      "ORDER BY id LIMIT ?1")                                                                      \
     X(LIST_MEASURED, "SELECT id, parent, cpu_s, finished_ms FROM runs INDEXED BY runs_by_end "     \
                      "WHERE state >= 2 AND state = 2 AND cpu_s > 0 AND finished_ms > ?1 "          \
                      "ORDER BY finished_ms DESC LIMIT ?2")                                         \
@@ -160,7 +165,7 @@
       "UPDATE results SET n_bytes = n_bytes + (SELECT coalesce(sum(length(data)), 0) FROM chunks " \
       "WHERE results = ?1 AND kind IN (?3, ?4) AND item = ?2) WHERE number = ?1")                  \
     X(INVALIDATE_RESULTS, "UPDATE results SET solver = '' WHERE state = 0 AND solver <> ?1 AND "   \
-                          "number IN (SELECT results FROM runs WHERE state IN (0, 1))")            \
+                          "number IN (SELECT results FROM runs WHERE state < 2)")                  \
     X(FIND_SOLVED,                                                                                 \
       "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE results = (SELECT number FROM results "       \
       "WHERE digest = ?1 AND solver = ?2 AND state = 1 ORDER BY number DESC LIMIT 1) "             \

@@ -2,12 +2,24 @@
 
 #pragma once
 
-/// A page of a list by one condition; ?1 older than, ?2 how many, ?3 model or -1,
-/// ?4 state or -1, ?5 label or '', ?6 owner or '', ?7 the study whose trials they are or ''.
-#define STORE__LIST(condition)                                                                     \
-    "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE parent = ?7 AND id < ?1 "                       \
-    "AND (?3 < 0 OR model = ?3) "                                                                  \
-    "AND " condition " ORDER BY id DESC LIMIT ?2"
+/// A page of a list in the order of creation by one index; ?1 older than, ?2 how many, ?3 model or -1, ?4 state or -1,
+/// ?5 label or '', ?6 owner or '', ?7 the study whose trials they are or '', ?8 not older than.
+#define STORE__LIST(source)                                                                        \
+    "SELECT " STORE__RUN_COLUMNS " FROM runs " source " AND parent = ?7 AND id < ?1 "              \
+    "AND id >= ?8 AND (?3 < 0 OR model = ?3) AND (?4 < 0 OR state = ?4) "                          \
+    "AND (?5 = '' OR label = ?5) AND (?6 = '' OR owner = ?6) ORDER BY id DESC LIMIT ?2"
+
+/// The oldest of those that such a page looks at: the one with ?2 newer ones in the index, ?1, ?4 to ?7 as above.
+#define STORE__OLDEST(source)                                                                      \
+    "SELECT id FROM runs " source " AND parent = ?7 AND id < ?1 ORDER BY id DESC LIMIT 1 OFFSET "  \
+    "?2"
+
+/// By which index: all, open ones (few), ended ones, an owner's, or those with a label.
+#define STORE__BY_ALL   "INDEXED BY runs_by_parent WHERE true"
+#define STORE__BY_OPEN  "INDEXED BY runs_open WHERE state = ?4 AND state < 2"
+#define STORE__BY_ENDED "INDEXED BY runs_ended WHERE state = ?4 AND state NOT IN (0, 1)"
+#define STORE__BY_OWNER "INDEXED BY runs_by_owner WHERE owner = ?6 AND owner <> ''"
+#define STORE__BY_LABEL "INDEXED BY runs_by_label WHERE label = ?5 AND label <> ''"
 
 /// Which runs a search, another order or a count takes, by ?3 to ?7 as above and ?8, what name or label contains, or '': of
 /// the newest ones up to that with ?9 newer ones, so that it takes a bounded time.
@@ -34,13 +46,15 @@
 
 /// X(name, text), as in sql.h.
 #define STORE__SQL_LISTS(X)                                                                        \
-    X(LIST_ALL, STORE__LIST("?4 < 0 AND ?5 = '' AND ?6 = ''"))                                     \
-    X(LIST_STATE, STORE__LIST("state = ?4 AND ?5 = '' AND ?6 = ''"))                               \
-    X(LIST_OWNER,                                                                                  \
-      STORE__LIST(                                                                                 \
-          "owner = ?6 AND owner <> '' AND (?4 < 0 OR state = ?4) AND (?5 = '' OR label = ?5)"))    \
-    X(LIST_LABEL,                                                                                  \
-      STORE__LIST("(?4 < 0 OR state = ?4) AND label = ?5 AND label <> '' AND ?6 = ''"))            \
+    X(LIST_ALL, STORE__LIST(STORE__BY_ALL))                                                        \
+    X(LIST_OPEN, STORE__LIST(STORE__BY_OPEN))                                                      \
+    X(LIST_ENDED, STORE__LIST(STORE__BY_ENDED))                                                    \
+    X(LIST_OWNER, STORE__LIST(STORE__BY_OWNER))                                                    \
+    X(LIST_LABEL, STORE__LIST(STORE__BY_LABEL))                                                    \
+    X(LAST_ALL, STORE__OLDEST(STORE__BY_ALL))                                                      \
+    X(LAST_ENDED, STORE__OLDEST(STORE__BY_ENDED))                                                  \
+    X(LAST_OWNER, STORE__OLDEST(STORE__BY_OWNER))                                                  \
+    X(LAST_LABEL, STORE__OLDEST(STORE__BY_LABEL))                                                  \
     X(LIST_FOUND,                                                                                  \
       "SELECT " STORE__RUN_COLUMNS " FROM " STORE__FOUND "AND id < ?1 ORDER BY id DESC LIMIT ?2")  \
     X(LIST_RISING, STORE__SORTED("ASC", ">"))                                                      \

@@ -20,7 +20,7 @@ static bf_status count_states(store__connection *writer, store_stats *stats, bf_
     while (status == BF_OK && has_row) {
         int state = sqlite3_column_int(q.statement, 0);
         if (state >= 0 && state < RUN_STATE_COUNT)
-            stats->n_runs[state] = (uint64_t)sqlite3_column_int64(q.statement, 1);
+            stats->n_runs[state] += (uint64_t)sqlite3_column_int64(q.statement, 1);
         status = store__next(&q, &has_row, err);
     }
     store__end(&q);

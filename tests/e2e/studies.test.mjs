@@ -71,6 +71,7 @@ test("a study that is followed to its end gives the bytes of the command line", 
 
   const page = await d.get(`/v1/studies/${id}/trials?limit=3`);
   assert.equal(page.json.trials.length, 3);
+  assert.deepEqual([page.json.has_more, page.json.next_from], [true, 3]);
   const next = /<(.*)>; rel="next"/.exec(page.headers.link)[1];
   const [last] = (await d.get(next)).json.trials;
   assert.deepEqual([last.trial, last.status, last.run], [3, "infeasible", undefined]);

@@ -102,6 +102,7 @@ static bf_status do_list(void *context, const api_list_query *query, api_run_lis
             break;
         }
         ret_list->runs[ret_list->n++] = d->runs[i].record;
+        memcpy(ret_list->last_id, d->runs[i].record.id, sizeof ret_list->last_id);
     }
     return BF_OK;
 }

@@ -159,6 +159,7 @@ static void measurements_are_listed_newest_first_page_by_page(void **state)
     ask_get("/v1/measurements", "limit=1&label=a", NULL, 200);
     ask_assert_header("Link", "</v1/measurements?limit=1&label=a&cursor="
                               "0190a0b0-0000-7000-9000-000000000003>; rel=\"next\"");
+    assert_true(ask_body_has("\"next_cursor\":\"0190a0b0-0000-7000-9000-000000000003\""));
     ask_get("/v1/measurements", "limit=1&label=a&cursor=0190a0b0-0000-7000-9000-000000000003", NULL,
             200);
     assert_true(ask_body_has("\"id\":\"0190a0b0-0000-7000-9000-000000000001\""));

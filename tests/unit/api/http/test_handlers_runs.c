@@ -182,6 +182,7 @@ static void a_list_has_the_newest_first_and_a_link_to_the_next(void **state)
         ask_add_run(RUN_QUEUED);
     ask_get("/v1/runs", "limit=2", NULL, 200);
     ask_assert_header("Link", "</v1/runs?limit=2&cursor=" ID_2 ">; rel=\"next\"");
+    assert_true(ask_body_has("\"has_more\":true,\"next_cursor\":\"" ID_2 "\""));
     json_t *root = helper_json(&ask_response);
     json_t *runs = json_object_get(root, "runs");
     assert_int_equal(json_array_size(runs), 2);

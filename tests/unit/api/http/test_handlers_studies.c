@@ -149,6 +149,7 @@ static void lists_are_narrowed_and_paged(void **state)
     ask_get("/v1/studies", "status=running&limit=1", NULL, 200);
     ask_assert_header("Link", "</v1/studies?limit=1&status=running&cursor="
                               "0190a0b0-0000-7000-a000-000000000003>; rel=\"next\"");
+    assert_true(ask_body_has("\"next_cursor\":\"0190a0b0-0000-7000-a000-000000000003\""));
     ask_get("/v1/studies", "status=paused", NULL, 200);
     assert_true(ask_body_has("\"status\":\"paused\""));
     assert_false(ask_body_has("\"status\":\"running\""));

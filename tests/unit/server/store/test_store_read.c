@@ -282,6 +282,39 @@ static void many_runs_are_listed_page_by_page(void **state)
     assert_int_equal(n, N_MANY);
 }
 
+// A filter that hardly any run has looks at a bounded number of runs for a page; what is older has pages of its own.
+static void a_filter_looks_at_a_bounded_number_of_runs(void **state)
+{
+    helper_store *h = *state;
+    api_list_query query = { .state = -1, .model = 1, .limit = API_LIST_MAX };
+    char sql[400];
+
+    helper_store_close(h);
+    snprintf(
+        sql, sizeof sql,
+        "WITH RECURSIVE number (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM number WHERE "
+        "i < %d) INSERT INTO runs (id, state, model, priority, label, name, created_ms, owner) "
+        "SELECT printf('%%036d', i), 2, i = 2, 0, '', '', i, 'ada' FROM number",
+        API_LIST_LOOKS + 2);
+    helper_store_sql(h, sql);
+    helper_store_open(h);
+    for (int k = 0; k < 2; k++) {
+        query.before[0] = '\0';
+        api_run_list *list = list_runs(h->store, &query);
+        assert_int_equal(list->n, 0);
+        assert_true(list->has_more);
+        assert_int_equal(strtol(list->last_id, NULL, 10), 3);
+        memcpy(query.before, list->last_id, API_ID_SIZE);
+        free(list);
+        list = list_runs(h->store, &query);
+        assert_int_equal(list->n, 1);
+        assert_false(list->has_more);
+        free(list);
+        snprintf(query.owner, sizeof query.owner, "ada"); // the same by another index
+        query.state = RUN_SUCCEEDED;
+    }
+}
+
 // A step of a query's plan that looks at every row of a table, or sorts. What a query in brackets found is no table.
 static bool is_slow(const char *step)
 {
@@ -347,6 +380,7 @@ int main(void)
         STORE_TEST(a_refusal_to_take_an_event_is_passed_on),
         STORE_TEST(a_removed_run_has_no_events),
         STORE_TEST(many_runs_are_listed_page_by_page),
+        STORE_TEST(a_filter_looks_at_a_bounded_number_of_runs),
         STORE_TEST(no_statement_scans_a_table_or_sorts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
