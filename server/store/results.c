@@ -15,7 +15,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { COLLECT_CHUNKS = 64 }; // that are deleted in one transaction
+enum {
+    COLLECT_CHUNKS = 64,      // that are deleted in one transaction
+    REUSED_CHANGES_MAX = 5000 // of photo eyes and plates, which a run that is reused has copied
+};
 
 bf_status store__insert_results(store__connection *writer, const unsigned char *digest,
                                 store__row *row, bf_error *err)
@@ -107,8 +110,23 @@ static bf_status copy_events(store__connection *writer, const store__row *solved
     return store__run(&q, err);
 }
 
-static bf_status count_bytes(store__connection *writer, const bf_buffer *scenario, store__row *row,
-                             bf_error *err)
+bf_status store__is_dear(store__connection *writer, const store__row *solved, bool *ret_is_dear,
+                         bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(writer, STORE__SQL_COUNT_SOME_CHANGES);
+    store__bind_integer(&q, solved->rowid);
+    store__bind_integer(&q, REUSED_CHANGES_MAX + 1);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        *ret_is_dear = sqlite3_column_int64(q.statement, 0) > REUSED_CHANGES_MAX;
+    store__end(&q);
+    return status;
+}
+
+static bf_status count_bytes(store__connection *writer, const bf_buffer *scenario,
+                             const bf_buffer *summary, store__row *row, bf_error *err)
 {
     bool has_row = false;
 
@@ -116,7 +134,7 @@ static bf_status count_bytes(store__connection *writer, const bf_buffer *scenari
     store__bind_integer(&q, row->rowid);
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
-        row->n_bytes = scenario->n + (uint64_t)sqlite3_column_int64(q.statement, 0);
+        row->n_bytes = scenario->n + summary->n + (uint64_t)sqlite3_column_int64(q.statement, 0);
     store__end(&q);
     return status;
 }
@@ -142,7 +160,7 @@ bf_status store__reuse_results(store__connection *writer, const store__row *solv
     if (status == BF_OK)
         status = copy_events(writer, solved, row, err);
     if (status == BF_OK)
-        status = count_bytes(writer, scenario, row, err);
+        status = count_bytes(writer, scenario, summary, row, err);
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }
 

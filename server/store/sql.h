@@ -182,6 +182,9 @@
                    " FROM events WHERE run = ?2 AND type IN (2, 3, 5, 6, 7) ORDER BY id")          \
     X(SUM_EVENTS,                                                                                  \
       "SELECT coalesce(sum(length(CAST(data AS BLOB))), 0) FROM events WHERE run = ?1")            \
+    X(COUNT_SOME_CHANGES,                                                                          \
+      "SELECT count(*) FROM (SELECT 1 FROM events WHERE run = ?1 AND type IN (6, 7) "              \
+      "LIMIT ?2)")                                                                                 \
     X(LIST_CHANGES,                                                                                \
       "SELECT id, type, snapshot, data FROM events WHERE run = ?1 AND type IN (6, 7) ORDER BY id") \
     X(NEXT_EVENT, "SELECT id FROM events WHERE run = ?1 AND id > ?2 ORDER BY id LIMIT 1")          \

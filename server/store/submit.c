@@ -135,13 +135,16 @@ static bf_status accept_solved(store__connection *writer, const api_submission *
                                bool *ret_is_solved, bf_error *err)
 {
     bf_buffer summary = { 0 };
-    bool is_solved = false;
+    const int64_t since_ns = clock_thread_cpu_ns();
+    bool is_solved = false, is_dear = false;
     store__row solved;
 
     if (submission->is_fresh || submission->identity.n == 0)
         return BF_OK;
     bf_status status = store__find_solved(writer, digest, &solved, &is_solved, err);
-    if (status != BF_OK || !is_solved)
+    if (status == BF_OK && is_solved)
+        status = store__is_dear(writer, &solved, &is_dear, err);
+    if (status != BF_OK || !is_solved || is_dear)
         return status;
     status = adapt_summary(writer, &solved, &submission->scenario, &summary, err);
     if (status == BF_ECORRUPT) {
@@ -151,6 +154,9 @@ static bf_status accept_solved(store__connection *writer, const api_submission *
     if (status == BF_OK)
         status = store__reuse_results(writer, &solved, &submission->scenario, &summary, row, err);
     buffer_fini(&summary);
+    if (status == BF_OK)
+        status = store__charge_owner(writer, row->run.owner,
+                                     1e-9 * (double)(clock_thread_cpu_ns() - since_ns), err);
     *ret_is_solved = status == BF_OK;
     return status;
 }

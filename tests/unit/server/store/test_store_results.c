@@ -337,6 +337,21 @@ static void only_the_same_work_is_the_same(void **state)
     assert_true(submit(s, "work", "first").is_cached);
 }
 
+// Each answer that is known costs the only thread that writes a copy of the run's events of photo eyes and plates.
+static void results_with_very_many_changes_are_not_reused(void **state)
+{
+    helper_store *h = *state;
+
+    solve(h->store, submit(h->store, "work", "first").id);
+    assert_true(submit(h->store, "work", "second").is_cached);
+    helper_store_close(h);
+    helper_store_sql(h, "WITH RECURSIVE number (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM number "
+                        "WHERE i < 5001) INSERT INTO events (run, type, snapshot, data) SELECT "
+                        "runs.number, 6, i, '{}' FROM number, runs");
+    helper_store_open(h);
+    assert_false(submit(h->store, "work", "third").is_cached);
+}
+
 // Neither what waits, runs, failed or was cancelled, nor what has no identity.
 static void only_results_of_success_are_reused(void **state)
 {
@@ -516,6 +531,7 @@ int main(void)
         STORE_TEST(changes_of_photo_eyes_are_read_by_themselves),
         STORE_TEST(removing_one_leaves_the_others_theirs),
         STORE_TEST(only_the_same_work_is_the_same),
+        STORE_TEST(results_with_very_many_changes_are_not_reused),
         STORE_TEST(only_results_of_success_are_reused),
         STORE_TEST(a_fresh_run_is_solved_and_the_newest_results_count),
         STORE_TEST(known_results_do_not_wait),
