@@ -8,7 +8,8 @@ add_custom_command(OUTPUT ${configuration}
 add_custom_target(package_configuration ALL DEPENDS ${configuration})
 
 install(FILES ${configuration} DESTINATION /etc/beltflow)
-install(FILES deploy/systemd/beltflow.service DESTINATION /lib/systemd/system)
+install(FILES deploy/systemd/beltflow.service deploy/systemd/beltflow-backup.service
+  deploy/systemd/beltflow-backup.timer DESTINATION /lib/systemd/system)
 install(FILES deploy/systemd/sysusers.conf DESTINATION lib/sysusers.d RENAME beltflow.conf)
 install(FILES deploy/systemd/tmpfiles.conf DESTINATION lib/tmpfiles.d RENAME beltflow.conf)
 install(FILES README.md deploy/CHANGELOG.md DESTINATION share/doc/beltflow)

@@ -22,6 +22,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <grp.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -488,27 +489,72 @@ static bf_status serve(parts *p, const sigset_t *signals, bf_error *err)
     return status;
 }
 
+// A token for a store that nobody serves would never count. An administrator works as who owns the data directory, so that
+// the daemon can read what he leaves.
+static bf_status prepare_tokens(const config *c, bf_error *err)
+{
+    struct stat whose;
+
+    const bool is_there = stat(c->data, &whose) == 0;
+    if (!is_there && strcmp(c->origins[CONFIG_data], "default") == 0)
+        return bf_fail(err, BF_EINPUT, "",
+                       "there is no store in %.200s: name it with --data, or the settings with "
+                       "--config",
+                       c->data);
+    if (geteuid() != 0 || !is_there || whose.st_uid == 0)
+        return BF_OK;
+    if (setgroups(0, NULL) != 0 || setgid(whose.st_gid) != 0 || setuid(whose.st_uid) != 0)
+        return bf_fail(err, BF_ESYSTEM, "", "cannot work as the owner of %.200s: %s", c->data,
+                       strerror(errno));
+    return BF_OK;
+}
+
 static int maintain_token(const config_flags *flags, const config *c)
 {
     const maintenance_token wanted = { .name = flags->subject,
                                        .owner = flags->owner,
                                        .scopes = flags->scopes,
                                        .expires = flags->expires };
+    bf_error err = { 0 };
 
+    const bf_status status = prepare_tokens(c, &err);
+    if (status != BF_OK)
+        return fail("beltflowd: ", &err, status);
     if (strcmp(flags->action, "add") == 0)
         return maintenance_token_add(c->data, &wanted);
+    if (strcmp(flags->action, "rotate") == 0)
+        return maintenance_token_rotate(c->data, flags->subject, flags->overlap);
     return strcmp(flags->action, "list") == 0 ? maintenance_token_list(c->data)
                                               : maintenance_token_revoke(c->data, flags->subject);
 }
 
 static int maintain(const config_flags *flags, const config *c)
 {
-    if (flags->command == CONFIG_SCRIPT)
+    switch (flags->command) {
+    case CONFIG_SCRIPT:
         return print(c, write_script);
-    if (flags->command == CONFIG_TOKEN)
+    case CONFIG_TOKEN:
         return maintain_token(flags, c);
-    return flags->command == CONFIG_BACKUP ? maintenance_backup(c->data, flags->subject)
-                                           : maintenance_verify(c->data, flags->subject);
+    case CONFIG_BACKUP:
+        return maintenance_backup(c->data, flags->file, flags->subject, flags->copies);
+    case CONFIG_RESTORE:
+        return maintenance_restore(c->data, flags->file, flags->subject);
+    default:
+        return maintenance_verify(c->data, flags->subject);
+    }
+}
+
+// Where the settings are lost, those of the copy say where the data directory is.
+static bf_status read_settings(const config_flags *flags, config *ret_config, bf_error *err)
+{
+    config_flags changed = *flags;
+    char of_copy[CONFIG_TEXT_SIZE];
+
+    if (flags->command == CONFIG_RESTORE && flags->file != NULL && access(flags->file, F_OK) != 0 &&
+        snprintf(of_copy, sizeof of_copy, "%s.conf", flags->subject) < (int)sizeof of_copy &&
+        access(of_copy, F_OK) == 0)
+        changed.file = of_copy;
+    return config_read(&changed, ret_config, err);
 }
 
 int main(int argc, char **argv)
@@ -523,7 +569,7 @@ int main(int argc, char **argv)
     if (flags.is_sample)
         return print(NULL, write_sample);
     // All errors of settings are reported as BF_EINPUT: only the operator can correct them.
-    if (config_read(&flags, &p.settings, &err) != BF_OK)
+    if (read_settings(&flags, &p.settings, &err) != BF_OK)
         return fail(flags.is_check ? "" : "beltflowd: ", &err, BF_EINPUT);
     if (flags.is_check)
         return EXIT_SUCCESS;

@@ -193,29 +193,36 @@ void config_reload(config *c, const config *fresh, config_take_change *take, voi
 
 /// What the daemon is to do: its first word.
 typedef enum config_command {
-    CONFIG_SERVE,  ///< no word
-    CONFIG_BACKUP, ///< backup FILE
-    CONFIG_VERIFY, ///< verify [FILE], or --verify
-    CONFIG_TOKEN,  ///< token add NAME, token list, token revoke ID
-    CONFIG_SCRIPT, ///< slurm --dry-run
+    CONFIG_SERVE,   ///< no word
+    CONFIG_BACKUP,  ///< backup FILE
+    CONFIG_RESTORE, ///< restore FILE
+    CONFIG_VERIFY,  ///< verify [FILE], or --verify
+    CONFIG_TOKEN,   ///< token add NAME, token list, token rotate ID, token revoke ID
+    CONFIG_SCRIPT,  ///< slurm --dry-run
 } config_command;
 
 /// What the command line of the daemon says. Its texts are argv's.
 typedef struct config_flags {
-    const char *file;       ///< --config; NULL: none
-    bool is_check;          ///< --check-config
-    bool is_print;          ///< --print-config
-    bool is_sample;         ///< --sample-config
-    bool is_dry_run;        ///< --dry-run
+    const char *file; ///< --config; NULL: none, or, of commands, what config_parse_flags() found
+    bool is_check;    ///< --check-config
+    bool is_print;    ///< --print-config
+    bool is_sample;   ///< --sample-config
+    bool is_dry_run;  ///< --dry-run
     config_command command; ///< what to do
-    const char *action;     ///< of a token: add, list or revoke; NULL: none
+    const char *action;     ///< of a token: add, list, rotate or revoke; NULL: none
     const char *subject;    ///< its FILE, NAME or ID; NULL: none
     const char *owner;      ///< --owner of a new token; NULL: none
     const char *scopes;     ///< --scopes of it; NULL: none
     const char *expires;    ///< --expires of it; NULL: never
+    const char *overlap;    ///< --overlap of one that is rotated; NULL: the default
+    const char *copies;     ///< --copies of backup; NULL: all stay
     const char
         *values[CONFIG_COUNT]; ///< of the settings, in the order of the table; NULL: not given
 } config_flags;
+
+/// Where the package has the settings. Commands that name neither a file nor a data directory use those, or the file that
+/// BELTFLOW_CONFIG names.
+#define CONFIG_PACKAGED "/etc/beltflow/beltflow.conf"
 
 /// Read the command line. Ends the program for --help, --version, and with status 2 for what is no flag.
 void config_parse_flags(int argc, char **argv, config_flags *ret_flags);

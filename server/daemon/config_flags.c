@@ -20,9 +20,11 @@ enum {
     KEY_OWNER,
     KEY_SCOPES,
     KEY_EXPIRES,
+    KEY_OVERLAP,
+    KEY_COPIES,
     KEY_DRY_RUN,
     KEY_ROWS,
-    N_OTHERS = 9 // flags that are no settings
+    N_OTHERS = 11 // flags that are no settings
 };
 
 static void take_word(config_flags *f, const char *word, const struct argp_state *state)
@@ -33,6 +35,8 @@ static void take_word(config_flags *f, const char *word, const struct argp_state
         f->subject = word;
     else if (f->command == CONFIG_SERVE && strcmp(word, "backup") == 0)
         f->command = CONFIG_BACKUP;
+    else if (f->command == CONFIG_SERVE && strcmp(word, "restore") == 0)
+        f->command = CONFIG_RESTORE;
     else if (f->command == CONFIG_SERVE && strcmp(word, "verify") == 0)
         f->command = CONFIG_VERIFY;
     else if (f->command == CONFIG_SERVE && strcmp(word, "token") == 0)
@@ -43,28 +47,40 @@ static void take_word(config_flags *f, const char *word, const struct argp_state
         argp_error(state, "this is no command, and nothing else fits here: '%s'", word);
 }
 
+// Of a token's words; NULL: nothing.
+static const char *find_token_fault(const config_flags *f)
+{
+    const char *action = f->action == NULL ? "" : f->action;
+    const bool is_list = strcmp(action, "list") == 0;
+
+    if (!is_list && strcmp(action, "add") != 0 && strcmp(action, "rotate") != 0 &&
+        strcmp(action, "revoke") != 0)
+        return "token wants add NAME, list, rotate ID or revoke ID";
+    if (is_list && f->subject != NULL)
+        return "token list wants nothing else";
+    return is_list || f->subject != NULL
+               ? NULL
+               : "token add wants a NAME, and token rotate and token revoke an ID";
+}
+
 // What is wrong with the words all together; NULL: nothing.
 static const char *find_fault(const config_flags *f)
 {
-    bool is_token = f->command == CONFIG_TOKEN, is_add = false;
+    const char *action = f->command == CONFIG_TOKEN && f->action != NULL ? f->action : "";
 
     if (f->command == CONFIG_BACKUP && f->subject == NULL)
-        return "backup wants the name of a new file";
-    if (is_token) {
-        const char *action = f->action == NULL ? "" : f->action;
-        is_add = strcmp(action, "add") == 0;
-        bool has_subject = is_add || strcmp(action, "revoke") == 0;
-        if (!has_subject && strcmp(action, "list") != 0)
-            return "token wants add NAME, list or revoke ID";
-        if (has_subject != (f->subject != NULL))
-            return has_subject ? "token add wants a NAME, and token revoke an ID"
-                               : "token list wants nothing else";
-    }
+        return "backup wants the name of a new file, or of a directory";
+    if (f->command == CONFIG_RESTORE && f->subject == NULL)
+        return "restore wants the name of a copy";
+    if (f->command == CONFIG_TOKEN && find_token_fault(f) != NULL)
+        return find_token_fault(f);
     if (f->is_dry_run != (f->command == CONFIG_SCRIPT))
         return f->is_dry_run ? "--dry-run is for slurm" : "slurm wants --dry-run";
-    if (!is_add && (f->owner != NULL || f->scopes != NULL || f->expires != NULL))
+    if (strcmp(action, "add") != 0 && (f->owner != NULL || f->scopes != NULL || f->expires != NULL))
         return "--owner, --scopes and --expires are for token add";
-    return NULL;
+    if (strcmp(action, "rotate") != 0 && f->overlap != NULL)
+        return "--overlap is for token rotate";
+    return f->command != CONFIG_BACKUP && f->copies != NULL ? "--copies is for backup" : NULL;
 }
 
 static error_t take_flag(int key, char *value, struct argp_state *state)
@@ -93,6 +109,10 @@ static error_t take_flag(int key, char *value, struct argp_state *state)
         f->scopes = value;
     else if (key == KEY_EXPIRES)
         f->expires = value;
+    else if (key == KEY_OVERLAP)
+        f->overlap = value;
+    else if (key == KEY_COPIES)
+        f->copies = value;
     else if (key == ARGP_KEY_END && find_fault(f) != NULL)
         argp_error(state, "%s", find_fault(f));
     else
@@ -127,6 +147,15 @@ static void add_rows(struct argp_option *options)
     }
 }
 
+static const char *find_settings(void)
+{
+    const char *named = getenv("BELTFLOW_CONFIG");
+
+    if (named != NULL)
+        return named;
+    return access(CONFIG_PACKAGED, F_OK) == 0 ? CONFIG_PACKAGED : NULL;
+}
+
 void config_parse_flags(int argc, char **argv, config_flags *ret_flags)
 {
     struct argp_option options[CONFIG_COUNT + N_OTHERS + 1] = {
@@ -141,18 +170,26 @@ void config_parse_flags(int argc, char **argv, config_flags *ret_flags)
           "what it allows, of read,submit,work,admin,priority (default: read,submit)", 0 },
         { "expires", KEY_EXPIRES, "TIME", 0, "when it ends, such as 90d or 12h (default: never)",
           0 },
+        { "overlap", KEY_OVERLAP, "TIME", 0,
+          "with token rotate: how long the old one still counts (default: 7d)", 0 },
+        { "copies", KEY_COPIES, "N", 0,
+          "with backup: how many copies of the directory stay (default: all)", 0 },
         { "dry-run", KEY_DRY_RUN, NULL, 0, "with slurm: print the batch script and leave", 0 },
     };
     const struct argp argp = {
         .options = options,
         .parser = take_flag,
-        .args_doc = "\nbackup FILE\nverify [FILE]\ntoken add NAME\ntoken list\ntoken revoke "
-                    "ID\nslurm --dry-run",
+        .args_doc = "\nbackup FILE\nrestore FILE\nverify [FILE]\ntoken add NAME\ntoken list\n"
+                    "token rotate ID\ntoken revoke ID\nslurm --dry-run",
         .doc =
             "Solves material flow on conveyor belts and offers it over HTTP. With backup, copies "
-            "the store to a new FILE, also while it is in use; with verify, checks the store, or a "
-            "copy of it; with token, adds, lists or revokes access tokens, also while the daemon "
-            "runs; with slurm, prints the batch script of workers that Slurm starts."
+            "store, tokens and settings to a new FILE, or one in the directory FILE, also while "
+            "they "
+            "are in use; with restore, puts a copy in their place; with verify, checks the store, "
+            "or a copy of it; with token, adds, lists, rotates or revokes access tokens, also "
+            "while the daemon runs; with slurm, prints the batch script of workers that Slurm "
+            "starts. Without --config and --data, commands use the settings that BELTFLOW_CONFIG "
+            "names, or " CONFIG_PACKAGED "."
             "\vA flag goes before the environment (BELTFLOW_<NAME>), and that before FILE. SIGHUP "
             "lets the daemon read its settings again, SIGTERM and SIGINT stop it.",
     };
@@ -161,6 +198,9 @@ void config_parse_flags(int argc, char **argv, config_flags *ret_flags)
     argp_err_exit_status = EXIT_SETTINGS;
     *ret_flags = (config_flags){ .file = NULL };
     (void)argp_parse(&argp, argc, argv, 0, NULL, ret_flags);
+    if (ret_flags->command != CONFIG_SERVE && ret_flags->file == NULL &&
+        ret_flags->values[CONFIG_data] == NULL && getenv("BELTFLOW_DATA") == NULL)
+        ret_flags->file = find_settings();
 }
 
 static bf_status apply_flags(const config_flags *flags, config *c, bf_error *err)

@@ -1,17 +1,28 @@
 #include "server/daemon/maintenance.h"
 
 #include "server/base/clock.h"
+#include "server/base/file_io.h"
 #include "server/store/backup.h"
+#include "server/store/restore.h"
 #include "server/store/tokens.h"
 
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
+
+#define COPY_PREFIX "beltflow-"
+#define COPY_ENDING ".db"
 
 enum {
+    SETTINGS_BYTES = 1 << 20,
+    COPIES_MAX = 10000,
     EXIT_ARGUMENTS = 2,
     PATH_SIZE = 1100,
     HOUR_MS = 3600 * 1000,
@@ -25,15 +36,134 @@ static int complain(const bf_error *err)
     return err->code == BF_EINPUT ? EXIT_ARGUMENTS : EXIT_FAILURE;
 }
 
-int maintenance_backup(const char *directory, const char *file)
+static bf_status copy_settings(const char *from, const char *to, bf_error *err)
 {
-    bf_error err = { 0 };
+    bf_buffer text = { 0 };
+
+    bf_status status = file_io_read(from, NULL, SETTINGS_BYTES, &text, err);
+    const int fd = status == BF_OK ? open(to, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600) : -1;
+    if (status == BF_OK && (fd < 0 || !file_io_write_fd(fd, text.bytes, text.n) || fsync(fd) != 0))
+        status = bf_fail(err, BF_ESYSTEM, "", "cannot write %.200s: %s", to, strerror(errno));
+    if (fd >= 0)
+        (void)close(fd);
+    buffer_fini(&text);
+    return status;
+}
+
+static int is_copy(const struct dirent *entry)
+{
+    const char *name = entry->d_name;
+
+    return strncmp(name, COPY_PREFIX, strlen(COPY_PREFIX)) == 0 &&
+           strlen(name) == strlen(COPY_PREFIX "20000101T000000Z" COPY_ENDING) &&
+           strcmp(name + strlen(name) - strlen(COPY_ENDING), COPY_ENDING) == 0;
+}
+
+// Remove the oldest copies of a directory with what belongs to them; their names are in the order of time.
+static bf_status thin_out(const char *folder, size_t n_most, bf_error *err)
+{
+    static const char *const endings[] = { "", ".access", ".conf" };
+    struct dirent **entries = NULL;
+    char path[PATH_SIZE];
+    bf_status status = BF_OK;
+
+    const int n = scandir(folder, &entries, is_copy, alphasort);
+    if (n < 0)
+        return bf_fail(err, BF_ESYSTEM, "", "cannot read %.200s: %s", folder, strerror(errno));
+    for (int i = 0; i < n; i++) {
+        for (size_t k = 0; (size_t)i + n_most < (size_t)n && k < 3; k++) {
+            (void)snprintf(path, sizeof path, "%.800s/%.200s%s", folder, entries[i]->d_name,
+                           endings[k]);
+            if (unlink(path) != 0 && errno != ENOENT)
+                status =
+                    bf_fail(err, BF_ESYSTEM, "", "cannot remove %.200s: %s", path, strerror(errno));
+        }
+        free(entries[i]);
+    }
+    free(entries);
+    return status;
+}
+
+static bf_status back_up(const char *directory, const char *settings, const char *file,
+                         bf_error *err)
+{
+    char path[PATH_SIZE];
     struct stat facts;
 
-    if (store_backup(directory, file, &err) != BF_OK)
-        return complain(&err);
+    bf_status status = store_backup(directory, file, err);
+    if (status != BF_OK)
+        return status;
+    (void)snprintf(path, sizeof path, "%.1000s.conf", file);
+    if (settings != NULL && (status = copy_settings(settings, path, err)) != BF_OK) {
+        (void)unlink(file);
+        (void)snprintf(path, sizeof path, "%.1000s.access", file);
+        (void)unlink(path);
+        return status;
+    }
     if (stat(file, &facts) == 0)
         (void)printf("%s: %lld bytes\n", file, (long long)facts.st_size);
+    return BF_OK;
+}
+
+static bf_status read_copies(const char *text, unsigned long *ret_n, bf_error *err)
+{
+    char *end = NULL;
+
+    *ret_n = strtoul(text, &end, 10);
+    if (*text < '0' || *text > '9' || *end != '\0' || *ret_n == 0 || *ret_n > COPIES_MAX)
+        return bf_fail(err, BF_EINPUT, "", "--copies wants 1 to %d, not '%.40s'", COPIES_MAX, text);
+    return BF_OK;
+}
+
+int maintenance_backup(const char *directory, const char *settings, const char *file,
+                       const char *copies)
+{
+    const time_t now = (time_t)(clock_unix_ms() / 1000);
+    char path[PATH_SIZE], name[48];
+    unsigned long n_most = COPIES_MAX;
+    bool is_folder = false;
+    struct stat facts;
+    struct tm parts;
+    bf_error err = { 0 };
+
+    is_folder = stat(file, &facts) == 0 && S_ISDIR(facts.st_mode);
+    bf_status status = copies == NULL ? BF_OK : read_copies(copies, &n_most, &err);
+    if (status == BF_OK && copies != NULL && !is_folder)
+        status =
+            bf_fail(&err, BF_EINPUT, "", "--copies wants a directory, and %.200s is none", file);
+    (void)strftime(name, sizeof name, COPY_PREFIX "%Y%m%dT%H%M%SZ" COPY_ENDING,
+                   gmtime_r(&now, &parts));
+    (void)snprintf(path, sizeof path, "%.1000s%s%s", file, is_folder ? "/" : "",
+                   is_folder ? name : "");
+    if (status == BF_OK)
+        status = back_up(directory, settings, path, &err);
+    if (status == BF_OK && copies != NULL)
+        status = thin_out(file, n_most, &err);
+    return status == BF_OK ? EXIT_SUCCESS : complain(&err);
+}
+
+int maintenance_restore(const char *directory, const char *settings, const char *file)
+{
+    store_restored restored;
+    char path[PATH_SIZE];
+    bf_error err = { 0 };
+
+    bf_status status = store_restore(directory, file, &restored, &err);
+    (void)snprintf(path, sizeof path, "%.1000s.conf", file);
+    const bool has_settings = access(path, F_OK) == 0;
+    const bool wants_settings = has_settings && settings != NULL && access(settings, F_OK) != 0;
+    if (status == BF_OK && wants_settings)
+        status = copy_settings(path, settings, &err);
+    if (status != BF_OK)
+        return complain(&err);
+    (void)printf("%s is the store in %s now, %s\n", file, directory,
+                 restored.has_tokens ? "with its tokens" : "and the copy has no tokens");
+    if (restored.replaced[0] != '\0')
+        (void)printf("what was there before is in %s\n", restored.replaced);
+    if (wants_settings)
+        (void)printf("its settings are in %s now\n", settings);
+    else if (has_settings)
+        (void)printf("its settings are in %s, and were not put in place\n", path);
     return EXIT_SUCCESS;
 }
 
@@ -61,23 +191,30 @@ int maintenance_verify(const char *directory, const char *file)
     return is_sound ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-// "90d" or "12h", from now on; NULL is never, 0.
-static bf_status read_expiry(const char *text, int64_t *ret_at_ms, bf_error *err)
+// "90d" or "12h" of a flag.
+static bf_status read_time(const char *flag, const char *text, int64_t *ret_ms, bf_error *err)
 {
     char *end = NULL;
 
-    *ret_at_ms = 0;
-    if (text == NULL)
-        return BF_OK;
     unsigned long n = strspn(text, "0123456789") == 0 ? 0 : strtoul(text, &end, 10);
     bool is_days = n > 0 && strcmp(end, "d") == 0;
     bool is_hours = n > 0 && strcmp(end, "h") == 0;
     if ((!is_days && !is_hours) || n > EXPIRY_MAX)
         return bf_fail(err, BF_EINPUT, "",
-                       "--expires wants 1 to %d days or hours, such as 90d or 12h, not '%.40s'",
+                       "%s wants 1 to %d days or hours, such as 90d or 12h, not '%.40s'", flag,
                        EXPIRY_MAX, text);
-    *ret_at_ms = clock_unix_ms() + (int64_t)n * HOUR_MS * (is_days ? 24 : 1);
+    *ret_ms = (int64_t)n * HOUR_MS * (is_days ? 24 : 1);
     return BF_OK;
+}
+
+// From now on; NULL is never, 0.
+static bf_status read_expiry(const char *text, int64_t *ret_at_ms, bf_error *err)
+{
+    int64_t after_ms = 0;
+
+    bf_status status = text == NULL ? BF_OK : read_time("--expires", text, &after_ms, err);
+    *ret_at_ms = after_ms == 0 ? 0 : clock_unix_ms() + after_ms;
+    return status;
 }
 
 static bf_status copy_name(const char *text, char *ret_name, size_t size, bf_error *err)
@@ -104,10 +241,20 @@ static bf_status read_wanted(const maintenance_token *wanted, tokens_record *tok
     return status == BF_OK ? read_expiry(wanted->expires, &token->expires_ms, err) : status;
 }
 
+static int print_new(const tokens_record *token, const char *text)
+{
+    char scopes[API_SCOPES_SIZE];
+
+    (void)fprintf(stderr, "token %" PRIu64 " of %s (%s); it is shown only now:\n", token->id,
+                  token->owner, api_access_write_scopes(token->scopes, scopes));
+    (void)printf("%s\n", text);
+    return fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
 int maintenance_token_add(const char *directory, const maintenance_token *wanted)
 {
     tokens_record token = { 0 };
-    char text[TOKENS_TEXT_SIZE], scopes[API_SCOPES_SIZE];
+    char text[TOKENS_TEXT_SIZE];
     bf_error err = { 0 };
 
     bf_status status = read_wanted(wanted, &token, &err);
@@ -115,10 +262,7 @@ int maintenance_token_add(const char *directory, const maintenance_token *wanted
         status = tokens_add(directory, &token, text, &err);
     if (status != BF_OK)
         return complain(&err);
-    (void)fprintf(stderr, "token %" PRIu64 " of %s (%s); it is shown only now:\n", token.id,
-                  token.owner, api_access_write_scopes(token.scopes, scopes));
-    (void)printf("%s\n", text);
-    return fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return print_new(&token, text);
 }
 
 static const char *write_time(int64_t at_ms, const char *none, char *storage)
@@ -162,17 +306,39 @@ int maintenance_token_list(const char *directory)
     return fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
+static bf_status read_id(const char *word, const char *id, uint64_t *ret_id, bf_error *err)
+{
+    char *end = NULL;
+
+    *ret_id = strtoull(id, &end, 10);
+    if (*id >= '0' && *id <= '9' && *end == '\0' && *ret_id <= INT64_MAX)
+        return BF_OK;
+    return bf_fail(err, BF_EINPUT, "", "token %s wants an id of token list, not '%.40s'", word, id);
+}
+
+int maintenance_token_rotate(const char *directory, const char *id, const char *overlap)
+{
+    char text[TOKENS_TEXT_SIZE];
+    int64_t overlap_ms = 0;
+    tokens_record token;
+    uint64_t number = 0;
+    bf_error err = { 0 };
+
+    bf_status status = read_id("rotate", id, &number, &err);
+    if (status == BF_OK)
+        status = read_time("--overlap", overlap == NULL ? "7d" : overlap, &overlap_ms, &err);
+    if (status == BF_OK)
+        status = tokens_rotate(directory, number, overlap_ms, &token, text, &err);
+    return status == BF_OK ? print_new(&token, text) : complain(&err);
+}
+
 int maintenance_token_revoke(const char *directory, const char *id)
 {
+    uint64_t number = 0;
     bf_error err = { 0 };
-    char *end = NULL;
-    bf_status status;
-    uint64_t number = strtoull(id, &end, 10);
 
-    if (*id < '0' || *id > '9' || *end != '\0' || number > INT64_MAX)
-        status =
-            bf_fail(&err, BF_EINPUT, "", "token revoke wants an id of token list, not '%.40s'", id);
-    else
+    bf_status status = read_id("revoke", id, &number, &err);
+    if (status == BF_OK)
         status = tokens_revoke(directory, number, &err);
     if (status != BF_OK)
         return complain(&err);

@@ -54,10 +54,27 @@ bf_status store__invalidate_results(store__connection *writer, bf_error *err)
     return store__run(&q, err);
 }
 
+// Whether the results are so dear to copy that the same work is rather done again, at the cost of who asks.
+static bf_status is_dear(store__connection *c, const store__row *solved, bool *ret_is_dear,
+                         bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(c, STORE__SQL_COUNT_SOME_CHANGES);
+    store__bind_integer(&q, solved->rowid);
+    store__bind_integer(&q, REUSED_CHANGES_MAX + 1);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        *ret_is_dear = sqlite3_column_int64(q.statement, 0) > REUSED_CHANGES_MAX;
+    store__end(&q);
+    return status;
+}
+
 bf_status store__find_solved(store__connection *c, const unsigned char digest[STORE__DIGEST_SIZE],
                              store__row *ret_row, bool *ret_is_solved, bf_error *err)
 {
     char solver[SOLVER_NAME_SIZE];
+    bool has_too_many = false;
 
     (void)solver_name(solver);
     store__query q = store__begin(c, STORE__SQL_FIND_SOLVED);
@@ -67,6 +84,9 @@ bf_status store__find_solved(store__connection *c, const unsigned char digest[ST
     if (status == BF_OK && *ret_is_solved)
         status = store__read_row(&q, ret_row, err);
     store__end(&q);
+    if (status == BF_OK && *ret_is_solved)
+        status = is_dear(c, ret_row, &has_too_many, err);
+    *ret_is_solved = *ret_is_solved && !has_too_many;
     return status;
 }
 
@@ -108,21 +128,6 @@ static bf_status copy_events(store__connection *writer, const store__row *solved
     store__bind_text(&q, row->run.id, strlen(row->run.id));
     store__bind_text(&q, solved->run.id, strlen(solved->run.id));
     return store__run(&q, err);
-}
-
-bf_status store__is_dear(store__connection *writer, const store__row *solved, bool *ret_is_dear,
-                         bf_error *err)
-{
-    bool has_row = false;
-
-    store__query q = store__begin(writer, STORE__SQL_COUNT_SOME_CHANGES);
-    store__bind_integer(&q, solved->rowid);
-    store__bind_integer(&q, REUSED_CHANGES_MAX + 1);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK)
-        *ret_is_dear = sqlite3_column_int64(q.statement, 0) > REUSED_CHANGES_MAX;
-    store__end(&q);
-    return status;
 }
 
 static bf_status count_bytes(store__connection *writer, const bf_buffer *scenario,

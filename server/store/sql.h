@@ -5,6 +5,7 @@
 
 #include "server/store/sql_lists.h"
 #include "server/store/sql_studies.h"
+#include "server/store/sql_tokens.h"
 
 /// The columns of table runs next to its key `number`, and the members of store__row that they hold, as
 /// X(kind, column, member). A kind is INTEGER, REAL (not finite: NULL), TEXT (characters with their
@@ -212,23 +213,7 @@
     X(TRIM_KEYS, "DELETE FROM answers WHERE route = ?1 AND number <= (SELECT number FROM answers " \
                  "INDEXED BY answers_by_route WHERE route = ?1 ORDER BY number DESC LIMIT 1 "      \
                  "OFFSET ?2)")                                                                     \
-    X(HAS_TOKENS, "SELECT count(*) FROM sqlite_schema WHERE name = 'tokens'")                      \
-    X(CREATE_TOKENS,                                                                               \
-      "CREATE TABLE IF NOT EXISTS tokens (id INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT NOT "    \
-      "NULL, "                                                                                     \
-      "owner TEXT NOT NULL, hash BLOB NOT NULL UNIQUE CHECK (length(hash) = 32), "                 \
-      "scopes TEXT NOT NULL, created_ms INTEGER NOT NULL, expires_ms INTEGER NOT NULL, "           \
-      "used_ms INTEGER NOT NULL DEFAULT 0, revoked_ms INTEGER NOT NULL DEFAULT 0) STRICT")         \
-    X(INSERT_TOKEN, "INSERT INTO tokens (name, owner, hash, scopes, created_ms, expires_ms) "      \
-                    "VALUES (?1, ?2, ?3, ?4, ?5, ?6)")                                             \
-    X(LIST_TOKENS, "SELECT id, name, owner, hash, scopes, created_ms, expires_ms, used_ms, "       \
-                   "revoked_ms FROM tokens ORDER BY id")                                           \
-    X(COUNT_TOKENS, "SELECT count(*) FROM tokens")                                                 \
-    X(FORGET_TOKEN,                                                                                \
-      "DELETE FROM tokens WHERE id = (SELECT id FROM tokens WHERE revoked_ms > 0 OR "              \
-      "(expires_ms > 0 AND expires_ms <= ?1) ORDER BY id LIMIT 1)")                                \
-    X(REVOKE_TOKEN, "UPDATE tokens SET revoked_ms = ?2 WHERE id = ?1 AND revoked_ms = 0")          \
-    X(USE_TOKEN, "UPDATE tokens SET used_ms = max(used_ms, ?2) WHERE id = ?1")                     \
+    STORE__SQL_TOKENS(X)                                                                           \
     X(OLDEST_ENDED,                                                                                \
       "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state >= 2 "                                  \
       "AND NOT EXISTS (SELECT 1 FROM trials WHERE trials.run = runs.id AND ended = 0) "            \

@@ -213,10 +213,6 @@ BF_MUST_CHECK bf_status store__find_solved(store__connection *c,
                                            const unsigned char digest[STORE__DIGEST_SIZE],
                                            store__row *ret_row, bool *ret_is_solved, bf_error *err);
 
-/// Whether the results of a run are so dear to copy that the same work is rather done again, at the cost of its owner.
-BF_MUST_CHECK bf_status store__is_dear(store__connection *writer, const store__row *solved,
-                                       bool *ret_is_dear, bf_error *err);
-
 /// Insert *row as a run that has succeeded with the results of *solved, all its texts and events
 /// included, and save it.
 BF_MUST_CHECK bf_status store__reuse_results(store__connection *writer, const store__row *solved,

@@ -136,15 +136,13 @@ static bf_status accept_solved(store__connection *writer, const api_submission *
 {
     bf_buffer summary = { 0 };
     const int64_t since_ns = clock_thread_cpu_ns();
-    bool is_solved = false, is_dear = false;
+    bool is_solved = false;
     store__row solved;
 
     if (submission->is_fresh || submission->identity.n == 0)
         return BF_OK;
     bf_status status = store__find_solved(writer, digest, &solved, &is_solved, err);
-    if (status == BF_OK && is_solved)
-        status = store__is_dear(writer, &solved, &is_dear, err);
-    if (status != BF_OK || !is_solved || is_dear)
+    if (status != BF_OK || !is_solved)
         return status;
     status = adapt_summary(writer, &solved, &submission->scenario, &summary, err);
     if (status == BF_ECORRUPT) {

@@ -66,6 +66,12 @@ void tokens_save_uses(tokens *t);
 BF_MUST_CHECK bf_status tokens_add(const char *directory, tokens_record *token, char *ret_text,
                                    bf_error *err);
 
+/// A new token in the place of one that counts, with its name, owner, scopes and, from now on, length of life; the old one ends
+/// after overlap_ms, unless it ends before. *ret_token and ret_text as of tokens_add(). BF_ENOTFOUND: there is none of this
+/// id that counts; BF_ELIMIT.
+BF_MUST_CHECK bf_status tokens_rotate(const char *directory, uint64_t id, int64_t overlap_ms,
+                                      tokens_record *ret_token, char *ret_text, bf_error *err);
+
 /// Revoke a token. BF_ENOTFOUND: there is none of this id that was not revoked.
 BF_MUST_CHECK bf_status tokens_revoke(const char *directory, uint64_t id, bf_error *err);
 

@@ -95,6 +95,69 @@ bf_status tokens_add(const char *directory, tokens_record *token, char *ret_text
     return status;
 }
 
+static bf_status find_valid(store__connection *c, uint64_t id, int64_t now_ms,
+                            tokens_record *ret_token, bf_error *err)
+{
+    store__token *entries = memory_alloc(TOKENS_MAX, sizeof *entries);
+    bool is_found = false;
+    size_t n = 0;
+
+    bf_status status = entries == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
+                                       : store__read_tokens(c, entries, &n, err);
+    for (size_t i = 0; status == BF_OK && i < n; i++) {
+        const tokens_record *about = &entries[i].about;
+        if (about->id == id && about->revoked_ms == 0 &&
+            (about->expires_ms == 0 || about->expires_ms > now_ms)) {
+            *ret_token = *about;
+            is_found = true;
+        }
+    }
+    memory_free(entries);
+    if (status == BF_OK && !is_found)
+        status = bf_fail(err, BF_ENOTFOUND, "", "there is no token %" PRIu64 " that counts", id);
+    return status;
+}
+
+static bf_status replace(store__connection *c, uint64_t id, int64_t overlap_ms,
+                         tokens_record *ret_token, const char *text, bf_error *err)
+{
+    const int64_t now_ms = clock_unix_ms();
+    tokens_record token;
+
+    bf_status status = find_valid(c, id, now_ms, &token, err);
+    if (status != BF_OK)
+        return status;
+    token.expires_ms = token.expires_ms == 0 ? 0 : now_ms + token.expires_ms - token.created_ms;
+    token.created_ms = now_ms;
+    token.used_ms = 0;
+    status = insert(c, &token, text, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(c, STORE__SQL_END_TOKEN);
+    store__bind_integer(&q, (int64_t)id);
+    store__bind_integer(&q, now_ms + overlap_ms);
+    status = store__run(&q, err);
+    *ret_token = token;
+    return status;
+}
+
+bf_status tokens_rotate(const char *directory, uint64_t id, int64_t overlap_ms,
+                        tokens_record *ret_token, char *ret_text, bf_error *err)
+{
+    store__connection c = { 0 };
+
+    bf_status status = store__open_tokens(directory, false, &c, err);
+    if (status != BF_OK)
+        return status;
+    make_text(ret_text);
+    status = store__run_plain(&c, STORE__SQL_BEGIN_WRITE, err);
+    if (status == BF_OK)
+        status =
+            store__end_transaction(&c, replace(&c, id, overlap_ms, ret_token, ret_text, err), err);
+    store__disconnect(&c);
+    return status;
+}
+
 bf_status tokens_revoke(const char *directory, uint64_t id, bf_error *err)
 {
     store__connection c = { 0 };

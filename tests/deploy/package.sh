@@ -43,6 +43,7 @@ if [[ ${1:-} == --inside ]]; then
     [[ $(stat -c '%U %a' /var/lib/beltflow) == "beltflow 750" ]] || fail "/var/lib/beltflow is open"
     dpkg --listfiles beltflow >"$work/files"
     for file in /usr/bin/beltflow /usr/bin/beltflow-worker /usr/bin/beltflowd /lib/systemd/system/beltflow.service \
+        /lib/systemd/system/beltflow-backup.service /lib/systemd/system/beltflow-backup.timer \
         /etc/beltflow/beltflow.conf; do
         grep -qx "$file" "$work/files" || fail "$file is not in the package"
     done
@@ -65,6 +66,19 @@ if [[ ${1:-} == --inside ]]; then
     curl -sS --fail "$url$run" | grep -q '"status": *"succeeded"' || fail "an upgrade lost the run"
     stop_daemon
 
+    # As root, with the packaged settings: a token that the daemon knows, a copy, and the copy in its place.
+    token=$(beltflowd token add root --scopes admin 2>"$work/log") || fail "$(cat "$work/log")"
+    [[ $(stat -c %U /var/lib/beltflow/access.db) == beltflow ]] || fail "the tokens are not the daemon's"
+    beltflowd backup /var/backups/beltflow --copies 7 >"$work/copy" || fail "no copy"
+    copy=$(sed 's/: .*//' "$work/copy")
+    rm -rf /var/lib/beltflow/beltflow.db*
+    beltflowd restore "$copy" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
+    start_daemon
+    curl -sS --fail -H "Authorization: Bearer $token" "$url$run" | grep -q '"status": *"succeeded"' ||
+        fail "the copy has not the run"
+    [[ $(curl -sS -o /dev/null -w '%{http_code}' "$url$run") == 401 ]] || fail "a restored store lets strangers in"
+    stop_daemon
+
     dpkg --purge beltflow >"$work/dpkg" 2>&1 || fail "$(cat "$work/dpkg")"
     while read -r file; do
         [[ -d $file || ! -e $file ]] || fail "purging left $file"
@@ -72,6 +86,7 @@ if [[ ${1:-} == --inside ]]; then
     for file in /var/lib/beltflow /etc/beltflow; do
         [[ ! -e $file ]] || fail "purging left $file"
     done
+    [[ -e $copy ]] || fail "purging removed the copies"
     ! getent passwd beltflow >/dev/null || fail "purging left the user"
     exit 0
 fi

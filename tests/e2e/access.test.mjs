@@ -1,13 +1,14 @@
 // Access by tokens: a real daemon with tokens that `beltflowd token` made, and what it answers to whom.
 
 import assert from "node:assert/strict";
-import { copyFileSync, mkdirSync, rmSync, statSync } from "node:fs";
+import { spawnSync } from "node:child_process";
+import { copyFileSync, mkdirSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { endless, fed, tiny } from "./scenarios.mjs";
-import { temporaryFolder, until, within } from "./setup.mjs";
+import { binaries, temporaryFolder, until, within } from "./setup.mjs";
 import { addToken, beltflowd } from "./tokens.mjs";
 
 const submission = () => ({ scenario: tiny(), fresh: true });
@@ -151,6 +152,55 @@ test("a store that was used with tokens is not served to everybody when they are
   assert.equal((await whole.get(`/v1/runs/${run.id}`, alice)).status, 200);
 });
 
+test("an operator's bad day: a copy each day, the machine is lost, and the copy serves the same people", async (t) => {
+  const folder = temporaryFolder(t);
+  const [data, copies, settings] = ["data", "copies", "beltflow.conf"].map((name) => path.join(folder, name));
+  const withSettings = (file, ...words) =>
+    spawnSync(path.join(binaries, "beltflowd"), words, {
+      encoding: "utf8", cwd: folder, env: { PATH: process.env.PATH, ...(file && { BELTFLOW_CONFIG: file }) },
+    });
+  mkdirSync(copies);
+  writeFileSync(settings, `data = ${data}\nqueue_limit = 77\n`);
+  // Without settings that name a store a token would be one of nobody's.
+  assert.match(withSettings(path.join(folder, "none"), "token", "add", "x").stderr, /none/);
+  const stray = withSettings(undefined, "token", "add", "x", "--data", "beltflow-data");
+  assert.equal(stray.status, 0); // named, so meant
+  rmSync(path.join(folder, "beltflow-data"), { recursive: true });
+
+  const alice = { authorization: `Bearer ${withSettings(settings, "token", "add", "alice").stdout.trim()}` };
+  const d = await daemon(t, { data });
+  const { json: run } = await d.post("/v1/runs", submission(), alice);
+  for (const day of ["01", "02", "03"]) writeFileSync(path.join(copies, `beltflow-202001${day}T000000Z.db`), "");
+  const made = withSettings(settings, "backup", copies, "--copies", "2");
+  assert.equal(made.status, 0, made.stderr);
+  const [file] = /^\S+\.db(?=: \d+ bytes$)/m.exec(made.stdout);
+  const names = ["", ".access", ".conf"].map((ending) => path.basename(file) + ending);
+  assert.deepEqual(readdirSync(copies).sort(), ["beltflow-20200103T000000Z.db", ...names]);
+  assert.equal(withSettings(settings, "restore", file).status, 1); // it is being served
+  assert.match(withSettings(settings, "restore", file).stderr, /a daemon is using/);
+  await d.stop();
+
+  rmSync(data, { recursive: true });
+  rmSync(settings);
+  const done = withSettings(settings, "restore", file);
+  assert.equal(done.status, 0, done.stderr);
+  assert.match(done.stdout, /with its tokens/);
+  assert.match(readFileSync(settings, "utf8"), /queue_limit = 77/);
+  const again = await daemon(t, { data });
+  assert.equal((await again.get(`/v1/runs/${run.id}`)).status, 401);
+  assert.equal((await again.get(`/v1/runs/${run.id}`, alice)).status, 200);
+
+  const rotated = beltflowd(data, "token", "rotate", "1", "--overlap", "12h");
+  assert.equal(rotated.status, 0, rotated.stderr);
+  const next = { authorization: `Bearer ${rotated.stdout.trim()}` };
+  await until(async () => (await again.get(`/v1/runs/${run.id}`, next)).status === 200, "the new token to count");
+  assert.equal((await again.get(`/v1/runs/${run.id}`, alice)).status, 200); // until the overlap is over
+  const [, old, young] = beltflowd(data, "token", "list").stdout.trimEnd().split("\n");
+  assert.match(old, /^1 .* alice +read,submit +\S+ +20\S+Z /);
+  assert.match(young, /^2 .* alice +read,submit +\S+ +never /);
+  assert.equal(beltflowd(data, "token", "rotate", "9").status, 1);
+});
+
 test("a token that was made beside a running daemon is remembered, too", async (t) => {
   const d = await daemon(t);
   addToken(d.data, "alice");
@@ -173,7 +223,8 @@ test("the words of the command are checked", (t) => {
   const data = path.join(temporaryFolder(t), "data");
   for (const words of [["token"], ["token", "add"], ["token", "list", "all"], ["token", "make", "x"],
     ["token", "add", "a b"], ["token", "add", "x", "--scopes", "everything"], ["token", "add", "x", "--expires", "soon"],
-    ["token", "add", "x", "--expires", "0d"], ["token", "revoke", "one"], ["token", "list", "--owner", "x"],
+    ["token", "add", "x", "--expires", "0d"], ["token", "rotate"], ["token", "list", "--overlap", "1d"], ["restore"],
+    ["backup", "--copies", "3"], ["backup", "x", "--copies", "3"], ["token", "revoke", "one"], ["token", "list", "--owner", "x"],
     ["token", "list"]]) {
     const { status, stderr } = beltflowd(data, ...words);
     assert.equal(status, 2, `${words.join(" ")}: ${stderr}`);

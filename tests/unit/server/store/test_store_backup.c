@@ -3,13 +3,16 @@
 
 #include "server/store/backup.h"
 
-#include "server/store/backup.h"
+#include "server/store/page_sums.h"
+#include "server/store/restore.h"
 #include "server/store/store_priv.h"
+#include "server/store/tokens.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <dirent.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <sqlite3.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -352,6 +355,101 @@ static void only_stores_of_this_version_are_checked(void **state)
     assert_true(is_sound);
 }
 
+static void count_token(void *context, const tokens_record *token)
+{
+    (void)token;
+    (*(size_t *)context)++;
+}
+
+static void restore(const char *directory, const char *copy, store_restored *ret_restored)
+{
+    bf_error err = { 0 };
+
+    if (store_restore(directory, copy, ret_restored, &err) != BF_OK)
+        fail_msg("%s", err.text);
+}
+
+// Over a store with a log, and into a directory that is not there.
+static void a_copy_is_restored_with_its_tokens(void **state)
+{
+    helper_store *h = *state;
+    tokens_record token = { .name = "ada", .owner = "ada", .scopes = API_SCOPE_READ };
+    char copy[128], text[TOKENS_TEXT_SIZE], other[160], path[1200];
+    store_restored restored;
+    api_run ended, running;
+    struct stat facts;
+    size_t n_tokens = 0;
+
+    fill(h->store, &ended, &running);
+    assert_int_equal(tokens_add(h->directory, &token, text, NULL), BF_OK);
+    path_in(h, "copy", copy, sizeof copy);
+    assert_int_equal(store_backup(h->directory, copy, NULL), BF_OK);
+    helper_submit(h->store, "later", 0);
+    assert_int_equal(store_restore(h->directory, copy, &restored, NULL), BF_ECONFLICT); // in use
+    helper_store_close(h);
+    restore(h->directory, copy, &restored);
+    assert_true(restored.has_tokens);
+    snprintf(path, sizeof path, "%s/beltflow.db", restored.replaced);
+    assert_int_equal(access(path, F_OK), 0);
+    path_in(h, "beltflow.db", path, sizeof path);
+    assert_int_equal(stat(path, &facts), 0);
+    assert_int_equal(facts.st_mode & 0777, 0600);
+    helper_store_open(h);
+    assert_int_equal(helper_find(h->store, ended.id).n_samples, 9);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM runs"), 2);
+    assert_int_equal(tokens_list(h->directory, count_token, &n_tokens, NULL), BF_OK);
+    assert_int_equal(n_tokens, 1);
+
+    snprintf(other, sizeof other, "%s/new/data", h->directory);
+    restore(other, copy, &restored);
+    assert_string_equal(restored.replaced, "");
+    snprintf(path, sizeof path, "%s/beltflow.db", other);
+    assert_sound(path);
+    snprintf(path, sizeof path, "rm -rf %s/new %s/replaced-*", h->directory, h->directory);
+    assert_int_equal(system(path), 0);
+}
+
+static void assert_refused(helper_store *h, const char *copy, const char *part)
+{
+    store_restored restored;
+    bf_error err = { 0 };
+
+    assert_int_equal(store_restore(h->directory, copy, &restored, &err), BF_EINPUT);
+    if (strstr(err.text, part) == NULL)
+        fail_msg("%s", err.text);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM runs"), 2);
+}
+
+static void what_is_no_sound_copy_is_not_restored(void **state)
+{
+    helper_store *h = *state;
+    char copy[128], log[132];
+    api_run ended, running;
+    sqlite3 *db = NULL;
+
+    fill(h->store, &ended, &running);
+    path_in(h, "copy", copy, sizeof copy);
+    assert_int_equal(store_backup(h->directory, copy, NULL), BF_OK);
+    helper_store_close(h);
+    assert_refused(h, "/nonexistent", "there is no file");
+    snprintf(log, sizeof log, "%s-wal", copy);
+    FILE *file = fopen(log, "w");
+    assert_non_null(file);
+    assert_true(fputs("x", file) >= 0 && fclose(file) == 0);
+    assert_refused(h, copy, "in use");
+    assert_int_equal(unlink(log), 0);
+    assert_int_equal(
+        sqlite3_open_v2(copy, &db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, STORE__PAGE_SUMS),
+        SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db, "UPDATE runs SET n_samples = 1", NULL, NULL, NULL),
+                     SQLITE_OK);
+    assert_refused(h, copy, "damaged: I4");
+    assert_int_equal(sqlite3_exec(db, "PRAGMA user_version = 999", NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    assert_refused(h, copy, "newer Beltflow");
+    helper_store_open(h);
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -367,6 +465,8 @@ int main(void)
         STORE_TEST(what_is_being_deleted_is_no_fault),
         STORE_TEST(a_damaged_page_is_found),
         STORE_TEST(only_stores_of_this_version_are_checked),
+        STORE_TEST(a_copy_is_restored_with_its_tokens),
+        STORE_TEST(what_is_no_sound_copy_is_not_restored),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
