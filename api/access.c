@@ -66,5 +66,7 @@ const char *api_access_write_scopes(unsigned scopes, char *ret_text)
 
 bool api_access_includes(unsigned scopes, api_scope needed)
 {
-    return needed == API_SCOPE_NONE || (scopes & (needed | API_SCOPE_ADMIN)) != 0;
+    const unsigned also = needed == API_SCOPE_METRICS ? API_SCOPE_READ : API_SCOPE_NONE;
+
+    return needed == API_SCOPE_NONE || (scopes & (needed | also | API_SCOPE_ADMIN)) != 0;
 }

@@ -12,13 +12,15 @@ enum {
     API_TICKET_SIZE = 65, ///< bytes of a ticket with its terminator
 };
 
-/// What a token allows, X(scope, flag, word). API_SCOPE_ADMIN includes all others.
+/// What a token allows, X(scope, flag, word). API_SCOPE_ADMIN includes all others; API_SCOPE_READ the figures of API_SCOPE_METRICS
+/// that tell nothing of owners.
 #define API_SCOPE_LIST(X)                                                                          \
     X(API_SCOPE_READ, 1, "read")                                                                   \
     X(API_SCOPE_SUBMIT, 2, "submit")                                                               \
     X(API_SCOPE_WORK, 4, "work")                                                                   \
     X(API_SCOPE_ADMIN, 8, "admin")                                                                 \
-    X(API_SCOPE_PRIORITY, 16, "priority")
+    X(API_SCOPE_PRIORITY, 16, "priority")                                                          \
+    X(API_SCOPE_METRICS, 32, "metrics")
 
 /// The scopes, as flags.
 typedef enum api_scope {

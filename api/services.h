@@ -230,8 +230,9 @@ typedef struct api_services {
     bool (*read_speed)(void *context, prediction_speed *ret_speed);
     /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ENOSPACE disk, BF_ESYSTEM store or solver).
     bf_status (*ready)(void *context, bf_error *err);
-    /// Append the service's figures in Prometheus' text form to *out. Never waits for the disk.
-    bf_status (*metrics)(void *context, bf_buffer *out, bf_error *err);
+    /// Append the service's figures in Prometheus' text form to *out, if wanted also those of each owner and token. Without these
+    /// it never waits for the disk.
+    bf_status (*metrics)(void *context, bool with_owners, bf_buffer *out, bf_error *err);
 } api_services;
 
 /// How many columns "a,b,c" has.

@@ -72,7 +72,9 @@ bf_status handlers_meta_quota(exchange *x, bf_error *err)
 
 bf_status handlers_meta_metrics(exchange *x, bf_error *err)
 {
-    return x->services->metrics(x->services->context, &x->response->body, err);
+    const bool with_owners = (x->who.scopes & (API_SCOPE_METRICS | API_SCOPE_ADMIN)) != 0;
+
+    return x->services->metrics(x->services->context, with_owners, &x->response->body, err);
 }
 
 bf_status handlers_meta_version(exchange *x, bf_error *err)

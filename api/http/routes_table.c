@@ -731,14 +731,15 @@ static const route table[] = {
       .path = "/metrics",
       .handle = handlers_meta_metrics,
       .cost = API_COST_HEALTH,
-      .scope = API_SCOPE_READ,
+      .scope = API_SCOPE_METRICS,
       .formats = "prometheus",
       .params = NO_PARAMS,
       .id = "getMetrics",
       .tag = "Service",
       .summary = "The service's figures for Prometheus",
-      .help =
-          "Requests, streams, queue, runs, solvers, store and process, in the text format 0.0.4.",
+      .help = "Requests, streams, queue, runs, solvers, store and process, in the text format "
+              "0.0.4. With the scope "
+              "`metrics`, also what owners use and when tokens expire.",
       .answers = { { 200, NULL, "Cache-Control", "The figures" } } },
     { .method = "GET",
       .path = "/version",

@@ -45,6 +45,12 @@
     X(STORE_SIZE, GAUGE, "beltflow_store_size_bytes", "bytes", NONE, "The database's file")        \
     X(STORE_LOG_SIZE, GAUGE, "beltflow_store_wal_size_bytes", "bytes", NONE,                       \
       "The database's write-ahead log")                                                            \
+    X(STORE_DISK, GAUGE, "beltflow_store_disk_free_bytes", "bytes", NONE,                          \
+      "Free on the disk of the store")                                                             \
+    X(RUNS_SOLVED, COUNTER, "beltflow_runs_solved_total", "", MODEL,                               \
+      "Runs and trials that succeeded")                                                            \
+    X(RUN_TIME, COUNTER, "beltflow_run_wall_seconds_total", "seconds", MODEL,                      \
+      "Time that these took, all attempts together")                                               \
     X(STORE_SUMS, GAUGE, "beltflow_store_page_checksums", "", NONE,                                \
       "1: every page of the database has a checksum; 0: a version without them made it")           \
     X(COMMIT_TIMES, TIMES, "beltflow_store_commit_duration_seconds", "seconds", NONE,              \

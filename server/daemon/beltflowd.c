@@ -189,7 +189,8 @@ static http_options options_of_http(const config *c)
                            .answer_limit = c->answers_bytes,
                            .header_deadline_ms = (int64_t)c->header_deadline_ms,
                            .body_deadline_ms = (int64_t)c->body_deadline_ms,
-                           .heartbeat_ms = (int64_t)c->heartbeat_ms };
+                           .heartbeat_ms = (int64_t)c->heartbeat_ms,
+                           .logs_all = c->access_log != 0 };
 }
 
 static store_retention retention_of(const config *c)

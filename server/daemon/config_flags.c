@@ -167,7 +167,7 @@ void config_parse_flags(int argc, char **argv, config_flags *ret_flags)
         { "verify", KEY_VERIFY, NULL, 0, "the same as the command verify", 0 },
         { "owner", KEY_OWNER, "OWNER", 0, "whose the new token is (default: its NAME)", 0 },
         { "scopes", KEY_SCOPES, "LIST", 0,
-          "what it allows, of read,submit,work,admin,priority (default: read,submit)", 0 },
+          "what it allows, of read,submit,work,admin,priority,metrics (default: read,submit)", 0 },
         { "expires", KEY_EXPIRES, "TIME", 0, "when it ends, such as 90d or 12h (default: never)",
           0 },
         { "overlap", KEY_OVERLAP, "TIME", 0,

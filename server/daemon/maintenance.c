@@ -232,9 +232,9 @@ static bf_status read_wanted(const maintenance_token *wanted, tokens_record *tok
     const char *owner = wanted->owner == NULL ? wanted->name : wanted->owner;
 
     if (!api_access_read_scopes(scopes, &token->scopes))
-        return bf_fail(err, BF_EINPUT, "",
-                       "--scopes wants words of read,submit,work,admin,priority, not '%.40s'",
-                       scopes);
+        return bf_fail(
+            err, BF_EINPUT, "",
+            "--scopes wants words of read,submit,work,admin,priority,metrics, not '%.40s'", scopes);
     bf_status status = copy_name(wanted->name, token->name, sizeof token->name, err);
     if (status == BF_OK)
         status = copy_name(owner, token->owner, sizeof token->owner, err);
@@ -262,6 +262,9 @@ int maintenance_token_add(const char *directory, const maintenance_token *wanted
         status = tokens_add(directory, &token, text, &err);
     if (status != BF_OK)
         return complain(&err);
+    if (token.id == 1)
+        (void)fprintf(stderr, "from now on every request needs a token, those of Prometheus for "
+                              "/metrics, too: token add prometheus --scopes metrics\n");
     return print_new(&token, text);
 }
 

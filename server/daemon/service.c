@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "server/daemon/owner_figures.h"
 
 #include <math.h>
 #include <string.h>
@@ -351,13 +352,18 @@ static void read_figures(service *s)
     metrics_set(METRICS_QUEUE_AGE, 0, age_ms > 0 ? age_ms * 1000000 : 0);
     metrics_set(METRICS_STORE_SIZE, 0, (int64_t)stats.file_bytes);
     metrics_set(METRICS_STORE_LOG_SIZE, 0, (int64_t)stats.log_bytes);
+    metrics_set(METRICS_STORE_DISK, 0, (int64_t)stats.free_bytes);
 }
 
-static bf_status write_metrics(void *context, bf_buffer *out, bf_error *err)
+static bf_status write_metrics(void *context, bool with_owners, bf_buffer *out, bf_error *err)
 {
-    read_figures(context);
+    service *s = context;
+
+    read_figures(s);
     metrics_read_process();
-    return metrics_write(out, err);
+    bf_status status = metrics_write(out, err);
+    return status == BF_OK && with_owners ? owner_figures_write(s->tokens, s->store, out, err)
+                                          : status;
 }
 
 api_services service_table(service *s)

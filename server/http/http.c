@@ -261,6 +261,7 @@ bf_status http_reconfigure(http *h, const http_options *options, bf_error *err)
     h->options.header_deadline_ms = options->header_deadline_ms;
     h->options.body_deadline_ms = options->body_deadline_ms;
     h->options.heartbeat_ms = options->heartbeat_ms;
+    h->options.logs_all = options->logs_all;
     return open_web(h, options->web_directory, err);
 }
 

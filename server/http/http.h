@@ -48,6 +48,7 @@ typedef struct http_options {
     _Atomic uint64_t answer_limit;      ///< bytes of memory that all answers together may take
     _Atomic int64_t header_deadline_ms; ///< for a complete request header
     _Atomic int64_t body_deadline_ms;   ///< for a complete body, after the header
+    _Atomic bool logs_all;              ///< each request is logged, with its client
     _Atomic int64_t heartbeat_ms;       ///< between comments on idle streams
 } http_options;
 

@@ -441,14 +441,16 @@ static void log_request(const http_request *r)
 {
     char who[API_OWNER_SIZE + 48];
     char method[LOG_QUOTED_SIZE], path[LOG_QUOTED_SIZE], id[API_ID_SIZE];
-    bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "DELETE") == 0;
+    const bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "DELETE") == 0;
+    const bool logs_all = r->server->options.logs_all;
 
-    log_event(is_write ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",
-              "method=%s path=%s status=%d ms=%lld run=%s request_id=%s trace=%s%s",
+    log_event(is_write || logs_all ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",
+              "method=%s path=%s status=%d ms=%lld run=%s request_id=%s trace=%s%s%s%s",
               log_quote(r->method, method), log_quote(r->path, path), r->response.status,
               (long long)((clock_monotonic_ns() - r->begun_ns) / 1000000), run_of(r, id),
               r->trace.id, r->trace.parent[0] == '\0' ? "-" : r->trace.parent,
-              write_who(&r->response.who, who, sizeof who));
+              write_who(&r->response.who, who, sizeof who), logs_all ? " client=" : "",
+              logs_all ? r->client.text : "");
 }
 
 // A wait that the client asked for is no measure of the service's latency.

@@ -363,7 +363,12 @@ bf_status supervisor__store_ending(supervisor__task *task, bf_error *err)
     }
     if (status == BF_OK)
         log_end(task);
-    else
+    if (status == BF_OK && ending->state == RUN_SUCCEEDED) {
+        metrics_add(METRICS_RUNS_SOLVED, task->claimed.run.model, 1);
+        metrics_add(METRICS_RUN_TIME, task->claimed.run.model,
+                    (int64_t)(1e9 * supervisor__wall_s(task)));
+    }
+    if (status != BF_OK)
         log_event(LOG_LEVEL_ERROR, "run_not_stored", "run=%s error=%s", ending->run_id,
                   log_quote(err->text, quoted));
     return status;

@@ -41,6 +41,13 @@ static bf_status find_free_bytes(const store *s, uint64_t *ret_bytes, bf_error *
     return BF_OK;
 }
 
+uint64_t store__count_free(const store *s)
+{
+    uint64_t n_free = 0;
+
+    return find_free_bytes(s, &n_free, NULL) == BF_OK ? n_free : 0;
+}
+
 bf_status store__check_room(const store *s, bf_error *err)
 {
     return store__check_room_for(s, 0, err);

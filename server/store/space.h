@@ -20,6 +20,9 @@ typedef struct store__space {
     int64_t next_ms;  ///< monotonic; it is not looked after before
 } store__space;
 
+/// Bytes that are free on the store's disk; 0: not known. On any thread.
+uint64_t store__count_free(const store *s);
+
 /// BF_OK if the disk has room for more to be accepted; BF_ENOSPACE. On any thread.
 BF_MUST_CHECK bf_status store__check_room(const store *s, bf_error *err);
 

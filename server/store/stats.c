@@ -54,6 +54,7 @@ bf_status store__count_stats(store *s, store_stats *ret_stats, bf_error *err)
     store_stats stats = { .file_bytes = size_of(s->path, ""),
                           .log_bytes = size_of(s->path, "-wal") };
 
+    stats.free_bytes = store__count_free(s);
     bf_status status = count_states(&s->writer, &stats, err);
     if (status == BF_OK)
         status = find_oldest(&s->writer, &stats, err);

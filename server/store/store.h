@@ -193,6 +193,7 @@ typedef struct store_stats {
     int64_t oldest_queued_ms; ///< when the oldest run that waits was created; 0: none waits
     uint64_t file_bytes;      ///< of the database
     uint64_t log_bytes;       ///< of its write-ahead log
+    uint64_t free_bytes;      ///< on its disk
 } store_stats;
 
 /// The stats as they were when they were last counted, a second ago at most unless the store's

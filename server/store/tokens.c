@@ -129,6 +129,17 @@ bool tokens_exist(tokens *t)
     return has_some;
 }
 
+size_t tokens_copy(tokens *t, tokens_record *ret_tokens)
+{
+    lock_acquire(&t->lock);
+    refresh(t);
+    const size_t n = t->n;
+    for (size_t i = 0; i < n; i++)
+        ret_tokens[i] = t->all[i].about;
+    lock_release(&t->lock);
+    return n;
+}
+
 // All are compared, so that the time does not tell which one it was.
 static store__token *find_text(tokens *t, const char *text)
 {

@@ -17,6 +17,7 @@
 #include "core/base/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum {
@@ -56,6 +57,9 @@ api_credential tokens_identify(tokens *t, const char *text, api_identity *ret_wh
 
 /// The same of a token by its number.
 api_credential tokens_recall(tokens *t, uint64_t id, api_identity *ret_who);
+
+/// Copy all tokens to ret_tokens, which has room for TOKENS_MAX. Returns how many there are.
+size_t tokens_copy(tokens *t, tokens_record *ret_tokens);
 
 /// Write down when tokens were last used. Waits for the disk: not for the way of a request.
 void tokens_save_uses(tokens *t);

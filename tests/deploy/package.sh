@@ -80,14 +80,19 @@ if [[ ${1:-} == --inside ]]; then
     stop_daemon
 
     dpkg --purge beltflow >"$work/dpkg" 2>&1 || fail "$(cat "$work/dpkg")"
+    [[ -e /var/lib/beltflow/beltflow.db ]] || fail "purging removed the store, unasked"
+    dpkg --install /beltflow.deb >"$work/dpkg" 2>&1 || fail "after purging: $(cat "$work/dpkg")"
+    [[ -L /etc/systemd/system/multi-user.target.wants/beltflow.service ]] || fail "the unit is not enabled"
+    echo "beltflow beltflow/remove-store boolean true" | debconf-set-selections
+    dpkg --purge beltflow >"$work/dpkg" 2>&1 || fail "$(cat "$work/dpkg")"
     while read -r file; do
         [[ -d $file || ! -e $file ]] || fail "purging left $file"
     done <"$work/files"
-    for file in /var/lib/beltflow /etc/beltflow; do
+    for file in /var/lib/beltflow /etc/beltflow /etc/systemd/system/multi-user.target.wants/beltflow.service; do
         [[ ! -e $file ]] || fail "purging left $file"
     done
     [[ -e $copy ]] || fail "purging removed the copies"
-    ! getent passwd beltflow >/dev/null || fail "purging left the user"
+    getent passwd beltflow >/dev/null || fail "purging removed the user, whose the copies are"
     exit 0
 fi
 

@@ -101,7 +101,8 @@ test("commands about stores say what is wrong with their arguments", async (t) =
   const d = await daemon(t);
   for (const [words, reason] of [
     [["backup"], /the name of a new file/],
-    [["restore", "x"], /no command/],
+    [["revive", "x"], /no command/],
+    [["restore", path.join(d.folder, "missing")], /there is no file/],
     [["verify", "a", "b"], /nothing else fits/],
     [["verify", path.join(d.folder, "missing")], /there is no store/],
   ]) {

@@ -12,6 +12,7 @@ import { holdStore, serviceManager } from "./beside.mjs";
 import { daemon } from "./daemon.mjs";
 import { childrenOf, runProgram } from "./processes.mjs";
 import { endless, tiny } from "./scenarios.mjs";
+import { addToken } from "./tokens.mjs";
 import { isSanitized, root, temporaryFolder, until } from "./setup.mjs";
 
 // The samples of /metrics: "name{labels}" to number.
@@ -45,6 +46,28 @@ test("promtool finds no fault with the metrics of a daemon that has worked", asy
   });
   assert.equal(error, undefined, `${error}: deploy/install-deps installs promtool`);
   assert.deepEqual({ status, stdout, stderr }, { status: 0, stdout: "", stderr: "" });
+});
+
+test("promtool finds no fault with the alerts, and each looks at what the daemon tells", async (t) => {
+  const rules = path.join(root, "deploy/prometheus/beltflow.rules.yml");
+  const { error, status, stdout, stderr } = spawnSync("promtool", ["check", "rules", rules], { encoding: "utf8" });
+  assert.equal(error, undefined, `${error}: deploy/install-deps installs promtool`);
+  assert.equal(status, 0, stdout + stderr);
+  const data = path.join(temporaryFolder(t), "data");
+  const prometheus = addToken(data, "prometheus", "--scopes", "metrics", "--expires", "10d");
+  const reader = addToken(data, "reader", "--owner", "ada", "--scopes", "read");
+  const d = await daemon(t, { data, access_log: 1 });
+  const { text } = await d.get("/metrics", prometheus);
+  const told = new Set([...text.matchAll(/^# TYPE (\S+) /gm)].map(([, name]) => name));
+  const asked = [...readFileSync(rules, "utf8").matchAll(/\bbeltflow_\w+/g)].map(([name]) => name);
+  assert.deepEqual(asked.filter((name) => !told.has(name)), []);
+  assert.match(text, /^beltflow_token_expires_in_seconds\{token="1",name="prometheus",owner="prometheus"\} 86\d{4}$/m);
+  assert.match(text, /^beltflow_owner_cpu_seconds\{owner="ada"\} 0$/m);
+  assert.match(text, /^beltflow_store_disk_free_bytes [1-9]/m);
+  assert.equal((await d.get("/v1/runs", prometheus)).status, 403);
+  // What others use is not every reader's.
+  assert.doesNotMatch((await d.get("/metrics", reader)).text, /owner="|token="/);
+  await until(() => /event=request method="GET" path="\/v1\/runs" status=403 .* owner=prometheus client=127\.0\.0\.1$/m.test(d.log), "an access log");
 });
 
 test("the shipped unit lets trials have a lower priority", () => {

@@ -313,8 +313,9 @@ static bf_status do_read_changes(void *context, const char *id, api_event_fn *ta
     return status;
 }
 
-static bf_status do_metrics(void *context, bf_buffer *out, bf_error *err)
+static bf_status do_metrics(void *context, bool with_owners, bf_buffer *out, bf_error *err)
 {
+    (void)with_owners;
     (void)context;
     return buffer_printf(out, "beltflow_runs 0\n") == BF_OK ? BF_OK : no_memory(err);
 }

@@ -199,8 +199,9 @@ static bf_status open_snapshot(void *context, const char *id, uint64_t index,
                               bytes, ret_slices);
 }
 
-static bf_status metrics(void *context, bf_buffer *out, bf_error *err)
+static bf_status metrics(void *context, bool with_owners, bf_buffer *out, bf_error *err)
 {
+    (void)with_owners;
     (void)context;
     return metrics_write(out, err);
 }

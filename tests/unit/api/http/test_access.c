@@ -95,7 +95,11 @@ static void scopes_are_read_as_they_are_written(void **state)
         assert_true(api_access_read_scopes(api_access_write_scopes(flags, text), &scopes));
         assert_int_equal(scopes, flags);
     }
-    assert_string_equal(api_access_write_scopes(31, text), "read,submit,work,admin,priority");
+    assert_string_equal(api_access_write_scopes(63, text),
+                        "read,submit,work,admin,priority,metrics");
+    assert_true(api_access_includes(API_SCOPE_READ, API_SCOPE_METRICS));
+    assert_false(api_access_includes(API_SCOPE_SUBMIT, API_SCOPE_METRICS));
+    assert_false(api_access_includes(API_SCOPE_METRICS, API_SCOPE_READ));
     assert_string_equal(api_access_write_scopes(0, text), "");
     static const char *const bad[] = { "",    ",",     "read,",       ",read",
                                        "rea", "reads", "read submit", "READ" };

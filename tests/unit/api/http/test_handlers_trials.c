@@ -55,7 +55,8 @@ static void trials_come_page_by_page(void **state)
                         "{\"trial\":0,\"point\":0,\"model\":\"macro\",\"substream\":0,\"status\":"
                         "\"succeeded\",\"parameters\":{\"/p\":0},\"values\":{\"v\":0.5}},"
                         "{\"trial\":1,\"point\":1,\"model\":\"macro\",\"substream\":0,\"status\":"
-                        "\"running\",\"parameters\":{\"/p\":10},\"values\":{}}]}");
+                        "\"running\",\"parameters\":{\"/p\":10},\"values\":{}}],"
+                        "\"has_more\":true,\"next_from\":2}");
     ask_get(STUDY "/trials", "limit=2&from=2", NULL, 200);
     assert_null(helper_header(&ask_response, "Link"));
     assert_true(ask_body_has("\"trial\":2"));

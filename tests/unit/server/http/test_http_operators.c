@@ -153,8 +153,9 @@ static void hanging_connections(http_options *options)
     options->n_threads = 2;
 }
 
-static bf_status hang_in_metrics(void *context, bf_buffer *out, bf_error *err)
+static bf_status hang_in_metrics(void *context, bool with_owners, bf_buffer *out, bf_error *err)
 {
+    (void)with_owners;
     (void)out;
     fake_hold(&server_services, FAKE_HELD_READY);
     return hanging.ready(context, err);
