@@ -159,7 +159,9 @@ test("the command line compares several curves in one table", async (t) => {
   writeFileSync(files[2], "t_s,count\n0,100\n4,100\n");
   const done = await beltflow(["compare", ...files]);
   assert.equal(done.status, 0, done.stderr);
-  const [titles, , ...rows] = done.stdout.trimEnd().split("\n").map((line) => line.trim().split(/\s+/));
+  const [table, sentences] = done.stdout.trimEnd().split("\n\n");
+  const [titles, , ...rows] = table.split("\n").map((line) => line.trim().split(/\s+/));
+  assert.deepEqual(sentences.split("\n").map((line) => line.split(":")[0]), files.slice(1));
   assert.deepEqual(titles.slice(0, 3), ["drain", "throughput", "l1"]);
   assert.deepEqual(rows.map((row) => row.at(-1)), files);
   assert.deepEqual(rows[0].slice(0, -1), ["1", "100", "-", "-", "-", "-", "-", "-"]);
