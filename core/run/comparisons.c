@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#define WITHIN(figure, tolerance)                                                                  \
+#define BY_DIFFERENCE(figure, tolerance)                                                           \
     {                                                                                              \
         figure, false, COMPARISON_DIFFERENCE, tolerance                                            \
     }
@@ -19,21 +19,21 @@
 // **Choice**: within these tolerances the errors of the rows of one group differ by a few percent.
 const comparison_column comparisons_columns[COMPARISON_COLUMNS] = {
     { VALIDITY_ANGLE, true, COMPARISON_DIFFERENCE, 15.0 },
-    WITHIN(VALIDITY_ANGLE, 15.0),
+    BY_DIFFERENCE(VALIDITY_ANGLE, 15.0),
     BY_RATIO(VALIDITY_OPENING, 1.4),
     BY_RATIO(VALIDITY_FUNNEL, 1.4),
     BY_RATIO(VALIDITY_LOAD, 1.5),
     BY_RATIO(VALIDITY_QUEUE, 2.0),
-    WITHIN(VALIDITY_PART_FRICTION, 0.2),
-    WITHIN(VALIDITY_PLATE_FRICTION, 0.2),
+    BY_DIFFERENCE(VALIDITY_PART_FRICTION, 0.2),
+    BY_DIFFERENCE(VALIDITY_PLATE_FRICTION, 0.2),
     BY_RATIO(VALIDITY_BELT_FRICTION, 2.0),
-    WITHIN(VALIDITY_ACCELERATION, 0.5),
+    BY_DIFFERENCE(VALIDITY_ACCELERATION, 0.5),
     BY_RATIO(VALIDITY_SIZES, 1.4),
-    WITHIN(VALIDITY_SHAPE, 20.0),
-    WITHIN(VALIDITY_TURN, 15.0),
+    BY_DIFFERENCE(VALIDITY_SHAPE, 20.0),
+    BY_DIFFERENCE(VALIDITY_TURN, 15.0),
     BY_RATIO(VALIDITY_RATIO, 1.4),
-    WITHIN(VALIDITY_TRANSFER, 25.0),
-    WITHIN(VALIDITY_WALL, 5.0),
+    BY_DIFFERENCE(VALIDITY_TRANSFER, 25.0),
+    BY_DIFFERENCE(VALIDITY_WALL, 5.0),
     AS_MANY(VALIDITY_PLATES),
     AS_MANY(VALIDITY_GUIDES),
     AS_MANY(VALIDITY_BELTS),

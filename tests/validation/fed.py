@@ -9,9 +9,10 @@ TREE = Path(__file__).resolve().parents[2]
 
 
 def options_of(description, chosen, substreams):
-    """The command line; `chosen` says what its words name."""
+    """The command line; `chosen` says what its words name, None: it takes none."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", help=f"{chosen} (default all)")
+    if chosen is not None:
+        parser.add_argument("names", nargs="*", help=f"{chosen} (default all)")
     parser.add_argument("--substreams", type=int, default=substreams, help="runs of a row (default %(default)s)")
     parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
     parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
