@@ -6,6 +6,7 @@
 #include "core/feed/draws.h"
 #include "core/feed/line_cells.h"
 #include "core/scene/mix.h"
+#include "core/scene/regime.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -93,26 +94,9 @@ static double length_of_parts(const scene *s, vec2 along)
     return sum / (double)s->n_cargo;
 }
 
-/// The stages of a gap between parts; 0: none is random.
-static uint32_t shape_of_gaps(const scene *s)
-{
-    uint32_t shape = UINT32_MAX;
-
-    for (size_t k = 0; k < s->n_feeds; k++) {
-        const scene_feed *f = &s->feeds[k];
-        if (f->arrivals == SCENE_ARRIVALS_ERLANG)
-            shape = f->shape < shape ? f->shape : shape;
-        else if (f->arrivals != SCENE_ARRIVALS_REGULAR)
-            return 1;
-    }
-    if (shape != UINT32_MAX)
-        return shape;
-    return s->n_feeds > 0 ? 0 : 1;
-}
-
 // ---- the line of a beam
 
-/// The velocity of the belts under a line in the mean, zero off all of them.
+/// The mean velocity of the belts under a line times its length, zero off all of them.
 static vec2 velocity_below(const surroundings *around, const line_cell *cells, size_t n,
                            const bf_grid *grid)
 {
@@ -236,7 +220,7 @@ bf_status crossings_create(const scene *s, crossings **ret_crossings, bf_error *
     *c = (crossings){ .scene = s,
                       .packing = scene_packing_density(s),
                       .dt = scene_macro_step(s),
-                      .shape = shape_of_gaps(s),
+                      .shape = scene_gap_shape(s),
                       .n = s->n_eyes };
     for (size_t k = 0; k < c->n && status == BF_OK; k++)
         status = create_eye(c, k, err);

@@ -28,16 +28,30 @@ static bool has_draws(const scene_feed *f)
            (f->n_cargo > 1 && (!is_list || list->kinds == NULL));
 }
 
-// Whether an eye commands something that draws the gaps between a density's parts: those of regular feeds are not random.
+uint32_t scene_gap_shape(const scene *s)
+{
+    uint32_t shape = UINT32_MAX;
+
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        const scene_feed *f = &s->feeds[k];
+        if (f->arrivals == SCENE_ARRIVALS_ERLANG)
+            shape = f->shape < shape ? f->shape : shape;
+        else if (f->arrivals != SCENE_ARRIVALS_REGULAR)
+            return 1;
+    }
+    if (shape != UINT32_MAX)
+        return shape;
+    return s->n_feeds > 0 ? 0 : 1;
+}
+
+// Whether an eye commands something that draws the gaps between a density's parts.
 static bool commands_by_draws(const scene *s)
 {
-    bool are_random = s->n_feeds == 0, is_drawing = false;
+    bool is_drawing = false;
 
-    for (size_t k = 0; k < s->n_feeds; k++)
-        are_random = are_random || s->feeds[k].arrivals != SCENE_ARRIVALS_REGULAR;
     for (size_t k = 0; k < s->n_actions; k++)
         is_drawing = is_drawing || s->eyes[s->actions[k].eye].density_ratio == 0.0;
-    return are_random && is_drawing;
+    return is_drawing && scene_gap_shape(s) > 0;
 }
 
 bool scene_has_chance(const scene *s, bool is_density)

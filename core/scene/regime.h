@@ -12,6 +12,7 @@
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 /// What there is.
 typedef struct scene_regime {
@@ -20,6 +21,10 @@ typedef struct scene_regime {
         is_constant; ///< after the warm-up nothing changes but by cycles and by photo eyes, and feeds deliver until the end
     double cycle;    ///< s; 0: nothing repeats
 } scene_regime;
+
+/// The stages of the random gaps between the parts that photo eyes of the density draw: those of the feeds, if all are Erlang
+/// or regular, the fewest; 0: all feeds are regular, and so are gaps; else 1, exponential ones.
+uint32_t scene_gap_shape(const scene *s);
 
 /// True if runs with other substreams are other runs, of the density or of parts.
 bool scene_has_chance(const scene *s, bool is_density);
