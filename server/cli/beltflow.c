@@ -88,7 +88,7 @@ int main(int argc, char **argv)
         return close_output(CMD_DONE);
     }
     if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) {
-        printf("beltflow %s\n", BELTFLOW_VERSION);
+        printf("beltflow %s\n", BELTFLOW_BUILD);
         return close_output(CMD_DONE);
     }
     return close_output(run_command(name, argc - 1, argv + 1));

@@ -39,7 +39,7 @@ enum {
     DAY_MS = 24 * HOUR_MS
 };
 
-const char *argp_program_version = "beltflowd " BELTFLOW_VERSION;
+const char *argp_program_version = "beltflowd " BELTFLOW_BUILD;
 
 // Who is notified of commits.
 typedef struct commit_listener {
@@ -356,8 +356,7 @@ static void announce(const parts *p)
     (void)printf("beltflowd %s listening on http://%.*s:%u/\n", BELTFLOW_VERSION, n_host, c->listen,
                  http_port(p->http));
     (void)fflush(stdout);
-    log_event(LOG_LEVEL_INFO, "started", "version=%s port=%u", BELTFLOW_VERSION,
-              http_port(p->http));
+    log_event(LOG_LEVEL_INFO, "started", "version=%s port=%u", BELTFLOW_BUILD, http_port(p->http));
     notify_ready("%s", describe(p, text));
 }
 

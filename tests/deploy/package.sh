@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The Debian package installs, its daemon starts as its own user and solves, an upgrade keeps the runs,
-# and purging leaves nothing. All in a view of this machine of its own, whose changes are thrown away.
+# lintian has nothing to say of the Debian package; it installs, its daemon starts as its own user and solves, an upgrade from
+# the number of an earlier release keeps runs and settings, and purging leaves nothing. All in a view of this machine
+# of its own, whose changes are thrown away.
 #
 #     package.sh BELTFLOW.deb        exit 77: cannot be tried here (not root, no overlay file system)
 set -euo pipefail
@@ -11,7 +12,7 @@ fail()
     exit 1
 }
 
-# What follows runs in the view, with the package as /beltflow.deb.
+# What follows runs in the view, with the package as /beltflow.deb, and under an earlier number as /earlier.deb.
 if [[ ${1:-} == --inside ]]; then
     export DEBIAN_FRONTEND=noninteractive LC_ALL=C
     work=$(mktemp -d)
@@ -38,13 +39,14 @@ if [[ ${1:-} == --inside ]]; then
         wait "$daemon" || fail "the daemon left with $?"
     }
 
-    dpkg --install /beltflow.deb >"$work/dpkg" 2>&1 || fail "$(cat "$work/dpkg")"
+    dpkg --install /earlier.deb >"$work/dpkg" 2>&1 || fail "$(cat "$work/dpkg")"
     getent passwd beltflow >/dev/null || fail "there is no user beltflow"
     [[ $(stat -c '%U %a' /var/lib/beltflow) == "beltflow 750" ]] || fail "/var/lib/beltflow is open"
     dpkg --listfiles beltflow >"$work/files"
     for file in /usr/bin/beltflow /usr/bin/beltflow-worker /usr/bin/beltflowd /lib/systemd/system/beltflow.service \
         /lib/systemd/system/beltflow-backup.service /lib/systemd/system/beltflow-backup.timer \
-        /etc/beltflow/beltflow.conf; do
+        /etc/beltflow/beltflow.conf /usr/share/man/man8/beltflowd.8.gz /usr/share/man/man1/beltflow-solve.1.gz \
+        /usr/share/doc/beltflow/copyright /usr/share/doc/beltflow/deploy.md; do
         grep -qx "$file" "$work/files" || fail "$file is not in the package"
     done
     setpriv --reuid=beltflow --regid=beltflow --clear-groups \
@@ -61,7 +63,12 @@ if [[ ${1:-} == --inside ]]; then
     curl -sS --fail "$url$run" | grep -q '"status": *"succeeded"' || fail "the run did not succeed"
     stop_daemon
 
+    echo "retention_days = 30" >>/etc/beltflow/beltflow.conf
     dpkg --install /beltflow.deb >"$work/dpkg" 2>&1 || fail "again: $(cat "$work/dpkg")"
+    grep -q "upgraded\|over (0.1.0)" "$work/dpkg" || fail "no upgrade: $(cat "$work/dpkg")"
+    grep -qx "retention_days = 30" /etc/beltflow/beltflow.conf || fail "an upgrade lost the settings"
+    [[ "beltflowd $(dpkg-query -W -f='${Version}' beltflow)" == "$(beltflowd --version)-1" ]] ||
+        fail "the program is $(beltflowd --version)"
     start_daemon
     curl -sS --fail "$url$run" | grep -q '"status": *"succeeded"' || fail "an upgrade lost the run"
     stop_daemon
@@ -102,14 +109,19 @@ if ((EUID != 0)); then
     echo "package: skipped, not root"
     exit 77
 fi
+lintian --allow-root --fail-on error,warning "$deb" || fail "lintian found this"
 space=$(mktemp -d)
-trap 'rmdir "$space"' EXIT
+trap 'rm -rf "$space" "$space.deb"' EXIT
 # shellcheck disable=SC2016 # the inner shell expands it
 if ! unshare --mount sh -c 'mount -t tmpfs none "$0" && mkdir "$0/up" "$0/work" "$0/root" &&
     mount -t overlay overlay -o "lowerdir=/,upperdir=$0/up,workdir=$0/work" "$0/root"' "$space"; then
     echo "package: skipped, no overlay file system"
     exit 77
 fi
+dpkg-deb --raw-extract "$deb" "$space/earlier"
+sed -i 's/^Version: .*/Version: 0.1.0/' "$space/earlier/DEBIAN/control"
+dpkg-deb -Znone --build "$space/earlier" "$space.deb" >/dev/null
+rm -r "$space/earlier"
 # shellcheck disable=SC2016
 unshare --mount --pid --fork sh -c '
     set -e
@@ -122,5 +134,6 @@ unshare --mount --pid --fork sh -c '
     mount -t tmpfs none "$0/root/run"
     cp "$1" "$0/root/beltflow.deb"
     cp "$2" "$0/root/package.sh"
-    exec chroot "$0/root" bash /package.sh --inside' "$space" "$deb" "$self"
+    cp "$3" "$0/root/earlier.deb"
+    exec chroot "$0/root" bash /package.sh --inside' "$space" "$deb" "$self" "$space.deb"
 echo "package: installed, started, upgraded, purged"
