@@ -16,6 +16,7 @@ fail()
 if [[ ${1:-} == --inside ]]; then
     export DEBIAN_FRONTEND=noninteractive LC_ALL=C
     work=$(mktemp -d)
+    rm -f /var/lib/man-db/auto-update # else each installation indexes all manual pages of this machine
 
     start_daemon()
     {
