@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #define RUN "Identifier of the run"
 
@@ -258,4 +259,20 @@ bf_status events_figures(const char *run_id, const key_figures *figures, bf_buff
     const bf_status status = key_figures_check(figures, err);
 
     return status == BF_OK ? write_event(&events_figures_data, &event, out, err) : status;
+}
+
+bf_status events_of_run(const char *run_id, const char *data, size_t n, bf_buffer *out,
+                        bf_error *err)
+{
+    static const char first[] = "{\"run\":\"";
+    const size_t n_first = sizeof first - 1, n_id = API_ID_SIZE - 1;
+    const size_t start = out->n;
+
+    if (n < n_first + n_id || memcmp(data, first, n_first) != 0)
+        return bf_fail(err, BF_ECORRUPT, "", "the data of an event are damaged");
+    if (buffer_append(out, first, n_first) == BF_OK && buffer_append(out, run_id, n_id) == BF_OK &&
+        buffer_append(out, data + n_first + n_id, n - n_first - n_id) == BF_OK)
+        return BF_OK;
+    buffer_truncate(out, start);
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
 }

@@ -49,6 +49,10 @@ BF_MUST_CHECK bf_status events_figures(const char *run_id, const key_figures *fi
 BF_MUST_CHECK bf_status events_change(const char *run_id, const frame_change *c, bf_buffer *out,
                                       bf_error *err);
 
+/// The data of an event as they are of another run that has the same results. BF_ECORRUPT: no run is named in them.
+BF_MUST_CHECK bf_status events_of_run(const char *run_id, const char *data, size_t n,
+                                      bf_buffer *out, bf_error *err);
+
 /// {"run", "status", "progress", "finished_at", "n_samples", "n_snapshots", "error"}: the last event
 /// of a run.
 BF_MUST_CHECK bf_status events_end(const api_run *record, bf_buffer *out, bf_error *err);

@@ -240,6 +240,7 @@ static bf_status count_changes(store__connection *writer, store__appending *cont
 static bf_status append_change(store__connection *writer, store__appending *context,
                                const store_item *item, bf_error *err)
 {
+    static const bf_buffer none = { 0 }; // the data stand in the results
     bf_status status = count_changes(writer, context, err);
 
     if (status != BF_OK || item->first < context->n_changes)
@@ -249,8 +250,16 @@ static bf_status append_change(store__connection *writer, store__appending *cont
                        "the changes of photo eyes have a gap: number %llu "
                        "came after %llu",
                        (unsigned long long)item->first, (unsigned long long)context->n_changes);
+    store__query q = store__begin(writer, STORE__SQL_INSERT_CHANGE);
+    store__bind_integer(&q, context->row.results);
+    store__bind_integer(&q, (int64_t)item->first);
+    store__bind_text(&q, item->event.bytes, item->event.n);
+    status = store__run(&q, err);
+    if (status != BF_OK)
+        return status;
     context->n_changes++;
-    return store__insert_event(writer, &context->row, item->type, item->first, &item->event, err);
+    context->n_bytes += item->event.n;
+    return store__insert_event(writer, &context->row, item->type, item->first, &none, err);
 }
 
 static bf_status append_item(store__connection *writer, store__appending *context, size_t i,

@@ -122,11 +122,33 @@ static bf_status describe_snapshot(store__connection *reader, const store__row *
     return events_snapshot(row->run.id, &about, row->run.parts.n_values > 0, out, err);
 }
 
-static bf_status describe_reused(store__connection *reader, const store__row *row,
-                                 api_event_type type, uint64_t item, bf_buffer *out, bf_error *err)
+static bf_status describe_change(store__connection *reader, const store__row *row, uint64_t index,
+                                 bf_buffer *out, bf_error *err)
 {
-    return type == API_EVENT_CURVE ? describe_curve(reader, row, item, out, err)
-                                   : describe_snapshot(reader, row, item, out, err);
+    bf_buffer data = { 0 };
+    bool has_row = false;
+
+    store__query q = store__begin(reader, STORE__SQL_GET_CHANGE);
+    store__bind_integer(&q, row->results);
+    store__bind_integer(&q, (int64_t)index);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        status = store__column_bytes(&q, 0, &data, err);
+    store__end(&q);
+    if (status == BF_OK)
+        status = events_of_run(row->run.id, data.bytes, data.n, out, err);
+    buffer_fini(&data);
+    return status;
+}
+
+// The data of an event that stand in the results of its run.
+static bf_status describe_event(store__connection *reader, const store__row *row,
+                                api_event_type type, uint64_t item, bf_buffer *out, bf_error *err)
+{
+    if (type == API_EVENT_CURVE)
+        return describe_curve(reader, row, item, out, err);
+    return type == API_EVENT_SNAPSHOT ? describe_snapshot(reader, row, item, out, err)
+                                      : describe_change(reader, row, item, out, err);
 }
 
 /// An event whose data stand in a buffer.
@@ -180,8 +202,8 @@ static bf_status copy_event(const store__query *q, int first, event_merge *merge
                        (unsigned long long)copied.id);
     bf_status status = store__column_bytes(q, first + 2, &merge->data, err);
     if (status == BF_OK && merge->data.n == copied.at)
-        status = describe_reused(q->connection, &merge->rows[which], copied.type, copied.snapshot,
-                                 &merge->data, err);
+        status = describe_event(q->connection, &merge->rows[which], copied.type, copied.snapshot,
+                                &merge->data, err);
     if (status != BF_OK)
         return status;
     copied.n = merge->data.n - copied.at;

@@ -3,8 +3,8 @@
 // and events to runs.
 //
 // The curve and snapshot events of a run that joined a set are rows without data: what they say
-// stands in the set, and only the run's id differs from what the other runs' events say. Those of photo eyes and
-// actions are copied with the other id.
+// stands in the set, and only the run's id differs from what the other runs' events say. So are those of photo eyes and
+// actions of all runs. Of key figures the last event is copied, with the other id.
 
 #include "server/store/store_priv.h"
 

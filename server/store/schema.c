@@ -375,11 +375,21 @@ static const char schema_18[] =
     "CREATE INDEX runs_open ON runs (state, id) WHERE state < 2;"
     "CREATE INDEX runs_ended ON runs (parent, state, id) WHERE state NOT IN (0, 1);";
 
+// Changes of photo eyes and actions belong to sets of results; the events of runs refer to them, as to samples. Events of
+// earlier versions have their data themselves.
+static const char schema_19[] =
+    "CREATE TABLE changes ("
+    "  results INTEGER NOT NULL REFERENCES results (number) ON DELETE CASCADE,"
+    "  item INTEGER NOT NULL,"
+    "  data TEXT NOT NULL," // of the event of the run that was solved
+    "  PRIMARY KEY (results, item)"
+    ") STRICT, WITHOUT ROWID;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
 const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
                                           schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
                                           schema_11, schema_12, schema_13, schema_14, schema_15,
-                                          schema_16, schema_17, schema_18 };
+                                          schema_16, schema_17, schema_18, schema_19 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

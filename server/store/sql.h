@@ -177,10 +177,14 @@
                       "(SELECT rowid FROM chunks WHERE results = ?1 LIMIT ?2)")                    \
     X(DELETE_RESULTS, "DELETE FROM results WHERE number = ?1")                                     \
     X(INSERT_EVENT, "INSERT INTO events (run, type, snapshot, data) VALUES (?1, ?2, ?3, ?4)")      \
+    X(INSERT_CHANGE, "INSERT INTO changes (results, item, data) VALUES (?1, ?2, ?3)")              \
+    X(GET_CHANGE, "SELECT data FROM changes WHERE results = ?1 AND item = ?2")                     \
     X(COUNT_CHANGES, "SELECT count(*) FROM events WHERE run = ?1 AND type IN (6, 7)")              \
-    X(COPY_EVENTS, "INSERT INTO events (run, type, snapshot, data) SELECT ?1, type, snapshot, "    \
-                   "CASE WHEN type IN (5, 6, 7) THEN replace(data, ?4, ?3) ELSE '' END"            \
-                   " FROM events WHERE run = ?2 AND type IN (2, 3, 5, 6, 7) ORDER BY id")          \
+    X(COPY_EVENTS,                                                                                 \
+      "INSERT INTO events (run, type, snapshot, data) SELECT ?1, type, snapshot, "                 \
+      "CASE WHEN type IN (5, 6, 7) THEN replace(data, ?4, ?3) ELSE '' END"                         \
+      " FROM events WHERE run = ?2 AND (type IN (2, 3, 6, 7) OR id = (SELECT max(id) "             \
+      "FROM events WHERE run = ?2 AND type = 5)) ORDER BY id")                                     \
     X(SUM_EVENTS,                                                                                  \
       "SELECT coalesce(sum(length(CAST(data AS BLOB))), 0) FROM events WHERE run = ?1")            \
     X(COUNT_SOME_CHANGES,                                                                          \
