@@ -151,6 +151,7 @@ typedef enum api_study_text {
     API_STUDY_DOCUMENT, ///< of the submission
     API_STUDY_COLUMNS,  ///< same
     API_STUDY_BEST,     ///< what was found so far: study_best_write()
+    API_STUDY_BASE,     ///< scenario of the first trial, which those of all are stored against
     API_STUDY_TEXTS
 } api_study_text;
 

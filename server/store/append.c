@@ -1,5 +1,6 @@
 #include "server/store/finish.h"
 #include "server/store/quotas.h"
+#include "server/store/texts.h"
 
 #include "api/results/events.h"
 #include "core/base/check.h"

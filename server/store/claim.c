@@ -8,6 +8,7 @@
 #include "server/store/finish.h"
 #include "server/store/quotas.h"
 #include "server/store/studies.h"
+#include "server/store/texts.h"
 #include "server/store/turns.h"
 
 #include "server/base/clock.h"
@@ -32,8 +33,7 @@ static bf_status read_texts(store__connection *reader, const store__row *row, st
     job->run = row->run;
     job->wall_s = row->wall_s;
     job->cpu_s = row->cpu_s;
-    bf_status status =
-        store__get_text(reader, row->rowid, STORE__TEXT_SCENARIO, &job->scenario, err);
+    bf_status status = store__get_run_text(reader, row, STORE__TEXT_SCENARIO, &job->scenario, err);
     return status != BF_OK
                ? status
                : store__get_text(reader, row->rowid, STORE__TEXT_COLUMNS, &job->columns, err);

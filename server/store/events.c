@@ -3,6 +3,7 @@
 // no reader waits for it.
 
 #include "server/store/store_priv.h"
+#include "server/store/texts.h"
 
 #include "api/results/events.h"
 #include "core/base/check.h"

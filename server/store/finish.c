@@ -2,6 +2,7 @@
 
 #include "server/store/finish.h"
 #include "server/store/quotas.h"
+#include "server/store/texts.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -28,8 +29,8 @@ static bf_status put_summary(store__connection *writer, const store_ending *endi
     if (ending->summary == NULL)
         return BF_OK;
     row->run.has_summary = true;
-    return store__put_text(writer, row->rowid, STORE__TEXT_SUMMARY, ending->summary,
-                           ending->n_summary, err);
+    return store__put_run_text(writer, row, STORE__TEXT_SUMMARY, ending->summary, ending->n_summary,
+                               &row->n_bytes, err);
 }
 
 static bf_status check_whole(const store__row *row, const store_ending *ending, bf_error *err)

@@ -1,36 +1,10 @@
-// Reading runs, texts, curves, snapshots and parts.
+// Reading runs, curves, snapshots and parts.
 
 #include "server/store/store_priv.h"
+#include "server/store/texts.h"
 
 #include <sqlite3.h>
 #include <string.h>
-
-bf_status store__put_text(store__connection *writer, int64_t number, store__text kind,
-                          const char *text, size_t n, bf_error *err)
-{
-    store__query q = store__begin(writer, STORE__SQL_PUT_TEXT);
-    store__bind_integer(&q, number);
-    store__bind_integer(&q, kind);
-    store__bind_text(&q, text, n);
-    return store__run(&q, err);
-}
-
-bf_status store__get_text(store__connection *c, int64_t number, store__text kind, bf_buffer *out,
-                          bf_error *err)
-{
-    bool has_row = false;
-
-    store__query q = store__begin(c, STORE__SQL_GET_TEXT);
-    store__bind_integer(&q, number);
-    store__bind_integer(&q, kind);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
-        status = store__column_bytes(&q, 0, out, err);
-    store__end(&q);
-    if (status == BF_OK && !has_row)
-        return bf_fail(err, BF_ENOTFOUND, "", "the run has no such text");
-    return status;
-}
 
 bf_status store_find(store *s, const char *id, api_run *ret_run, bf_error *err)
 {
@@ -56,13 +30,13 @@ static bf_status read_text(store__connection *reader, const char *id, api_text w
     if (status != BF_OK)
         return status;
     if (which == API_TEXT_SCENARIO)
-        return store__get_text(reader, row.rowid, STORE__TEXT_SCENARIO, out, err);
+        return store__get_run_text(reader, &row, STORE__TEXT_SCENARIO, out, err);
     const bool is_summary = which == API_TEXT_SUMMARY;
     if (is_summary ? !row.run.has_summary : row.run.figures[0] == '\0')
         return bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no %s yet",
                        run_state_word(row.run.state), is_summary ? "summary" : "key figures");
-    return store__get_text(reader, row.rowid,
-                           is_summary ? STORE__TEXT_SUMMARY : STORE__TEXT_FIGURES, out, err);
+    return store__get_run_text(reader, &row, is_summary ? STORE__TEXT_SUMMARY : STORE__TEXT_FIGURES,
+                               out, err);
 }
 
 bf_status store_read_text(store *s, const char *id, api_text which, bf_buffer *out, bf_error *err)

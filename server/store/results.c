@@ -7,6 +7,7 @@
 // actions of all runs. Of key figures the last event is copied, with the other id.
 
 #include "server/store/store_priv.h"
+#include "server/store/texts.h"
 
 #include "server/base/solver.h"
 
@@ -104,18 +105,18 @@ static bf_status copy_text(store__connection *writer, int64_t from, int64_t to, 
 }
 
 static bf_status copy_texts(store__connection *writer, const store__row *solved,
-                            const bf_buffer *scenario, const bf_buffer *summary,
-                            const store__row *row, bf_error *err)
+                            const bf_buffer *scenario, const bf_buffer *summary, store__row *row,
+                            bf_error *err)
 {
     bf_status status = copy_text(writer, solved->rowid, row->rowid, STORE__TEXT_COLUMNS, err);
     if (status == BF_OK && row->run.figures[0] != '\0')
         status = copy_text(writer, solved->rowid, row->rowid, STORE__TEXT_FIGURES, err);
     if (status == BF_OK)
-        status = store__put_text(writer, row->rowid, STORE__TEXT_SCENARIO, scenario->bytes,
-                                 scenario->n, err);
+        status = store__put_run_text(writer, row, STORE__TEXT_SCENARIO, scenario->bytes,
+                                     scenario->n, &row->n_bytes, err);
     if (status == BF_OK && row->run.has_summary)
-        status = store__put_text(writer, row->rowid, STORE__TEXT_SUMMARY, summary->bytes,
-                                 summary->n, err);
+        status = store__put_run_text(writer, row, STORE__TEXT_SUMMARY, summary->bytes, summary->n,
+                                     &row->n_bytes, err);
     return status;
 }
 
@@ -130,8 +131,7 @@ static bf_status copy_events(store__connection *writer, const store__row *solved
     return store__run(&q, err);
 }
 
-static bf_status count_bytes(store__connection *writer, const bf_buffer *scenario,
-                             const bf_buffer *summary, store__row *row, bf_error *err)
+static bf_status count_events(store__connection *writer, store__row *row, bf_error *err)
 {
     bool has_row = false;
 
@@ -139,7 +139,7 @@ static bf_status count_bytes(store__connection *writer, const bf_buffer *scenari
     store__bind_integer(&q, row->rowid);
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
-        row->n_bytes = scenario->n + summary->n + (uint64_t)sqlite3_column_int64(q.statement, 0);
+        row->n_bytes += (uint64_t)sqlite3_column_int64(q.statement, 0);
     store__end(&q);
     return status;
 }
@@ -165,7 +165,7 @@ bf_status store__reuse_results(store__connection *writer, const store__row *solv
     if (status == BF_OK)
         status = copy_events(writer, solved, row, err);
     if (status == BF_OK)
-        status = count_bytes(writer, scenario, summary, row, err);
+        status = count_events(writer, row, err);
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }
 

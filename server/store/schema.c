@@ -385,11 +385,19 @@ static const char schema_19[] =
     "  PRIMARY KEY (results, item)"
     ") STRICT, WITHOUT ROWID;";
 
+// Scenarios and summaries of trials, as what they differ in from the scenario of the study's first.
+static const char schema_20[] = "CREATE TABLE text_deltas ("
+                                "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+                                "  kind INTEGER NOT NULL,"
+                                "  data BLOB NOT NULL," // a frame of zstd
+                                "  PRIMARY KEY (run, kind)"
+                                ") STRICT;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
 const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
                                           schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
                                           schema_11, schema_12, schema_13, schema_14, schema_15,
-                                          schema_16, schema_17, schema_18, schema_19 };
+                                          schema_16, schema_17, schema_18, schema_19, schema_20 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

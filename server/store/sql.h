@@ -137,6 +137,8 @@
                      "(SELECT 1 FROM runs WHERE runs.owner = owners.owner AND runs.owner <> '')")  \
     X(PUT_TEXT, "INSERT OR REPLACE INTO texts (run, kind, data) VALUES (?1, ?2, ?3)")              \
     X(GET_TEXT, "SELECT data FROM texts WHERE run = ?1 AND kind = ?2")                             \
+    X(PUT_TEXT_DELTA, "INSERT OR REPLACE INTO text_deltas (run, kind, data) VALUES (?1, ?2, ?3)")  \
+    X(GET_TEXT_DELTA, "SELECT data FROM text_deltas WHERE run = ?1 AND kind = ?2")                 \
     X(INSERT_SAMPLES,                                                                              \
       "INSERT INTO samples (results, first, n, t, parts) VALUES (?1, ?2, ?3, ?4, ?5)")             \
     X(LIST_SAMPLES, "SELECT first, n, t, parts FROM samples WHERE results = ?1 AND first >= "      \

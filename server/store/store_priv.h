@@ -19,14 +19,6 @@ enum {
     STORE__PATH_SIZE = 1024, ///< bytes of a path with its terminator
 };
 
-/// Kinds of texts. The values stand in the store: never renumber.
-typedef enum store__text {
-    STORE__TEXT_SCENARIO, ///< the resolved document
-    STORE__TEXT_SUMMARY,  ///< summary.json
-    STORE__TEXT_COLUMNS,  ///< of the curve
-    STORE__TEXT_FIGURES,  ///< key figures so far
-} store__text;
-
 /// Where a set of results is in its life. The values stand in the store: never renumber.
 typedef enum store__results {
     STORE__RESULTS_OPEN,     ///< its run is not solved, and may never be
@@ -186,14 +178,6 @@ BF_MUST_CHECK bf_status store__emit_events(store__connection *writer, store__row
 /// BF_ECONFLICT: the state may not follow.
 BF_MUST_CHECK bf_status store__transition(store__connection *writer, store__row *row, run_state to,
                                           bf_error *err);
-
-/// Insert or replace a text of a run.
-BF_MUST_CHECK bf_status store__put_text(store__connection *writer, int64_t rowid, store__text kind,
-                                        const char *text, size_t n, bf_error *err);
-
-/// Append a text of a run to *out. BF_ENOTFOUND: there is none.
-BF_MUST_CHECK bf_status store__get_text(store__connection *c, int64_t rowid, store__text kind,
-                                        bf_buffer *out, bf_error *err);
 
 /// Insert an empty set of results for a run that will be solved; row->results follows. digest NULL:
 /// no other run will use it.

@@ -6,6 +6,7 @@
 #include "server/store/idempotency.h"
 #include "server/store/quotas.h"
 #include "server/store/store_priv.h"
+#include "server/store/texts.h"
 
 #include "api/results/results.h"
 #include "api/results/run_json.h"
@@ -84,6 +85,7 @@ static bf_status insert_new(store__connection *writer, const api_submission *sub
                             bf_error *err)
 {
     const bf_buffer *scenario = &submission->scenario, *columns = &submission->columns;
+    uint64_t n_bytes = 0;
 
     row->run.state = RUN_QUEUED;
     bf_status status =
@@ -91,12 +93,12 @@ static bf_status insert_new(store__connection *writer, const api_submission *sub
     if (status == BF_OK)
         status = store__insert_row(writer, row, err);
     if (status == BF_OK)
-        status = store__put_text(writer, row->rowid, STORE__TEXT_SCENARIO, scenario->bytes,
-                                 scenario->n, err);
+        status = store__put_run_text(writer, row, STORE__TEXT_SCENARIO, scenario->bytes,
+                                     scenario->n, &n_bytes, err);
     if (status == BF_OK)
         status = store__put_text(writer, row->rowid, STORE__TEXT_COLUMNS, columns->bytes,
                                  columns->n, err);
-    row->n_bytes = scenario->n;
+    row->n_bytes = n_bytes;
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }
 
@@ -122,7 +124,7 @@ static bf_status adapt_summary(store__connection *writer, const store__row *solv
 
     if (!solved->run.has_summary)
         return BF_OK;
-    bf_status status = store__get_text(writer, solved->rowid, STORE__TEXT_SUMMARY, &text, err);
+    bf_status status = store__get_run_text(writer, solved, STORE__TEXT_SUMMARY, &text, err);
     if (status == BF_OK)
         status = results_summary_cached(text.bytes, text.n, scenario->bytes, scenario->n, out, err);
     buffer_fini(&text);

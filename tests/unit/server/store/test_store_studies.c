@@ -65,23 +65,21 @@ static api_study start_study(store *s, const char *owner, int priority)
     return found;
 }
 
-// Begin n trials from number `from` on, whose scenarios follow from their numbers.
-static bf_status begin_trials(store *s, const api_study *of, uint64_t from, size_t n,
-                              char (*ret_runs)[API_ID_SIZE])
+// Begin n trials from number `from` on, with these scenarios.
+static bf_status begin_scenarios(store *s, const api_study *of, uint64_t from, size_t n,
+                                 const char *const *texts, char (*ret_runs)[API_ID_SIZE])
 {
     api_submission submissions[8] = { { .model = RUN_MACRO } };
     store_trial_begin begins[8] = { { .submission = NULL } };
     store_study_step step = {
         .id = of->id, .n_begins = n, .begins = begins, .state = API_STUDY_STATES
     };
-    char text[32];
     api_study after;
 
     assert_in_range(n, 1, 8);
     for (size_t k = 0; k < n; k++) {
-        snprintf(text, sizeof text, "{\"duration_s\":%d}", (int)(from + k));
-        fill(&submissions[k].scenario, text);
-        fill(&submissions[k].identity, text);
+        fill(&submissions[k].scenario, texts[k]);
+        fill(&submissions[k].identity, texts[k]);
         fill(&submissions[k].columns, "upstream,left_domain");
         snprintf(submissions[k].owner, sizeof submissions[k].owner, "%s", of->owner);
         begins[k] = (store_trial_begin){ .trial = { .number = from + k,
@@ -100,6 +98,20 @@ static bf_status begin_trials(store *s, const api_study *of, uint64_t from, size
         buffer_fini(&submissions[k].columns);
     }
     return status;
+}
+
+// The same, whose scenarios follow from their numbers.
+static bf_status begin_trials(store *s, const api_study *of, uint64_t from, size_t n,
+                              char (*ret_runs)[API_ID_SIZE])
+{
+    const char *pointers[8];
+    char texts[8][32];
+
+    for (size_t k = 0; k < n; k++) {
+        snprintf(texts[k], sizeof texts[k], "{\"duration_s\":%d}", (int)(from + k));
+        pointers[k] = texts[k];
+    }
+    return begin_scenarios(s, of, from, n, pointers, ret_runs);
 }
 
 static bf_status end_trial(store *s, const api_study *of, uint64_t number, api_trial_state state)
@@ -315,6 +327,77 @@ static void the_same_trial_of_another_study_has_its_results_at_once(void **state
     buffer_fini(&submission.scenario);
     buffer_fini(&submission.identity);
     buffer_fini(&submission.columns);
+}
+
+// A scenario of some hundred kilobytes, in which a trial has its angle.
+static bf_buffer make_large(int angle)
+{
+    bf_buffer text = { 0 };
+
+    assert_int_equal(buffer_printf(&text, "{\"angle_deg\":%d,\"positions_m\":[", angle), BF_OK);
+    for (int k = 0; k < 20000; k++)
+        assert_int_equal(buffer_printf(&text, "[%.4f,%.4f],", sin(k), cos(7.0 * k)), BF_OK);
+    assert_int_equal(buffer_printf(&text, "[0,0]],\"substream\":%d}", angle), BF_OK);
+    return text;
+}
+
+static int64_t bytes_of(const helper_store *h, const char *id, const char *table)
+{
+    char sql[320];
+
+    snprintf(
+        sql, sizeof sql,
+        "SELECT coalesce(sum(length(CAST(data AS BLOB))), 0) FROM %s JOIN runs ON run = number "
+        "WHERE id = '%s' AND kind < 2",
+        table, id);
+    return helper_store_sql(h, sql);
+}
+
+// End the next trial with a summary that has its scenario, and compare both with what is read.
+static void check_texts(const helper_store *h, const char *id, const bf_buffer *scenario)
+{
+    const api_run claimed = helper_claim(h->store);
+    bf_buffer summary = { 0 }, read = { 0 };
+    api_run after;
+
+    assert_string_equal(claimed.id, id);
+    assert_int_equal(buffer_printf(&summary, "{\"steps\":9,\"scenario\":%s}", scenario->bytes),
+                     BF_OK);
+    const store_ending ending = {
+        .run_id = id, .state = RUN_SUCCEEDED, .summary = summary.bytes, .n_summary = summary.n
+    };
+    assert_int_equal(store_finish(h->store, &ending, &after, NULL), BF_OK);
+    assert_int_equal(store_read_text(h->store, id, API_TEXT_SCENARIO, &read, NULL), BF_OK);
+    assert_string_equal(read.bytes, scenario->bytes);
+    read.n = 0;
+    assert_int_equal(store_read_text(h->store, id, API_TEXT_SUMMARY, &read, NULL), BF_OK);
+    assert_string_equal(read.bytes, summary.bytes);
+    buffer_fini(&summary);
+    buffer_fini(&read);
+}
+
+// Each trial had its scenario, and its summary had it once more.
+static void a_trial_takes_the_room_of_what_it_differs_in(void **state)
+{
+    helper_store *h = *state;
+    char runs[3][API_ID_SIZE];
+    bf_buffer texts[3];
+    const char *pointers[3];
+
+    for (int k = 0; k < 3; k++) {
+        texts[k] = make_large(30 + k);
+        pointers[k] = texts[k].bytes;
+    }
+    const api_study of = start_study(h->store, "", 0);
+    assert_int_equal(begin_scenarios(h->store, &of, 0, 3, pointers, runs), BF_OK);
+    for (int k = 0; k < 3; k++) {
+        check_texts(h, runs[k], &texts[k]);
+        assert_int_equal(bytes_of(h, runs[k], "texts"), 0);
+        assert_in_range(bytes_of(h, runs[k], "text_deltas"), 1, 500);
+    }
+    check_soundness(h);
+    for (int k = 0; k < 3; k++)
+        buffer_fini(&texts[k]);
 }
 
 static void a_run_by_itself_comes_before_trials(void **state)
@@ -533,6 +616,7 @@ int main(void)
         CASE(a_page_of_trials_has_a_limit),
         CASE(trials_with_a_gap_are_refused),
         CASE(the_same_trial_of_another_study_has_its_results_at_once),
+        CASE(a_trial_takes_the_room_of_what_it_differs_in),
         CASE(a_run_by_itself_comes_before_trials),
         CASE(studies_take_turns_and_so_do_their_owners),
         CASE(what_is_paused_begins_no_trial_until_it_goes_on),
