@@ -109,11 +109,6 @@ static void check_objective(json_in *in, study_document *d, const scene *s, size
     snprintf(place, sizeof place, "/objectives/%zu/of", k);
     if ((f->models & FIGURE_BY_DENSITY) == 0 && (needs_both || d->model == RUN_MACRO))
         faults_add(in->faults, figure_place, "the macroscopic model does not have this figure");
-    else if (o->figure >= FIGURE_RESIDENCE_P50 && o->figure <= FIGURE_RESIDENCE_P99 &&
-             s->n_feeds > 0 && (needs_both || d->model == RUN_MACRO))
-        faults_add(in->faults, figure_place,
-                   "the macroscopic model does not have it of a belt that is fed; it has "
-                   "residence_s.mean");
     if (n == 0)
         faults_add(in->faults, figure_place, "is of a %s, and the scenario has none",
                    words[f->scope]);

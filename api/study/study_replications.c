@@ -12,20 +12,13 @@
 static const figure_id values[] = { FIGURE_SUSTAINED, FIGURE_RESIDENCE_MEAN, FIGURE_RESIDENCE_P95,
                                     FIGURE_JAM_COUNT, FIGURE_QUEUE_END };
 
-// Percentiles of residence are those of parts, as the density has them not in all runs.
-static bool has_value(run_model model, figure_id id)
-{
-    return model == RUN_MICRO ||
-           (id != FIGURE_RESIDENCE_P95 && (figure_table[id].models & FIGURE_BY_DENSITY) != 0);
-}
-
 static void write_objectives(json_out *w, run_model model)
 {
     char word[MEMBER_TEXT_SIZE];
 
     json_out_array(w);
     for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
-        if (!has_value(model, values[k]))
+        if (model == RUN_MACRO && (figure_table[values[k]].models & FIGURE_BY_DENSITY) == 0)
             continue;
         study__figure_word(values[k], word);
         json_out_object(w);

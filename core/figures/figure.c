@@ -29,13 +29,13 @@ const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_RESIDENCE_MEAN] = { "residence_s", "mean", "s",
                                 "Mean time from entering (or the start) to leaving the domain, of "
                                 "each part that was inside after the warm-up, those still inside "
-                                "counting as longer than their age (Kaplan-Meier; microscopic, "
-                                "with feeds), of each part that left (without), or by the "
-                                "distance in time of the cumulative curves of entries and exits, "
-                                "first in, first out (macroscopic)",
+                                "counting as longer than their age (Kaplan-Meier; with feeds; of a "
+                                "density by the times of entry that it carries along), or of each "
+                                "part that left (without)",
                                 OF(RUN, BOTH) },
     [FIGURE_RESIDENCE_P50] = { "residence_s", "p50", "s",
-                               "Median of the same times; of a density that is fed there is none",
+                               "Median of the same times; of a density, in which what mixes gets "
+                               "the mean of its times, percentiles are closer together",
                                OF(RUN, BOTH) },
     [FIGURE_RESIDENCE_P90] = { "residence_s", "p90", "s", "90 % of these times are not longer",
                                OF(RUN, BOTH) },

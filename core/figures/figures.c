@@ -107,7 +107,7 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
         return bf_fail(err, BF_ENOMEM, "", "no memory for key figures");
     f->s = s;
     f->has_parts = has_parts;
-    f->has_exits = has_parts && s->n_feeds > 0;
+    f->has_exits = s->n_feeds > 0;
     f->run.drained_at = f->run.jam.first = f->run.peak = (double)NAN;
     for (size_t k = 0; k < s->n_eyes; k++)
         f->eyes[k].last_end = (double)NAN;
@@ -156,13 +156,29 @@ static void forget_ages(figures *f)
     f->are_ages_old = false;
 }
 
+void figures_forget_ages(figures *f)
+{
+    f->are_ages_old = true;
+    forget_ages(f);
+}
+
+void figures_add_age(figures *f, double age, double parts)
+{
+    if (f->has_exits)
+        quantiles_add(&f->ages, age, parts);
+}
+
+bool figures_ends_warmup(const figures *f, double t)
+{
+    return !f->run.is_warm && t >= f->s->warmup;
+}
+
 void figures_add_cargo(figures *f, const figures_cargo *cargo)
 {
     const cargo_state state = state_of(cargo);
 
     forget_ages(f);
-    if (f->has_exits)
-        quantiles_add(&f->ages, cargo->age, cargo->parts);
+    figures_add_age(f, cargo->age, cargo->parts);
     f->run.has_cargo = 1;
     const double upstream = f->upstream.x * cargo->at.x + f->upstream.y * cargo->at.y;
 
@@ -251,7 +267,7 @@ void figures_sample(figures *f, const figures_now *now)
 
     forget_ages(f);
     f->are_ages_old = true;
-    if (!was_warm && now->t >= f->s->warmup)
+    if (figures_ends_warmup(f, now->t))
         begin(f, now);
     for (size_t k = 0; k < f->s->n_counters; k++)
         sample_counter(&f->counters[k], was_warm, f->run.is_warm, now->t - f->run.t,
@@ -285,10 +301,10 @@ void figures_peak(figures *f, double density)
         f->run.peak = fmax(f->run.peak, density);
 }
 
-void figures_exit(figures *f, double residence)
+void figures_exit(figures *f, double residence, double parts)
 {
     if (f->run.is_warm)
-        quantiles_add(&f->residence, residence, 1.0);
+        quantiles_add(&f->residence, residence, parts);
 }
 
 void figures_wait(figures *f, size_t feed, double wait)

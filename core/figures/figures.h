@@ -61,9 +61,18 @@ void figures_sample(figures *f, const figures_now *now);
 /// The largest density of a sample or snapshot, taken after the sample of the same time.
 void figures_peak(figures *f, double density);
 
-/// A part left the domain after a time in it, s. Models without parts and scenes without feeds leave it out: there
+/// Parts, which need not be whole, of this age, s, are in the domain: those of models that do not call figures_add_cargo(),
+/// of scenes with feeds, told before the sample that ends the warm-up and before the values are filled. The first
+/// call of a time comes after figures_forget_ages().
+void figures_forget_ages(figures *f);
+void figures_add_age(figures *f, double age, double parts);
+
+/// True if a sample at t is the one that ends the warm-up.
+bool figures_ends_warmup(const figures *f, double t);
+
+/// Parts, which need not be whole, left the domain after a time in it, s. Scenes without feeds leave it out: there
 /// residence follows from the samples.
-void figures_exit(figures *f, double residence);
+void figures_exit(figures *f, double residence, double parts);
 
 /// A part of a feed entered after a wait, s. Models without parts leave it out: waits follow from the samples.
 void figures_wait(figures *f, size_t feed, double wait);

@@ -76,7 +76,7 @@ typedef struct run_sums {
 struct figures {
     const scene *s; ///< borrowed
     bool has_parts; ///< the model is that of parts
-    bool has_exits; ///< figures_exit() is called; else all entered at the start, or have no id
+    bool has_exits; ///< there are feeds: figures_exit() is called; else all entered at the start
     bool has_plate; ///< one that holds cargo back
     vec2 upstream;  ///< against the belt's direction
     double plate_ends[SCENE_OBSTACLES_MAX];    ///< along that direction, m; INFINITY: a guide
@@ -85,12 +85,12 @@ struct figures {
     counter_sums counters[SCENE_COUNTERS_MAX]; ///< of each counter
     eye_sums eyes[SCENE_EYES_MAX];             ///< of each photo eye
     quantiles residence;                       ///< times in the domain
-    quantiles ages;       ///< has_exits: of the parts inside, at the last sample
-    quantiles ages_first; ///< same at the end of the warm-up
-    bool are_ages_old;    ///< those of the sample that is being taken have not begun to come
+    quantiles ages;                            ///< has_exits: of what is inside, at the last sample
+    quantiles ages_first;                      ///< same at the end of the warm-up
+    bool are_ages_old; ///< those of the sample that is being taken have not begun to come
     quantiles waits[SCENE_FEEDS_MAX]; ///< waits at each feed
     quantiles gaps[SCENE_EYES_MAX];   ///< gaps at each photo eye
-    fifo inside;                      ///< without parts: the domain
+    fifo inside;                      ///< without feeds: the domain
     fifo queues[SCENE_FEEDS_MAX];     ///< without parts: each feed
     thinned
         outflow; ///< without feeds: the first counter's curve after the warm-up, with what fell in it

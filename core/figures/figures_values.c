@@ -42,13 +42,11 @@ static void fill_run(const figures *f, double *ret_values)
     const run_sums *run = &f->run;
     const jam_sums *jam = &run->jam;
 
-    // Fed cargo without parts leaves first in, first out: its percentiles would be copies of its mean.
     if (f->residence.weight >= whole_part && f->ages.weight + f->ages_first.weight > 0.0)
         survival_find(&(survival){ &f->residence, &f->ages, &f->ages_first }, p, N_PERCENTILES,
                       &ret_values[FIGURE_RESIDENCE_MEAN], &ret_values[FIGURE_RESIDENCE_P50]);
     else if (f->residence.weight >= whole_part)
-        fill_quantiles(f, &f->residence, 0, FIGURE_RESIDENCE_MEAN, p,
-                       f->has_exits || f->s->n_feeds == 0 ? N_PERCENTILES : 0, ret_values);
+        fill_quantiles(f, &f->residence, 0, FIGURE_RESIDENCE_MEAN, p, N_PERCENTILES, ret_values);
     ret_values[FIGURE_DRAINED_AT] = run->drained_at;
     ret_values[FIGURE_ENTERED] = run->entered;
     ret_values[FIGURE_LEFT] = run->exited;

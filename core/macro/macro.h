@@ -62,11 +62,12 @@ typedef struct macro_def {
     const scene_belt *belts; ///< with checked speed schedules, which scale v1, v2 and I
     const uint16_t *belt1;   ///< with belts: index of that under each x1-face, n_belts: none
     const uint16_t *belt2;   ///< same for the x2-faces
-    const uint8_t *off; ///< nonzero: what is in this cell after a step falls (default NULL: none)
-    bool mirror[4];     ///< west, east, south, north: the convolution sees the density mirrored at
-                        ///< this edge instead of zero outside (default false)
-    int n_threads;      ///< threads to use, >= 1 (default 1)
-    uint32_t cookie;    ///< set by macro_def_default(); do not change
+    const uint8_t *off;   ///< nonzero: what is in this cell after a step falls (default NULL: none)
+    bool has_entry_times; ///< when cargo entered is carried along (entry_times.h; default false)
+    bool mirror[4];  ///< west, east, south, north: the convolution sees the density mirrored at
+                     ///< this edge instead of zero outside (default false)
+    int n_threads;   ///< threads to use, >= 1 (default 1)
+    uint32_t cookie; ///< set by macro_def_default(); do not change
 } macro_def;
 
 /// A running solver; opaque, on the heap.
@@ -78,6 +79,12 @@ typedef struct macro_totals {
     double peak;   ///< largest rho
     double fallen; ///< integral of what fell since t = 0, m2
 } macro_totals;
+
+/// What left the grid through the outer side of a cell in a step.
+typedef struct macro_exit {
+    double density; ///< in densities of a cell
+    double entered; ///< when, s; of what mixed the mean
+} macro_exit;
 
 /// The defaults above.
 macro_def macro_def_default(void);
@@ -94,8 +101,15 @@ macro_solver *macro_destroy(macro_solver *s);
 BF_MUST_CHECK bf_status macro_set_density(macro_solver *s, const double *rho, size_t n,
                                           bf_error *err);
 
-/// Add a density to a cell, layout of grid.h, between two steps; one below 0 takes some of what there is.
-void macro_add(macro_solver *s, size_t cell, double density);
+/// Add a density that entered at a time, s, to a cell, layout of grid.h, between two steps; one below 0 takes some of
+/// what there is.
+void macro_add(macro_solver *s, size_t cell, double density, double entered);
+
+/// When the cargo of a cell entered in the mean, s; 0 without has_entry_times.
+double macro_entered(const macro_solver *s, size_t cell);
+
+/// What left in the last step, *ret_n exits; without has_entry_times none. Borrowed until the next non-const call.
+const macro_exit *macro_exits(const macro_solver *s, size_t *ret_n);
 
 /// True if what is in a cell falls.
 bool macro_is_off(const macro_solver *s, size_t cell);

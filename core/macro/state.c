@@ -3,6 +3,7 @@
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/macro/congested.h"
+#include "core/macro/entry_times.h"
 #include "core/macro/macro_priv.h"
 #include "core/scene/definition.h"
 
@@ -82,16 +83,29 @@ bf_status macro_set_density(macro_solver *s, const double *rho, size_t n, bf_err
         memset(s->fallen, 0, grid_cells(&s->def.grid) * sizeof *s->fallen);
     if (s->congested != NULL)
         congested_reset(s);
+    if (s->entries != NULL)
+        entry_times_reset(s);
     return BF_OK;
 }
 
-void macro_add(macro_solver *s, size_t cell, double density)
+// The mean of the times of what is in a cell and of what comes.
+static void add_entry(const macro_solver *s, ptrdiff_t i, ptrdiff_t j, double before,
+                      double density, double entered)
+{
+    double *time = macro__row(s, s->entries->times, j) + i;
+
+    *time = (before * *time + density * entered) / (before + density);
+}
+
+void macro_add(macro_solver *s, size_t cell, double density, double entered)
 {
     const ptrdiff_t j = (ptrdiff_t)cell / s->n1, i = (ptrdiff_t)cell % s->n1, b = i / BLOCK_CELLS;
     double *row = macro__row(s, s->now.rho, j);
 
     if (density == 0.0)
         return;
+    if (s->entries != NULL && density > 0.0)
+        add_entry(s, i, j, row[i], density, entered);
     row[i] += density;
     s->now.span[j] = block_span_hull(s->now.span[j], (block_span){ b, b + 1 });
     if (row[i] >= active_from(s))
@@ -99,6 +113,19 @@ void macro_add(macro_solver *s, size_t cell, double density)
     if (row[i] >= active_from(s) && i % BLOCK_CELLS == 0)
         block_set_add(macro__set(s, s->now.active_first, j), b);
     macro__fill_margins(s, row);
+}
+
+double macro_entered(const macro_solver *s, size_t cell)
+{
+    return s->entries != NULL
+               ? macro__row(s, s->entries->times, (ptrdiff_t)cell / s->n1)[(ptrdiff_t)cell % s->n1]
+               : 0.0;
+}
+
+const macro_exit *macro_exits(const macro_solver *s, size_t *ret_n)
+{
+    *ret_n = s->entries != NULL ? s->entries->n_exits : 0;
+    return s->entries != NULL ? s->entries->exits : NULL;
 }
 
 bool macro_is_off(const macro_solver *s, size_t cell)
@@ -261,6 +288,7 @@ uint64_t macro__digest_definition(const macro_def *def)
     uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
 
     digest = digest_add(digest, def->mirror, sizeof def->mirror);
+    digest = digest_add(digest, &def->has_entry_times, sizeof def->has_entry_times);
     digest = digest_add(digest, def->v1, def->v1 == NULL ? 0 : n_faces1 * sizeof *def->v1);
     digest = digest_add(digest, def->v2, def->v2 == NULL ? 0 : n_faces2 * sizeof *def->v2);
     digest = digest_add(digest, def->closed1, def->closed1 == NULL ? 0 : n_faces1);
@@ -287,6 +315,7 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
     enum { SMALL_STATE_BYTES = 65536 }; // of all else
     const size_t n_arrays = grid_cells(&s->def.grid) * sizeof(double) +
                             (s->fallen != NULL ? grid_cells(&s->def.grid) * sizeof(double) : 0) +
+                            (s->entries != NULL ? grid_cells(&s->def.grid) * sizeof(double) : 0) +
                             (s->congested != NULL ? congested_state_size(s) : 0);
     checkpoint_writer w;
 
@@ -299,6 +328,8 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
         checkpoint_write(&w, macro_row(s, j), s->def.grid.n1 * sizeof(double));
     if (s->fallen != NULL)
         checkpoint_write(&w, s->fallen, grid_cells(&s->def.grid) * sizeof *s->fallen);
+    if (s->entries != NULL)
+        entry_times_save(s, &w);
     if (s->congested != NULL)
         congested_save(s, &w);
     belt_speeds_save(&s->speeds, &w);
@@ -318,9 +349,12 @@ bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err
     const char *rho = has_steps ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
     const char *fallen =
         rho != NULL && s->fallen != NULL ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
+    const char *entries =
+        rho != NULL && s->entries != NULL ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
     checkpoint_reader closure = r;
     const size_t n_closure = s->congested != NULL ? congested_state_size(s) : 0;
     if (rho == NULL || (s->fallen != NULL && fallen == NULL) ||
+        (s->entries != NULL && entries == NULL) ||
         (n_closure > 0 && checkpoint_read_items(&r, 1, n_closure) == NULL) ||
         !belt_speeds_load(&s->speeds, &r) || r.n_left != 0)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
@@ -329,6 +363,8 @@ bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err
     take_density(s, rho);
     if (fallen != NULL)
         memcpy(s->fallen, fallen, n_bytes);
+    if (entries != NULL)
+        entry_times_load(s, entries);
     s->steps = steps;
     return BF_OK;
 }

@@ -229,7 +229,7 @@ static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, dou
                 continue;
             const double taken = fmin(density, fmax(0.0, x->full - density_of(x, to)));
             if (taken > 0.0)
-                macro_add(x->solver, to, taken);
+                macro_add(x->solver, to, taken, macro_entered(x->solver, start));
             density -= taken;
             if (density <= 0.0)
                 return 0.0;
@@ -239,7 +239,7 @@ static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, dou
 }
 
 // Spreads what found no room over the cells that were found. False: there is none.
-static bool spread(const hand_on_context *x, double density)
+static bool spread(const hand_on_context *x, double density, double entered)
 {
     const swept_cells *c = x->cells;
     size_t n = 0;
@@ -248,20 +248,20 @@ static bool spread(const hand_on_context *x, double density)
         n += !is_swept(c, c->queue[k]);
     for (size_t k = 0; k < c->n_queue; k++)
         if (!is_swept(c, c->queue[k]))
-            macro_add(x->solver, c->queue[k], density / (double)n);
+            macro_add(x->solver, c->queue[k], density / (double)n, entered);
     return n > 0;
 }
 
 static void hand_on_cell(void *context, size_t cell, vec2 ahead)
 {
     const hand_on_context *x = context;
-    const double density = density_of(x, cell);
+    const double density = density_of(x, cell), entered = macro_entered(x->solver, cell);
 
     if (density == 0.0)
         return;
     const double left = fill_cells(x, cell, ahead, density);
-    const bool is_done = left == 0.0 || spread(x, left);
-    macro_add(x->solver, cell, is_done ? -density : left - density);
+    const bool is_done = left == 0.0 || spread(x, left, entered);
+    macro_add(x->solver, cell, is_done ? -density : left - density, entered);
 }
 
 void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,

@@ -100,7 +100,9 @@ bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, con
         status = c->backend->depart(solver, &departures, err);
     for (size_t k = 0; k < departures.n; k++)
         if (!departures.items[k].has_fallen)
-            figures_exit(to, departures.items[k].left - departures.items[k].entered);
+            figures_exit(to, departures.items[k].left - departures.items[k].entered, 1.0);
+    if (c->backend->tell_exits != NULL && c->scene->n_feeds > 0)
+        c->backend->tell_exits(solver, to);
     for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++)
         status = watch_eye(c, solver, k, step, to, sink, err);
     if (status == BF_OK)

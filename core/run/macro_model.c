@@ -100,6 +100,7 @@ static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
     def.closed1 = f->closed1;
     def.closed2 = f->closed2;
     def.off = f->off;
+    def.has_entry_times = s->n_feeds > 0;
     if (f->belt1 != NULL) {
         def.n_belts = s->n_belts;
         def.belts = s->belts;
@@ -273,7 +274,7 @@ static void add_to_cell(void *context, size_t cell, double density)
 {
     const macro_run *run = context;
 
-    macro_add(run->solver, cell, density);
+    macro_add(run->solver, cell, density, macro_time(run->solver));
 }
 
 static bool is_dense(const macro_run *run, size_t eye)
@@ -394,6 +395,34 @@ static run_load measure_run(const void *solver)
                        .peak = totals.peak };
 }
 
+// What density thins out to without end is no cargo that has a time.
+static const double least_density = 1e-9;
+
+static void tell_exits(const void *solver, figures *to)
+{
+    const macro_run *run = solver;
+    const double now = macro_time(run->solver), parts = run->packing * run->grid.d1 * run->grid.d2;
+    size_t n;
+    const macro_exit *exits = macro_exits(run->solver, &n);
+
+    for (size_t k = 0; k < n; k++)
+        if (exits[k].density > least_density)
+            figures_exit(to, fmax(now - exits[k].entered, 0.0), parts * exits[k].density);
+}
+
+static void tell_ages(const void *solver, figures *to)
+{
+    const macro_run *run = solver;
+    const double now = macro_time(run->solver), parts = run->packing * run->grid.d1 * run->grid.d2;
+
+    figures_forget_ages(to);
+    for (size_t cell = 0; cell < grid_cells(&run->grid); cell++) {
+        const double density = density_of_cell(run, cell);
+        if (density > least_density)
+            figures_add_age(to, fmax(now - macro_entered(run->solver, cell), 0.0), parts * density);
+    }
+}
+
 static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load, bf_error *err)
 {
     const macro_run *run = solver;
@@ -481,6 +510,8 @@ const run_backend run__macro = {
     .save = save_run,
     .load = load_run,
     .digest = digest_run,
+    .tell_ages = tell_ages,
+    .tell_exits = tell_exits,
     .look = look_run,
     .command = command_run,
     .admit = admit_run,

@@ -272,8 +272,16 @@ static bf_status emit_progress(run *r, const run_sink *sink, bf_error *err)
     return sink->take(sink->context, &f, err);
 }
 
+// Of models that say it apart from their cargo.
+static void tell_ages(run *r)
+{
+    if (r->backend->tell_ages != NULL && r->scene->n_feeds > 0)
+        r->backend->tell_ages(r->solver, r->figures);
+}
+
 static bf_status emit_figures(run *r, const run_sink *sink, bf_error *err)
 {
+    tell_ages(r);
     figures_fill(r->figures, r->figure_values);
     const frame f = { .type = FRAME_FIGURES,
                       .figures = { .t = figures_time(r->figures),
@@ -367,6 +375,8 @@ static void sample_figures(run *r, const run_load *load, const double *columns)
 
     if (r->backend->tell_cargo != NULL)
         r->backend->tell_cargo(r->solver, r->figures);
+    if (figures_ends_warmup(r->figures, now.t))
+        tell_ages(r);
     figures_sample(r->figures, &now);
     if (r->backend->parts == NULL)
         figures_peak(r->figures, load->peak);

@@ -94,10 +94,14 @@ typedef struct run_backend {
 
     /// Tell the figures of all cargo, before a sample. NULL: its speed is not known.
     void (*tell_cargo)(const void *solver, figures *to);
+    /// Tell the figures how long all cargo has been there. NULL: tell_cargo() says it.
+    void (*tell_ages)(const void *solver, figures *to);
 
     // At a tick, in this order (control.h). The time is that of the steps made.
     /// Take the parts that left the domain or fell since the last tick. NULL: the model has no parts. BF_ENOMEM.
     bf_status (*depart)(void *solver, run_departures *ret_departures, bf_error *err);
+    /// Tell the figures what left in the last step, in parts that need not be whole. NULL: depart() says it.
+    void (*tell_exits)(const void *solver, figures *to);
     /// What a photo eye sees. BF_ENOMEM.
     bf_status (*look)(void *solver, size_t eye, run_view *ret_view, bf_error *err);
     /// Give the target of an action its value.

@@ -119,6 +119,11 @@ typedef struct congested_kernels {
     /// rho = rho* - dt div G of these cells of a row, both colours, in place in `next`.
     void (*correct)(const macro_solver *s, const congested *c, ptrdiff_t row,
                     congested_range cells);
+    /// Hold what the upwind transport of blocks of a row moves through its x1-faces and those south of it, and what the
+    /// correction does around these cells, both colours, in the rows of entry_times.h.
+    void (*hold_transport)(const macro_solver *s, ptrdiff_t row, block_span span);
+    void (*hold_correction)(const macro_solver *s, const congested *c, ptrdiff_t row,
+                            congested_range cells);
     /// True if G takes more out of one of these cells than the part CONGESTED_MOST_LOST of what it holds in `next`.
     bool (*is_overdrawn)(const macro_solver *s, const congested *c, ptrdiff_t row,
                          congested_range cells);
@@ -223,10 +228,6 @@ static inline float *congested__pressure(const congested *c, ptrdiff_t i, ptrdif
     return congested__row(c, c->pressure[(i + j) & 1], j) + (i >> 1);
 }
 
-/// Fill rows first <= row < last of `next` with rho*, with its spans; all members of the team call it.
-void congested__transport(macro_solver *s, int member, ptrdiff_t first, ptrdiff_t last,
-                          team_barrier *barrier);
-
 /// Bring thresholds and crosswise gradients of all active faces to this step; for solvers that are not forward.
 void congested__set_coupling(macro_solver *s);
 
@@ -234,17 +235,4 @@ void congested__set_coupling(macro_solver *s);
 /// Each build's table has a name of its own.
 #define congested__kernels CPU_NAME(congested__kernels)
 extern const congested_kernels congested__kernels;
-/// transport_kernels.c's part of it.
-#define congested__transport_upwind CPU_NAME(congested__transport_upwind)
-#define congested__muscl_states_x2  CPU_NAME(congested__muscl_states_x2)
-#define congested__muscl_flux_x2    CPU_NAME(congested__muscl_flux_x2)
-#define congested__muscl_update     CPU_NAME(congested__muscl_update)
-void congested__transport_upwind(const macro_solver *s, ptrdiff_t row, ptrdiff_t i_min,
-                                 ptrdiff_t i_max, double *ret_rho);
-void congested__muscl_states_x2(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,
-                                block_span span);
-void congested__muscl_flux_x2(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,
-                              block_span span);
-void congested__muscl_update(const macro_solver *s, const congested_stage *stage, ptrdiff_t row,
-                             block_span span);
 #endif

@@ -1,6 +1,7 @@
 // One step of the congested closure: transport, pressure, correction.
 
 #include "core/macro/congested/congested_priv.h"
+#include "core/macro/congested/transport.h"
 
 #include <float.h>
 #include <math.h>
@@ -280,6 +281,8 @@ static void correct_row(macro_solver *s, const congested *c, ptrdiff_t row)
 
     if (cells.first < cells.last) {
         c->kernels.correct(s, c, row, cells);
+        if (s->entries != NULL)
+            c->kernels.hold_correction(s, c, row, cells);
         span = block_span_hull(
             span, (block_span){ 2 * cells.first / BLOCK_CELLS, 2 * cells.last / BLOCK_CELLS });
         span.last = span.last < s->n_blocks ? span.last : s->n_blocks;

@@ -199,8 +199,6 @@ static const struct {
     { WITH(", 'model': 'micro'", ANGLE, "{'figure': 'queue_end_m'}",
            "'type': 'screen', 'indifference': 1", ""),
       "/objectives/0/figure" },
-    { FED("", ANGLE, "{'figure': 'residence_s.p95'}", "'type': 'lhs'", ""),
-      "/objectives/0/figure" },
     { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes'", ", 'limits': {'trials': 3}"),
       "/limits/trials" },
     { WITH("", ANGLE, THROUGHPUT, "'type': 'grid', 'confidence': 1", ""), "/method/confidence" },

@@ -184,12 +184,12 @@ static void residence_is_that_of_each_part_that_left(void **state)
     fixture x;
     begin(&x, 1.0, true);
     sample(&x, 0.0, 5.0, 0.0);
-    figures_exit(x.f, 100.0);
+    figures_exit(x.f, 100.0, 1.0);
     sample(&x, 1.0, 4.0, 1.0);
-    figures_exit(x.f, 1.0);
-    figures_exit(x.f, 2.0);
-    figures_exit(x.f, 3.0);
-    figures_exit(x.f, 10.0);
+    figures_exit(x.f, 1.0, 1.0);
+    figures_exit(x.f, 2.0, 1.0);
+    figures_exit(x.f, 3.0, 1.0);
+    figures_exit(x.f, 10.0, 1.0);
     assert_near(value(&x, FIGURE_RESIDENCE_MEAN, 0), 4.0, 1e-14);
     assert_near(value(&x, FIGURE_RESIDENCE_P50, 0), 2.0, 2.0 / 256.0);
     assert_near(value(&x, FIGURE_RESIDENCE_P90, 0), 10.0, 10.0 / 256.0);
@@ -212,9 +212,9 @@ static void parts_that_are_inside_stay_longer_than_their_age(void **state)
     sample(&x, 0.0, 1.0, 0.0);
     figures_add_cargo(x.f, &at_first[0]);
     sample(&x, 1.0, 1.0, 0.0);
-    figures_exit(x.f, 1.0);
-    figures_exit(x.f, 3.0);
-    figures_exit(x.f, 5.0);
+    figures_exit(x.f, 1.0, 1.0);
+    figures_exit(x.f, 3.0, 1.0);
+    figures_exit(x.f, 5.0, 1.0);
     figures_add_cargo(x.f, &at_last[0]);
     figures_add_cargo(x.f, &at_last[1]);
     sample(&x, 6.0, 2.0, 3.0);
@@ -243,22 +243,26 @@ static void residence_of_a_density_is_the_distance_of_the_curves(void **state)
     end(&x);
 }
 
-// 10 parts/s enter and leave 2 s later; a tenth of a part says nothing of residence.
-static void a_density_that_is_fed_has_no_percentiles(void **state)
+// Halves of parts leave after 1 s and after 3 s. Once all have left that were seen there is no age; a tenth of a part
+// says nothing of residence.
+static void residence_of_a_density_that_is_fed_is_what_exits_tell(void **state)
 {
     (void)state;
     fixture x;
     begin(&x, 0.0, false);
-    for (int k = 0; k <= 8; k++) {
-        const double entered = 5.0 * k, exited = k <= 4 ? 0.0 : k == 5 ? 0.1 : 5.0 * (k - 4);
-        sample_feed(&x, 0.5 * k, entered - exited, exited, (feed_balance){ .offered = entered });
-        if (k == 0)
-            assert_true(isnan(value(&x, FIGURE_DRAINED_AT, 0))); // nothing has come yet
-        if (k == 5)
-            assert_true(isnan(value(&x, FIGURE_RESIDENCE_MEAN, 0)));
-    }
-    assert_near(value(&x, FIGURE_RESIDENCE_MEAN, 0), 2.1, 0.1);
-    assert_true(isnan(value(&x, FIGURE_RESIDENCE_P50, 0)));
+    sample(&x, 0.0, 0.0, 0.0);
+    figures_exit(x.f, 1.0, 0.1);
+    assert_true(isnan(value(&x, FIGURE_RESIDENCE_MEAN, 0)));
+    figures_exit(x.f, 1.0, 0.4);
+    figures_exit(x.f, 3.0, 0.5);
+    sample(&x, 4.0, 0.0, 1.0);
+    assert_near(value(&x, FIGURE_RESIDENCE_MEAN, 0), 2.0, 1e-14);
+    assert_near(value(&x, FIGURE_RESIDENCE_P90, 0), 3.0, 3.0 / 256.0);
+    // What is inside, half a part for 5 s, stays longer than all of them.
+    figures_forget_ages(x.f);
+    figures_add_age(x.f, 5.0, 0.5);
+    assert_true(value(&x, FIGURE_RESIDENCE_MEAN, 0) > 2.9);
+    assert_near(value(&x, FIGURE_RESIDENCE_P50, 0), 3.0, 3.0 / 256.0);
     assert_true(isnan(value(&x, FIGURE_RESIDENCE_P99, 0)));
     end(&x);
 }
@@ -529,7 +533,7 @@ static void go_on(fixture *x, bool has_parts, int first, int last)
         const figures_cargo cargo = { { 0.02 * k, 0.3 }, 0.01 * k, 0.4, 1.0, 0.0 };
         figures_add_cargo(x->f, &cargo);
         if (has_parts && x->s.n_feeds > 0) {
-            figures_exit(x->f, 0.3 * k + 0.1);
+            figures_exit(x->f, 0.3 * k + 0.1, 1.0);
             figures_wait(x->f, 0, 0.01 * k);
         }
         if (has_parts) {
@@ -654,7 +658,7 @@ int main(void)
         cmocka_unit_test(parts_that_are_inside_stay_longer_than_their_age),
         cmocka_unit_test(an_eye_is_blocked_for_some_time_after_the_warm_up),
         cmocka_unit_test(residence_of_a_density_is_the_distance_of_the_curves),
-        cmocka_unit_test(a_density_that_is_fed_has_no_percentiles),
+        cmocka_unit_test(residence_of_a_density_that_is_fed_is_what_exits_tell),
         cmocka_unit_test(figures_have_the_digits_that_they_have),
         cmocka_unit_test(a_jam_is_a_long_time_without_an_exit),
         cmocka_unit_test(less_than_a_part_is_no_exit),
