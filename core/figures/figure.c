@@ -45,14 +45,17 @@ const figure figure_table[FIGURE_COUNT] = {
                                OF(RUN, BOTH) },
     [FIGURE_JAM_COUNT] = { "jam", "count", NULL,
                            "Jams after the warm-up: times of at least `jam_time_s` in which less "
-                           "than one part left while at least one was inside",
+                           "than one part left while at least one was queued (macroscopic: was "
+                           "inside)",
                            OF(RUN, BOTH) },
     [FIGURE_JAM_FIRST] = { "jam", "first_s", "s", "When the first jam began", OF(RUN, BOTH) },
     [FIGURE_JAM_TOTAL] = { "jam", "total_s", "s", "Length of all jams together", OF(RUN, BOTH) },
     [FIGURE_QUEUE_END] = { "queue_end_m", NULL, "m",
-                           "Longest queue: the largest distance, against the belt's direction, "
-                           "from the downstream end of a plate to a part before it that is queued "
-                           "or blocked, slower than 0.8 of its belt; 0 where there was none",
+                           "Longest queue of what is queued, slower than 0.8 of the belt under it: "
+                           "the largest distance, against the belt's direction, from the "
+                           "downstream end of the next plate to what is queued before it, or where "
+                           "there is no plate from the first to the last of it; 0 where nothing "
+                           "was queued",
                            OF(RUN, PARTS) },
     [FIGURE_PEAK] = { "peak_density", NULL, NULL,
                       "Largest density after the warm-up, 1 being close packing, of all samples "
@@ -89,14 +92,14 @@ const figure figure_table[FIGURE_COUNT] = {
                              OF(COUNTER, BOTH) },
     [FIGURE_STATE_FREE] = { "state_share", "free", NULL,
                             "Share of the time that parts spent in the counter in which they were "
-                            "faster than 0.8 of the belt under them",
+                            "faster than 0.8 of the belt under them; in the rest they were queued",
                             OF(COUNTER, PARTS) },
     [FIGURE_STATE_QUEUED] = { "state_share", "queued", NULL,
-                              "Share in which they were neither free nor blocked",
+                              "Share in which they were queued and moved, neither free nor blocked",
                               OF(COUNTER, PARTS) },
     [FIGURE_STATE_BLOCKED] = { "state_share", "blocked", NULL,
-                               "Share in which they were slower than 0.05 of the belt under them, "
-                               "or that one stood",
+                               "Share in which they were queued and stood: slower than 0.05 of the "
+                               "belt under them, or that one stood",
                                OF(COUNTER, PARTS) },
     [FIGURE_GAP_MIN] = { "gap_m", "min", "m",
                          "Smallest gap between parts that pass the beam: what the belt moved "

@@ -2,65 +2,14 @@
 
 #include "core/base/memory.h"
 #include "core/scene/counter.h"
-#include "core/scene/surroundings.h"
 
 #include <math.h>
-
-// Bounds of the states of cargo, relative to the speed of its belt.
-static const double free_speed = 0.8, blocked_speed = 0.05;
 
 // Of divisible parts, what rounding may take from a whole one.
 static const double whole_part = 1.0 - 1e-6;
 
 // What counts as nothing inside: the density thins out without end.
 static const double empty_domain = 0.5;
-
-// A piece of a plate that is less inclined to its belt than this, rad, guides cargo and does not hold it back.
-static const double guide_angle = 0.01;
-
-static void find_piece(figures *f, size_t obstacle, const surroundings_piece *piece, vec2 belt)
-{
-    const double speed = hypot(belt.x, belt.y);
-    const double sine = (belt.x * piece->along.y - belt.y * piece->along.x) / speed;
-
-    if (!(fabs(sine) > guide_angle))
-        return;
-    if (!f->has_plate) {
-        f->has_plate = true;
-        f->upstream = (vec2){ -belt.x / speed, -belt.y / speed };
-    }
-    const double start = f->upstream.x * piece->start.x + f->upstream.y * piece->start.y;
-    const double end = f->upstream.x * piece->end.x + f->upstream.y * piece->end.y;
-    f->plate_ends[obstacle] = fmin(f->plate_ends[obstacle], fmin(start, end));
-}
-
-// The most downstream point of each plate, along the belt under the first one.
-static void find_plates(figures *f)
-{
-    const surroundings around = surroundings_of(f->s);
-
-    for (size_t k = 0; k < f->s->n_obstacles; k++) {
-        f->plate_ends[k] = (double)INFINITY;
-        for (size_t p = 0; p + 1 < f->s->obstacles[k].n_points; p++) {
-            const surroundings_piece piece = surroundings_piece_of(&around, &f->s->obstacles[k], p);
-            const vec2 middle = { 0.5 * (piece.start.x + piece.end.x),
-                                  0.5 * (piece.start.y + piece.end.y) };
-            const size_t belt = surroundings_belt_at(&around, middle);
-            find_piece(f, k, &piece, surroundings_velocity_of(&around, belt));
-        }
-    }
-}
-
-// How far a place is upstream of the end of the next plate; 0 behind all of them.
-static double queue_until(const figures *f, double upstream)
-{
-    double length = (double)INFINITY;
-
-    for (size_t k = 0; k < f->s->n_obstacles; k++)
-        if (upstream >= f->plate_ends[k])
-            length = fmin(length, upstream - f->plate_ends[k]);
-    return isinf(length) ? 0.0 : length;
-}
 
 static bf_status init_items(figures *f, bf_error *err)
 {
@@ -111,7 +60,7 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
     f->run.drained_at = f->run.jam.first = f->run.peak = (double)NAN;
     for (size_t k = 0; k < s->n_eyes; k++)
         f->eyes[k].last_end = (double)NAN;
-    find_plates(f);
+    f->queue = queue_of(s);
     if (s->warmup <= 0.0)
         begin(f, &(figures_now){ .t = 0.0 });
     const bf_status status = init_items(f, err);
@@ -141,13 +90,6 @@ figures *figures_destroy(figures *f)
     return NULL;
 }
 
-static cargo_state state_of(const figures_cargo *cargo)
-{
-    if (!(cargo->speed >= blocked_speed * cargo->belt_speed) || cargo->belt_speed == 0.0)
-        return STATE_BLOCKED;
-    return cargo->speed > free_speed * cargo->belt_speed ? STATE_FREE : STATE_QUEUED;
-}
-
 // Ages are those of one sample.
 static void forget_ages(figures *f)
 {
@@ -175,18 +117,16 @@ bool figures_ends_warmup(const figures *f, double t)
 
 void figures_add_cargo(figures *f, const figures_cargo *cargo)
 {
-    const cargo_state state = state_of(cargo);
+    const queue_state state = queue_state_of(cargo->speed, cargo->belt_speed);
 
     forget_ages(f);
     figures_add_age(f, cargo->age, cargo->parts);
     f->run.has_cargo = 1;
-    const double upstream = f->upstream.x * cargo->at.x + f->upstream.y * cargo->at.y;
-
     for (size_t k = 0; k < f->s->n_counters; k++)
         if (counter_holds(&f->s->counters[k], cargo->at))
             f->counters[k].states[state] += cargo->parts;
-    if (state != STATE_FREE)
-        f->run.queue_end_now = fmax(f->run.queue_end_now, queue_until(f, upstream));
+    if (state != QUEUE_FREE)
+        queue_add(&f->queue, cargo->at, cargo->parts);
 }
 
 // The mean height of a trapezoid times its width.
@@ -197,7 +137,7 @@ static double area(double dt, double from, double to)
 
 static void sample_counter(counter_sums *c, bool was_warm, bool is_warm, double dt, double content)
 {
-    for (int k = 0; k < STATES; k++) {
+    for (int k = 0; k < QUEUE_STATES; k++) {
         c->states_integral[k] += was_warm ? area(dt, c->states_before[k], c->states[k]) : 0.0;
         c->states_before[k] = c->states[k];
         c->states[k] = 0.0;
@@ -236,9 +176,10 @@ static void sample_inside(figures *f, const figures_now *now, quantiles *to)
     f->run.fallen = now->fallen;
 }
 
-static void sample_jam(jam_sums *jam, double jam_time, const figures_now *now)
+// held: what could have left and was kept from it.
+static void sample_jam(jam_sums *jam, double jam_time, double held, const figures_now *now)
 {
-    if (now->exited - jam->since_exited >= whole_part || now->inside < whole_part) {
+    if (now->exited - jam->since_exited >= whole_part || held < whole_part) {
         jam->total += jam->is_jam ? now->t - jam->since : 0.0;
         jam->is_jam = 0;
         jam->since = now->t;
@@ -277,15 +218,16 @@ void figures_sample(figures *f, const figures_now *now)
     if (!f->has_exits)
         sample_inside(f, now, was_warm ? &f->residence : NULL);
     if (f->run.is_warm)
-        f->run.queue_end = fmax(f->run.queue_end, f->run.queue_end_now);
-    f->run.queue_end_now = 0.0;
+        f->run.queue_end = fmax(f->run.queue_end, queue_length(&f->queue));
     if (f->run.is_warm && f->s->n_feeds == 0)
         thinned_add(&f->outflow, now->t, now->counters[0] + now->fallen_in_first);
     if (was_warm) {
-        sample_jam(&f->run.jam, f->s->jam_time, now);
+        sample_jam(&f->run.jam, f->s->jam_time, f->run.has_cargo ? f->queue.parts : now->inside,
+                   now);
         steady_sample(&f->run.batches,
                       &(steady_levels){ now->t, now->entered - now->fallen, now->exited });
     }
+    queue_clear(&f->queue);
     if (!is_drained(f, now))
         f->run.drained_at = (double)NAN;
     else if (isnan(f->run.drained_at))

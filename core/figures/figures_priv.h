@@ -5,23 +5,21 @@
 #include "core/figures/fifo.h"
 #include "core/figures/figures.h"
 #include "core/figures/quantiles.h"
+#include "core/figures/queue.h"
 #include "core/figures/steady.h"
 #include "core/figures/thinned.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/// What a part does, by its speed relative to that of its belt.
-typedef enum cargo_state { STATE_FREE, STATE_QUEUED, STATE_BLOCKED, STATES } cargo_state;
-
 /// Of a counter; integrals are over time since the warm-up.
 typedef struct counter_sums {
-    double content;                 ///< of the last sample, parts
-    double content_integral;        ///< parts s
-    double content_max;             ///< parts
-    double states[STATES];          ///< parts in each state, of the sample that is being taken
-    double states_before[STATES];   ///< same of the last one
-    double states_integral[STATES]; ///< parts s
+    double content;                     ///< of the last sample, parts
+    double content_integral;            ///< parts s
+    double content_max;                 ///< parts
+    double states[QUEUE_STATES];        ///< parts in each state, of the sample that is being taken
+    double states_before[QUEUE_STATES]; ///< same of the last one
+    double states_integral[QUEUE_STATES]; ///< parts s
 } counter_sums;
 
 /// Of a feed.
@@ -56,20 +54,19 @@ typedef struct jam_sums {
 
 /// Plain numbers of the run, saved as they are.
 typedef struct run_sums {
-    uint64_t is_warm;     ///< the warm-up is over
-    uint64_t has_cargo;   ///< the speed of cargo is known
-    double t_start;       ///< end of the warm-up, s
-    double exited_start;  ///< parts that had left then
-    double t;             ///< of the last sample, s
-    double entered;       ///< parts until then
-    double exited;        ///< parts until then
-    double fallen;        ///< parts until then
-    double peak;          ///< largest density; NAN: none yet
-    double queue_end;     ///< longest queue, m
-    double queue_end_now; ///< same of the sample that is being taken
-    double drained_at;    ///< s; NAN: it is not empty
-    jam_sums jam;         ///< see there
-    steady batches;       ///< of what leaves
+    uint64_t is_warm;    ///< the warm-up is over
+    uint64_t has_cargo;  ///< the speed of cargo is known
+    double t_start;      ///< end of the warm-up, s
+    double exited_start; ///< parts that had left then
+    double t;            ///< of the last sample, s
+    double entered;      ///< parts until then
+    double exited;       ///< parts until then
+    double fallen;       ///< parts until then
+    double peak;         ///< largest density; NAN: none yet
+    double queue_end;    ///< longest queue, m
+    double drained_at;   ///< s; NAN: it is not empty
+    jam_sums jam;        ///< see there
+    steady batches;      ///< of what leaves
 } run_sums;
 
 /// The accumulators.
@@ -77,10 +74,8 @@ struct figures {
     const scene *s; ///< borrowed
     bool has_parts; ///< the model is that of parts
     bool has_exits; ///< there are feeds: figures_exit() is called; else all entered at the start
-    bool has_plate; ///< one that holds cargo back
-    vec2 upstream;  ///< against the belt's direction
-    double plate_ends[SCENE_OBSTACLES_MAX];    ///< along that direction, m; INFINITY: a guide
-    run_sums run;                              ///< see there
+    queue queue;    ///< of the sample that is being taken
+    run_sums run;   ///< see there
     feed_sums feeds[SCENE_FEEDS_MAX];          ///< of each feed
     counter_sums counters[SCENE_COUNTERS_MAX]; ///< of each counter
     eye_sums eyes[SCENE_EYES_MAX];             ///< of each photo eye

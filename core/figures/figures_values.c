@@ -63,7 +63,7 @@ static void fill_run(const figures *f, double *ret_values)
     ret_values[FIGURE_JAM_COUNT] = jam->count;
     ret_values[FIGURE_JAM_FIRST] = jam->first;
     ret_values[FIGURE_JAM_TOTAL] = jam->total + (jam->is_jam ? run->t - jam->since : 0.0);
-    ret_values[FIGURE_QUEUE_END] = run->has_cargo && f->has_plate ? run->queue_end : (double)NAN;
+    ret_values[FIGURE_QUEUE_END] = run->has_cargo ? run->queue_end : (double)NAN;
 }
 
 static void fill_feed(const figures *f, size_t k, double *ret_values)
@@ -91,9 +91,9 @@ static void fill_counter(const figures *f, size_t k, double *ret_values)
     ret_values[figure_at(f->s, FIGURE_CONTENT_MEAN, k)] =
         ratio(c->content_integral, f->run.t - f->run.t_start);
     ret_values[figure_at(f->s, FIGURE_CONTENT_MAX, k)] = c->content_max;
-    for (int state = 0; state < STATES; state++)
+    for (int state = 0; state < QUEUE_STATES; state++)
         all += c->states_integral[state];
-    for (int state = 0; state < STATES; state++)
+    for (int state = 0; state < QUEUE_STATES; state++)
         ret_values[figure_at(f->s, FIGURE_STATE_FREE + (figure_id)state, k)] =
             ratio(c->states_integral[state], all);
 }

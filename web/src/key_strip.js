@@ -49,8 +49,8 @@ const figures = [
     unit: "m",
     value: ({ figures: known }) => known?.queue_end_m ?? null,
     text: (value) => number(value),
-    sentence: ({ run, scenario }) => (run.model === "macro" ? "Only the microscopic model knows it."
-      : scenario.obstacles.length === 0 ? "There is no deflector to queue at." : "From the end of a plate upstream to the last slow part before it."),
+    sentence: ({ run }) => (run.model === "macro" ? "Only the microscopic model knows it."
+      : "From what holds parts back, the end of a plate or the first slow part, upstream to the last part that is slower than 0.8 of its belt."),
   },
   {
     name: () => "Residence, 95 %",

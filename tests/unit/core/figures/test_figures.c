@@ -313,6 +313,60 @@ static void less_than_a_part_is_no_exit(void **state)
     end(&x);
 }
 
+// A part a minute crosses in 20 s: nothing leaves for 40 s, and nothing is queued. Then one stands at the end from 80 s to 100 s.
+static void where_nothing_is_queued_there_is_no_jam_and_no_queue(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    for (int t = 0; t <= 120; t++) {
+        const bool is_inside = t % 60 < 20 || (t >= 80 && t < 100);
+        const bool is_held = t >= 80 && t < 100;
+        if (is_inside)
+            figures_add_cargo(x.f, &(figures_cargo){ { is_held ? 0.99 : 0.05 * (t % 60), 0.3 },
+                                                     is_held ? 0.0 : 0.05,
+                                                     0.05,
+                                                     1.0,
+                                                     0.0 });
+        sample(&x, t, is_inside, t < 20 ? 0.0 : t < 100 ? 1.0 : 2.0);
+        if (t == 79) {
+            assert_near(value(&x, FIGURE_JAM_COUNT, 0), 0.0, 0.0);
+            assert_near(value(&x, FIGURE_QUEUE_END, 0), 0.0, 0.0);
+            assert_near(value(&x, FIGURE_STATE_FREE, 0), 1.0, 0.0);
+        }
+    }
+    assert_near(value(&x, FIGURE_JAM_COUNT, 0), 1.0, 0.0);
+    assert_near(value(&x, FIGURE_JAM_TOTAL, 0), 21.0, 0.0); // from the sample at 79 s
+    assert_near(value(&x, FIGURE_QUEUE_END, 0), 0.024, 1e-12);
+    assert_true(value(&x, FIGURE_STATE_BLOCKED, 0) > 0.0);
+    end(&x);
+}
+
+// 100 parts of a density are queued evenly from x = 0.5 to 0.9, where a plate ends, and 0.4 parts more from 0 to 0.5: these are its
+// thin end. With 0.4 parts alone, 5 % of them at the far end, 0.025 m, are.
+static void thin_ends_of_a_density_are_not_its_queue(void **state)
+{
+    (void)state;
+    static const vec2 plate[] = { { 0.9, 0.0 }, { 0.9, 0.5 } };
+
+    for (int is_thin = 0; is_thin < 2; is_thin++) {
+        fixture x;
+        begin(&x, 0.0, false);
+        figures_destroy(x.f);
+        helper_scene_add_obstacle(&x.s, plate, 2, SCENE_SEALED);
+        assert_int_equal(figures_create(&x.s, false, &x.f, NULL), BF_OK);
+        for (int k = 0; k < 500; k++)
+            figures_add_cargo(x.f,
+                              &(figures_cargo){ { 0.001 * k, 0.3 }, 0.0, 0.4, 0.4 / 500, 0.0 });
+        for (int k = 0; k < 400 && !is_thin; k++)
+            figures_add_cargo(x.f,
+                              &(figures_cargo){ { 0.5 + 0.001 * k, 0.3 }, 0.0, 0.4, 0.25, 0.0 });
+        sample(&x, 0.0, 100.0, 0.0);
+        assert_near(value(&x, FIGURE_QUEUE_END, 0), is_thin ? 0.875 : 0.4, 1.0 / 256.0);
+        end(&x);
+    }
+}
+
 static void an_empty_belt_is_no_jam(void **state)
 {
     (void)state;
@@ -364,13 +418,14 @@ static void states_go_by_the_speed_of_the_belt(void **state)
     assert_near(value(&x, FIGURE_STATE_FREE, 1), 0.5, 1e-15);
     assert_near(value(&x, FIGURE_STATE_QUEUED, 1), 0.5, 1e-15);
     assert_near(value(&x, FIGURE_STATE_BLOCKED, 1), 0.0, 0.0);
-    assert_true(isnan(value(&x, FIGURE_QUEUE_END, 0))); // there is no plate
+    // Without a plate from x = 0.2 to 0.8 and a part's width.
+    assert_near(value(&x, FIGURE_QUEUE_END, 0), 0.624, 1e-12);
     end(&x);
 }
 
 // A rail along the belt at y = 0.1 guides; the plate from (0.9, 0.1) to (0.7, 0.5) ends at x = 0.9, a gate stands
 // at x = 0.3. A slow part at x = 0.45 is 0.45 m upstream of the plate's end, one at 0.25 is 0.05 m before the gate; a
-// fast one at 0.1 and a slow one behind both do not count.
+// fast one at 0.1 does not count, and a slow one behind both is a queue of its own width.
 static void a_queue_reaches_from_the_next_plate_to_its_last_slow_part(void **state)
 {
     (void)state;
@@ -662,6 +717,8 @@ int main(void)
         cmocka_unit_test(figures_have_the_digits_that_they_have),
         cmocka_unit_test(a_jam_is_a_long_time_without_an_exit),
         cmocka_unit_test(less_than_a_part_is_no_exit),
+        cmocka_unit_test(where_nothing_is_queued_there_is_no_jam_and_no_queue),
+        cmocka_unit_test(thin_ends_of_a_density_are_not_its_queue),
         cmocka_unit_test(an_empty_belt_is_no_jam),
         cmocka_unit_test(content_is_a_mean_over_time),
         cmocka_unit_test(states_go_by_the_speed_of_the_belt),

@@ -143,6 +143,36 @@ static void a_belt_that_stops_is_a_jam(void **state)
     scene_fini(&s);
 }
 
+// A part every 10 s crosses in 2 s, so that nothing leaves for 8 s; then 4 parts/s come to a wall across the belt at 0.7 m: of the
+// 100 from 5 s on nothing leaves, and the queue grows to the feed, 0.7 m. Length, states and jams say the same of both.
+static void queue_states_and_jams_agree(void **state)
+{
+    (void)state;
+    static const vec2 wall[] = { { 0.7, 0.0 }, { 0.7, 0.6 } };
+
+    for (int is_closed = 0; is_closed < 2; is_closed++) {
+        scene s;
+        make_file(&s);
+        s.feeds[0].rate = is_closed ? 4.0 : 0.1;
+        if (is_closed)
+            helper_scene_add_obstacle(&s, wall, 2, SCENE_SEALED);
+        helper_scene_resolve(&s);
+        helper_run_log *log = run_model_of(&s, RUN_MICRO);
+        const double queued =
+            value(&s, log, FIGURE_STATE_QUEUED) + value(&s, log, FIGURE_STATE_BLOCKED);
+        assert_near(value(&s, log, FIGURE_JAM_COUNT), is_closed, 0.0);
+        if (is_closed) {
+            assert_true(queued > 0.5);
+            assert_true(value(&s, log, FIGURE_QUEUE_END) > 0.3);
+        } else {
+            assert_near(queued, 0.0, 0.0);
+            assert_near(value(&s, log, FIGURE_QUEUE_END), 0.0, 0.0);
+        }
+        helper_run_free(log);
+        scene_fini(&s);
+    }
+}
+
 static void a_run_ends_when_its_throughput_is_steady(void **state)
 {
     (void)state;
@@ -187,6 +217,7 @@ int main(void)
         cmocka_unit_test(lanes_have_times_of_their_own),
         cmocka_unit_test(gaps_are_those_between_the_parts),
         cmocka_unit_test(a_belt_that_stops_is_a_jam),
+        cmocka_unit_test(queue_states_and_jams_agree),
         cmocka_unit_test(a_run_ends_when_its_throughput_is_steady),
         cmocka_unit_test(stops_do_not_change_a_bit),
     };
