@@ -9,7 +9,8 @@
 enum { RETRY_AFTER_S = 5 }; // where something is full, or the daemon is stopping
 
 static const problem_kind kinds[] = {
-#define X(status, word, title, headers, codes, when) { status, word, title, headers, codes, when },
+#define X(status, word, title, headers, codes, when, remedy)                                       \
+    { status, word, title, headers, codes, when, remedy },
     PROBLEM_LIST(X)
 #undef X
 };
@@ -72,6 +73,7 @@ typedef struct description {
     const char *title;
     int status;
     const char *when;
+    const char *remedy;
 } description;
 
 #define AT(place) offsetof(description, place)
@@ -80,6 +82,7 @@ static const member kind_members[] = {
     MEMBER("title", string, AT(title), "The kind of problem, for people"),
     MEMBER("status", int, AT(status), "The HTTP status"),
     MEMBER("description", string, AT(when), "When a request meets it"),
+    MEMBER("remedy", string, AT(remedy), "What the client can do"),
 };
 const member_table problem_kind_members = { MEMBER_TABLE("ProblemKind", kind_members) };
 #undef AT
@@ -92,7 +95,10 @@ bf_status problem_describe(const char *word, bf_buffer *out, bf_error *err)
         i++;
     if (i == N_KINDS)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no problem '%s'", word);
-    description d = { .title = kinds[i].title, .status = kinds[i].status, .when = kinds[i].when };
+    description d = { .title = kinds[i].title,
+                      .status = kinds[i].status,
+                      .when = kinds[i].when,
+                      .remedy = kinds[i].remedy };
     snprintf(d.type, sizeof d.type, "/problems/%s", word);
     json_out w = json_out_to(out);
     members_write(&w, &problem_kind_members, &d);

@@ -1,5 +1,6 @@
 #include "api/openapi/openapi.h"
 
+#include "api/http/problem.h"
 #include "api/json/json_layout.h"
 #include "api/openapi/openapi_priv.h"
 #include "api/results/colormap.h"
@@ -45,6 +46,13 @@ static const char goods[] =
     "and soaped ones are smaller, and it is best to measure one's own. The macroscopic model has "
     "none. `material`, the elastic constants, are not those of goods: how hard parts are is a "
     "matter of the solver (`micro.modulus_reduction`).";
+
+static const char problems[] =
+    "A refusal is a problem document (RFC 9457, `application/problem+json`): `type` is "
+    "`/problems/` and one of the words below, `detail` says what is wrong with this request, and "
+    "`errors` has the place of each fault of a document. GET of the `type` answers what stands "
+    "here. "
+    "The log has the request under its `X-Request-Id`.";
 
 static const struct {
     const char *name;
@@ -150,12 +158,39 @@ void openapi__write_status_words(json_out *w)
     write_words(w, failure_word, BF_STATUS_COUNT - 1);
 }
 
+const char *openapi__text(const char *name)
+{
+    const openapi_text *text = openapi__texts;
+
+    while (strcmp(text->name, name) != 0)
+        text++;
+    return text->text;
+}
+
+// A paragraph for each kind of problem, under the last segment of its type.
+static bf_status write_problems(bf_buffer *text)
+{
+    bf_status status = buffer_printf(text, "\n\n## Problems\n\n%s", problems);
+    size_t n;
+    const problem_kind *kinds = problem_kinds(&n);
+
+    for (size_t k = 0; k < n && status == BF_OK; k++)
+        status = buffer_printf(text, "\n\n### %d %s\n\n%s.\n\n%s.", kinds[k].status, kinds[k].word,
+                               kinds[k].when, kinds[k].remedy);
+    return status;
+}
+
 static void write_description(json_out *w)
 {
     bf_buffer text = { 0 };
 
-    if (buffer_printf(&text, "%s\n\n## First steps\n\n%s\n\n## Goods and materials\n\n%s\n\n",
-                      description, openapi__first_steps->text, goods) == BF_OK &&
+    if (buffer_printf(&text,
+                      "%s\n\n## First steps\n\n%s\n\n## From another origin\n\n%s\n\n"
+                      "## What stays, and what may change\n\n%s",
+                      description, openapi__text("first_steps"), openapi__text("other_origins"),
+                      openapi__text("stability")) == BF_OK &&
+        write_problems(&text) == BF_OK &&
+        buffer_printf(&text, "\n\n## Goods and materials\n\n%s\n\n", goods) == BF_OK &&
         goods_json_write_text(&text, NULL) == BF_OK)
         json_out_key_string(w, "description", text.bytes);
     else

@@ -44,8 +44,11 @@ typedef struct openapi_text {
     size_t n;         ///< bytes
 } openapi_text;
 
-/// first_steps.md, Markdown, alone in its list.
-extern const openapi_text openapi__first_steps[];
+/// The files beside the code: sections of the description (.md), and samples.txt.
+extern const openapi_text openapi__texts[];
+
+/// The text of the file with this name, which is there.
+const char *openapi__text(const char *name);
 
 /// A row, or NULL if there is none. words is of n bytes where it need not end.
 const openapi_header *openapi__header(const char *name, size_t n);
@@ -57,6 +60,10 @@ const char *openapi__format_schema(media_format format);
 /// `responses` for the refusals of a route, into an object that is open.
 void openapi__write_headers(json_out *w, const char *words);
 void openapi__write_refusals_of(json_out *w, const route *r);
+
+/// Write the member `examples` of a body in a media type into an object that is open, if the tests recorded one. where:
+/// "request", or the status of the answer.
+void openapi__write_sample(json_out *w, const route *r, const char *where, const char *type);
 
 /// Write the members of /components/schemas, /paths, /components/responses, /components/headers.
 void openapi__write_output_schemas(json_out *w);

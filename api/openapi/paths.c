@@ -112,7 +112,8 @@ static const char *find_sample(const char *schema)
 }
 
 // One row of the formats; more rows can stand for one format.
-static void write_media(json_out *w, const media *row, const char *schema)
+static void write_media(json_out *w, const route *r, const char *where, const media *row,
+                        const char *schema)
 {
     const char *sample = find_sample(schema);
 
@@ -124,10 +125,14 @@ static void write_media(json_out *w, const media *row, const char *schema)
     json_out_object_end(w);
     if (sample != NULL)
         write_samples(w, sample);
+    else
+        openapi__write_sample(w, r, where, row->type);
     json_out_object_end(w);
 }
 
-static void write_content(json_out *w, const char *formats, const char *schema)
+// where: "request", or the status of the answer.
+static void write_content(json_out *w, const route *r, const char *where, const char *formats,
+                          const char *schema)
 {
     json_out_key(w, "content");
     json_out_object(w);
@@ -138,7 +143,7 @@ static void write_content(json_out *w, const char *formats, const char *schema)
                 continue;
             const char *other = openapi__format_schema(row->format);
             BF_CHECK(other != NULL || schema != NULL);
-            write_media(w, row, other == NULL ? schema : other);
+            write_media(w, r, where, row, other == NULL ? schema : other);
         }
     }
     json_out_object_end(w);
@@ -151,7 +156,7 @@ static void write_body(json_out *w, const route *r)
     json_out_key(w, "requestBody");
     json_out_object(w);
     json_out_key_bool(w, "required", true);
-    write_content(w, r->body_formats == NULL ? "json" : r->body_formats, r->body);
+    write_content(w, r, "request", r->body_formats == NULL ? "json" : r->body_formats, r->body);
     json_out_object_end(w);
 }
 
@@ -183,7 +188,8 @@ static void write_answer(json_out *w, const route *r, const route_answer *answer
     json_out_key_string(w, "description", answer->help);
     openapi__write_headers(w, answer->headers);
     if (has_body)
-        write_content(w, answer->formats == NULL ? r->formats : answer->formats, answer->schema);
+        write_content(w, r, status, answer->formats == NULL ? r->formats : answer->formats,
+                      answer->schema);
     json_out_object_end(w);
 }
 

@@ -30,9 +30,9 @@ enum {
 
 /// Methods and status codes that are counted apart; the last of each stands for all others. Codes are those of
 /// answers and of all problems.
-#define METRICS_METHODS                                         "GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "other"
-#define METRICS_CODE(status, word, title, headers, codes, when) #status,
-#define METRICS_CODES                                           "200", "201", "202", "204", "206", "304", PROBLEM_LIST(METRICS_CODE) "other"
+#define METRICS_METHODS                                                 "GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "other"
+#define METRICS_CODE(status, word, title, headers, codes, when, remedy) #status,
+#define METRICS_CODES                                                   "200", "201", "202", "204", "206", "304", PROBLEM_LIST(METRICS_CODE) "other"
 
 enum {
     METRICS__N_METHODS = sizeof(const char *[]){ METRICS_METHODS } / sizeof(const char *),

@@ -9,6 +9,7 @@ import { createRequire } from "node:module";
 import path from "node:path";
 import zlib from "node:zlib";
 
+import { noteSample } from "./samples.mjs";
 import { packages, root } from "./setup.mjs";
 
 export const document = JSON.parse(readFileSync(path.join(root, "api/openapi.json"), "utf8"));
@@ -202,6 +203,13 @@ function checkRequest({ operation, place }, { target, headers, body }, what) {
   assertFits(JSON.parse(body), `${place}/requestBody/content/${escape(type)}/schema`, `the body of ${what}`);
 }
 
+function note(operation, { target, headers, body }, answer, type) {
+  const text = plainText(answer);
+  if (text !== null) noteSample(operation, target, String(answer.status), type, text);
+  if (operation.requestBody !== undefined && body !== undefined)
+    noteSample(operation, target, "request", typeOf(headers), body.toString());
+}
+
 // An exchange; answer as Daemon.request() gives it. counts: it goes into the sum.
 export function checkExchange(exchange, answer, counts = true) {
   if (validator === null) return;
@@ -217,7 +225,10 @@ export function checkExchange(exchange, answer, counts = true) {
   if (method === "HEAD") return counts && count(exchange, template, answer.status);
   if (answer.status >= 400) checkProblem(answer, what);
   const type = checkBody(answer, responsePlace, what);
-  if (answer.status < 300) checkRequest(found, exchange, what);
+  if (answer.status < 300) {
+    checkRequest(found, exchange, what);
+    note(operation, exchange, answer, type);
+  }
   if (counts) count(exchange, template, answer.status, type, digestOfAnswer(answer));
 }
 
@@ -232,6 +243,13 @@ export function checkEvent(event, target) {
   if (isOfStudy && event.event === "status") assert.equal(event.id, undefined);
   else assert.match(event.id, /^\d+$/);
   assertFits(event.data, isOfStudy ? ofStudy : schemaOfEvent(event.event), `event ${event.event}`);
+}
+
+// The first events of a stream, as they came.
+export function noteStream(target, headers, text) {
+  const { operation } = operationOf("GET", target);
+  const end = text.lastIndexOf("\n\n");
+  noteSample(operation, target, "200", headers["content-type"]?.split(";")[0], end < 0 ? text : text.slice(0, end + 2));
 }
 
 // The head of a stream, whose body is checked event by event.

@@ -3,7 +3,9 @@
 
 import http from "node:http";
 
-import { checkEvent, checkStream } from "./contract.mjs";
+import { checkEvent, checkStream, noteStream } from "./contract.mjs";
+
+const FIRST = 1500; // characters of a stream, for an example
 
 export class EventStream {
   // Resolves with the stream once the response's head is there.
@@ -55,7 +57,12 @@ export class EventStream {
 
   async *parse(response) {
     let event = {};
+    let first = "";
     for await (const line of this.lines(response)) {
+      if (first.length < FIRST) {
+        first += `${line}\n`;
+        if (first.length >= FIRST) noteStream(this.target, this.headers, first);
+      }
       if (line === "") {
         const whole = event.data === undefined ? null : { ...event, data: JSON.parse(event.data) };
         event = {};

@@ -89,7 +89,14 @@ test("what a run counted, posted as measured, is at no distance from it", async 
   const json = (await d.get(`/v1/runs/${run.id}/curve`)).json;
   const asCsv = await post(d, text);
   const asJson = (await d.post("/v1/measurements", { counter: "left_domain", t_s: json.t_s, count: json.left_domain })).json;
+  const parts = ["curve", "key_figures", "photo_eyes"].map((part) => `/v1/runs/${run.id}/${part}`);
+  const texts = [...parts.map((path) => [path, `${path}.csv`]),
+    [`/v1/measurements/${asCsv.id}`, `/v1/measurements/${asCsv.id}/samples.csv`]];
+  for (const [path, alone] of texts) {
+    assert.equal((await d.get(alone)).text, (await d.get(`${path}?format=csv`)).text, alone);
+  }
   assert.deepEqual([asCsv.counter, asJson.counter], ["upstream", "left_domain"]);
+  assert.deepEqual((await d.get(`/v1/measurements/${asJson.id}`)).json.t_s, json.t_s);
   for (const { id, counter } of [asCsv, asJson]) {
     const { a, b, curve } = (await d.get(`/v1/compare?a=${run.id}&b=${id}`)).json;
     assert.deepEqual([a.column, b.column], [counter, counter]);

@@ -2,10 +2,12 @@
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
+import http from "node:http";
 import path from "node:path";
 import test, { after } from "node:test";
 
 import { assertAccessible, closeBrowser, openPage, takePicture, visit } from "./browser.mjs";
+import { document } from "./contract.mjs";
 import { daemon } from "./daemon.mjs";
 import { endless, tiny } from "./scenarios.mjs";
 import { temporaryFolder, until } from "./setup.mjs";
@@ -137,4 +139,39 @@ test("without tokens nobody is asked", async (t) => {
   await page.getByText("No runs yet.").waitFor();
   assert.equal(await dialogOf(page).count(), 0);
   assert.equal(await page.getByRole("button", { name: "Sign out" }).count(), 0);
+});
+
+// A server whose pages are empty; its origin.
+async function otherOrigin(t) {
+  const server = http.createServer((request, response) => response.setHeader("Content-Type", "text/html").end("<p>"));
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  t.after(() => server.close());
+  return `http://127.0.0.1:${server.address().port}`;
+}
+
+test("the document's code follows a run and shows a picture on a page of another origin", async (t) => {
+  const origin = await otherOrigin(t);
+  const data = path.join(temporaryFolder(t), "data");
+  const token = makeToken(data, "alice");
+  const d = await daemon(t, { data, cors_origins: origin });
+  const id = await submit(d, { authorization: `Bearer ${token}` }, { scenario: tiny() });
+  const section = document.info.description.split("## From another origin")[1];
+  const [, code] = /```js\n(.*?)```/s.exec(section);
+  const page = await openPage(t, { url: "http://127.0.0.1" }); // both
+  await page.goto(origin);
+  // The first stream is torn before it begins.
+  await page.route("**/events?*", (route) => route.abort(), { times: 1 });
+  const told = await page.evaluate(async ({ text, run }) => {
+    const { follow, show } = new Function(`${text}; return { follow, show };`)();
+    const kinds = [];
+    await follow(run, (kind) => kinds.push(kind));
+    const image = new Image();
+    const shown = new Promise((resolve) => (image.onload = image.onerror = resolve));
+    await show(image, run, 0);
+    await shown;
+    return { kinds, width: image.naturalWidth };
+  }, { text: code.replace(/^const base = .*$/m, `const base = "${new URL(d.url).origin}", token = "${token}";`), run: id });
+  assert.equal(told.kinds.filter((kind) => kind === "end").length, 1);
+  assert.ok(told.kinds.includes("curve"));
+  assert.ok(told.width > 0);
 });

@@ -11,6 +11,7 @@ import { badScenarios, goodScenario } from "../e2e/bad_scenarios.mjs";
 import { checkEvent, checkExchange, document } from "../e2e/contract.mjs";
 import { startProxy } from "../e2e/prism.mjs";
 import { packages, root } from "../e2e/setup.mjs";
+import { fitsSchema, operations, readSamples } from "./sample_schemas.mjs";
 
 const require = createRequire(path.join(packages, "package.json"));
 const { Ajv2020 } = require("ajv/dist/2020.js");
@@ -44,6 +45,22 @@ test("the ready examples fit the scenario's schema, and so do the document's own
     assert.deepEqual(components.examples[`${name}-scenario`].value, scenario);
     assertTaken("Submission", components.examples[`${name}-run`].value, name);
   }
+});
+
+// Bytes have none, and the document none of itself.
+test("every operation has an example of its request and its answer, and each fits its schema", () => {
+  const isShown = (type) => /json$|^text\//.test(type);
+  const check = (what, bodies) => {
+    const media = bodies.flatMap(({ content = {} }) => Object.entries(content)).filter(([type]) => isShown(type));
+    const has = media.some(([, { examples = {} }]) => Object.keys(examples).length > 0);
+    assert.ok(media.length === 0 || has, `${what} has no example`);
+  };
+  for (const [id, { operation }] of operations) {
+    const answers = Object.entries(operation.responses).filter(([status]) => status.startsWith("2"));
+    if (id !== "getDocument") check(`the answer of ${id}`, answers.map(([, answer]) => answer));
+    if (operation.requestBody !== undefined) check(`the request of ${id}`, [operation.requestBody]);
+  }
+  for (const { kind, value } of readSamples()) assert.ok(fitsSchema(kind, value), `the example of ${kind}`);
 });
 
 test("an obstacle has one form, and where cargo is at the start is said once", () => {
