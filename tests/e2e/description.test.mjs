@@ -52,6 +52,7 @@ async function makeValues(d) {
     study: study.id,
     id: b, n: "0", name: "example-1", kind: "not-found", runs: `${a},${b}`,
     "/v1/measurements/{id}": measured.headers.location,
+    "/v1/measurements/{id}/samples.csv": `${measured.headers.location}/samples.csv`,
     "/v1/compare": `/v1/compare?a=${a}&b=${b}`,
   };
 }
