@@ -16,7 +16,9 @@ static void write_number(json_out *w, const figure *f)
 {
     static const char *const models[] = { [FIGURE_BY_DENSITY] = " (macroscopic model)",
                                           [FIGURE_BY_PARTS] = " (microscopic model)",
-                                          [FIGURE_BY_BOTH] = "" };
+                                          [FIGURE_BY_BOTH] = "",
+                                          [FIGURE_BY_BOTH_FED] = " (microscopic model; "
+                                                                 "macroscopic with feeds)" };
     char help[HELP_SIZE];
 
     snprintf(help, sizeof help, "%s%s%s%s%s", f->definition, f->unit != NULL ? " [" : "",

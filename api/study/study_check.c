@@ -107,8 +107,10 @@ static void check_objective(json_in *in, study_document *d, const scene *s, size
 
     snprintf(figure_place, sizeof figure_place, "/objectives/%zu/figure", k);
     snprintf(place, sizeof place, "/objectives/%zu/of", k);
-    if ((f->models & FIGURE_BY_DENSITY) == 0 && (needs_both || d->model == RUN_MACRO))
-        faults_add(in->faults, figure_place, "the macroscopic model does not have this figure");
+    const unsigned by_density = FIGURE_BY_DENSITY | (s->n_feeds > 0 ? FIGURE_BY_FED_DENSITY : 0);
+    if ((f->models & by_density) == 0 && (needs_both || d->model == RUN_MACRO))
+        faults_add(in->faults, figure_place, "the macroscopic model does not have this figure%s",
+                   (f->models & FIGURE_BY_FED_DENSITY) != 0 ? " without feeds" : "");
     if (n == 0)
         faults_add(in->faults, figure_place, "is of a %s, and the scenario has none",
                    words[f->scope]);

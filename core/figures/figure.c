@@ -45,8 +45,8 @@ const figure figure_table[FIGURE_COUNT] = {
                                OF(RUN, BOTH) },
     [FIGURE_JAM_COUNT] = { "jam", "count", NULL,
                            "Jams after the warm-up: times of at least `jam_time_s` in which less "
-                           "than one part left while at least one was queued (macroscopic: was "
-                           "inside)",
+                           "than one part left while at least one was queued (of a "
+                           "density without feeds: inside)",
                            OF(RUN, BOTH) },
     [FIGURE_JAM_FIRST] = { "jam", "first_s", "s", "When the first jam began", OF(RUN, BOTH) },
     [FIGURE_JAM_TOTAL] = { "jam", "total_s", "s", "Length of all jams together", OF(RUN, BOTH) },
@@ -56,7 +56,7 @@ const figure figure_table[FIGURE_COUNT] = {
                            "downstream end of the next plate to what is queued before it, or where "
                            "there is no plate from the first to the last of it; 0 where nothing "
                            "was queued",
-                           OF(RUN, PARTS) },
+                           OF(RUN, BOTH_FED) },
     [FIGURE_PEAK] = { "peak_density", NULL, NULL,
                       "Largest density after the warm-up, 1 being close packing, of all samples "
                       "(macroscopic) or snapshots (microscopic)",
@@ -93,14 +93,14 @@ const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_STATE_FREE] = { "state_share", "free", NULL,
                             "Share of the time that parts spent in the counter in which they were "
                             "faster than 0.8 of the belt under them; in the rest they were queued",
-                            OF(COUNTER, PARTS) },
+                            OF(COUNTER, BOTH_FED) },
     [FIGURE_STATE_QUEUED] = { "state_share", "queued", NULL,
                               "Share in which they were queued and moved, neither free nor blocked",
-                              OF(COUNTER, PARTS) },
+                              OF(COUNTER, BOTH_FED) },
     [FIGURE_STATE_BLOCKED] = { "state_share", "blocked", NULL,
                                "Share in which they were queued and stood: slower than 0.05 of the "
                                "belt under them, or that one stood",
-                               OF(COUNTER, PARTS) },
+                               OF(COUNTER, BOTH_FED) },
     [FIGURE_GAP_MIN] = { "gap_m", "min", "m",
                          "Smallest gap between parts that pass the beam: what the belt moved "
                          "between the end of one interruption and the start of the next",

@@ -65,7 +65,13 @@ typedef enum figure_id {
 } figure_id;
 
 /// Models that have a figure; flags.
-enum { FIGURE_BY_DENSITY = 1, FIGURE_BY_PARTS = 2, FIGURE_BY_BOTH = 3 };
+enum {
+    FIGURE_BY_DENSITY = 1,
+    FIGURE_BY_PARTS = 2,
+    FIGURE_BY_BOTH = 3,
+    FIGURE_BY_FED_DENSITY = 4, ///< the density where there are feeds
+    FIGURE_BY_BOTH_FED = 6
+};
 
 /// A key figure.
 typedef struct figure {

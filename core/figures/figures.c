@@ -120,7 +120,8 @@ void figures_add_cargo(figures *f, const figures_cargo *cargo)
     const queue_state state = queue_state_of(cargo->speed, cargo->belt_speed);
 
     forget_ages(f);
-    figures_add_age(f, cargo->age, cargo->parts);
+    if (!isnan(cargo->age))
+        figures_add_age(f, cargo->age, cargo->parts);
     f->run.has_cargo = 1;
     for (size_t k = 0; k < f->s->n_counters; k++)
         if (counter_holds(&f->s->counters[k], cargo->at))

@@ -40,7 +40,7 @@ typedef struct figures_cargo {
     double speed;      ///< m/s
     double belt_speed; ///< of the belt under it now, m/s; 0: it stands, or there is none
     double parts;      ///< how many
-    double age;        ///< since it entered, or the start, s; scenes with feeds and parts alone
+    double age;        ///< since it entered, or the start, s; NAN: figures_add_age() tells it
 } figures_cargo;
 
 /// Begin the figures of a scene, which must outlive them, at t = 0. has_parts: the model is that of parts. The caller

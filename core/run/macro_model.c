@@ -18,6 +18,9 @@
 typedef struct macro_run {
     macro_solver *solver;
     bool is_fed; // there are feeds
+    size_t n_belts;
+    const scene_belt *belts; // borrowed from the scene
+    uint16_t *belt_of;       // under each cell, n_belts off every one; NULL without feeds
     feed_density *feeds;
     moving_plates *plates; // NULL: no obstacle moves
     double packing;        // parts/m2 at density 1
@@ -205,6 +208,7 @@ static void destroy_run(void *solver)
     feed_density_destroy(run->feeds);
     moving_plates_destroy(run->plates);
     crossings_destroy(run->crossings);
+    memory_free(run->belt_of);
     for (size_t k = 0; k < run->n_eyes; k++)
         beam_cells_fini(&run->beams[k]);
     memory_free(run);
@@ -221,6 +225,23 @@ static bf_status create_eyes(const scene *s, macro_run *run, bf_error *err)
         status = beam_cells_of(s->eyes[k].line, &run->grid, &run->beams[k], err);
     }
     return status;
+}
+
+static bf_status find_belts(const scene *s, macro_run *run, bf_error *err)
+{
+    const surroundings around = surroundings_of(s);
+    const bf_grid *g = &run->grid;
+
+    run->n_belts = s->n_belts;
+    run->belts = s->belts;
+    run->belt_of = memory_alloc(grid_cells(g), sizeof *run->belt_of);
+    if (run->belt_of == NULL)
+        return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for %zu cells", grid_cells(g));
+    for (size_t cell = 0; cell < grid_cells(g); cell++) {
+        const vec2 at = { grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) };
+        run->belt_of[cell] = (uint16_t)surroundings_belt_at(&around, at);
+    }
+    return BF_OK;
 }
 
 static bf_status create_run(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
@@ -240,6 +261,7 @@ static bf_status create_run(const scene *s, int n_threads, void **ret_solver, ru
         run->counters[k] = counter_cells_of(&s->counters[k], &run->grid);
     if ((status = create_solver(s, n_threads, run, err)) != BF_OK ||
         (status = create_eyes(s, run, err)) != BF_OK ||
+        (run->is_fed && (status = find_belts(s, run, err)) != BF_OK) ||
         (status = feed_density_create(s, scene_macro_step(s), &run->feeds, err)) != BF_OK ||
         (status = place_parts(s, run, &n_parts, err)) != BF_OK) {
         destroy_run(run);
@@ -423,6 +445,28 @@ static void tell_ages(const void *solver, figures *to)
     }
 }
 
+static void tell_cargo(const void *solver, figures *to)
+{
+    const macro_run *run = solver;
+    const bf_grid *g = &run->grid;
+    const double parts = run->packing * g->d1 * g->d2;
+    double speeds[SCENE_BELTS_MAX];
+
+    for (size_t k = 0; k < run->n_belts; k++)
+        speeds[k] = vec2_length(run->belts[k].velocity) * macro_belt_factor(run->solver, k);
+    for (size_t cell = 0; run->is_fed && cell < grid_cells(g); cell++) {
+        const double density = density_of_cell(run, cell);
+        if (density <= least_density || run->belt_of[cell] == run->n_belts)
+            continue;
+        const figures_cargo cargo = { .at = { grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) },
+                                      .speed = macro_speed(run->solver, cell),
+                                      .belt_speed = speeds[run->belt_of[cell]],
+                                      .parts = parts * density,
+                                      .age = (double)NAN };
+        figures_add_cargo(to, &cargo);
+    }
+}
+
 static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load, bf_error *err)
 {
     const macro_run *run = solver;
@@ -510,6 +554,7 @@ const run_backend run__macro = {
     .save = save_run,
     .load = load_run,
     .digest = digest_run,
+    .tell_cargo = tell_cargo,
     .tell_ages = tell_ages,
     .tell_exits = tell_exits,
     .look = look_run,

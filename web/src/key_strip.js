@@ -49,8 +49,8 @@ const figures = [
     unit: "m",
     value: ({ figures: known }) => known?.queue_end_m ?? null,
     text: (value) => number(value),
-    sentence: ({ run }) => (run.model === "macro" ? "Only the microscopic model knows it."
-      : "From what holds parts back, the end of a plate or the first slow part, upstream to the last part that is slower than 0.8 of its belt."),
+    sentence: ({ run, scenario }) => (run.model === "macro" && !isFed(scenario) ? "Only the microscopic model knows it without feeds."
+      : "From what holds parts back, the end of a plate or the first that is slow, upstream to the last that is slower than 0.8 of its belt."),
   },
   {
     name: () => "Residence, 95 %",
@@ -58,8 +58,7 @@ const figures = [
     value: ({ figures: known }) => (known && residenceOf(known)) ?? null,
     text: (value) => number(value),
     sentence: ({ run, scenario }) => (!isFed(scenario) ? "95 % of the parts that left stayed no longer."
-      : run.model === "macro" ? "Only the microscopic model knows it of a fed belt."
-        : "95 % of the parts stay no longer; those still inside count as longer than their age, so that it may not be known yet."),
+      : "95 % of the parts stay no longer; those still inside count as longer than their age, so that it may not be known yet."),
   },
   {
     name: () => "Peak density",
