@@ -38,7 +38,7 @@ export function fitsSchema(kind, value) {
 }
 
 export function readSamples() {
-  return readFileSync(samplesFile, "utf8").trim().split("\n").map((line) => {
+  return readFileSync(samplesFile, "utf8").split("\n").filter(Boolean).map((line) => {
     const [, kind, target, value] = /^(\S+ \S+ \S+) (\S+) (.*)$/.exec(line);
     return { kind, target, value: JSON.parse(value) };
   });

@@ -3,12 +3,13 @@
 //     samples.mjs FOLDER     the folder that BELTFLOW_SAMPLES named
 //
 // A line is: operation, "request" or status, media type, path and query, value as JSON. Of an operation's exchanges the
-// longest that is short is taken; where all are long, the shortest, whose lists and lines are cut.
+// longest that is short is taken; where all are long, the shortest, whose lists and lines are cut. Of operations that nobody
+// asked for the example stays, if it still is what the schema says.
 
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import path from "node:path";
 
-import { fitsSchema, mediaOf, samplesFile } from "./sample_schemas.mjs";
+import { fitsSchema, mediaOf, readSamples, samplesFile } from "./sample_schemas.mjs";
 
 const MOST = 2500; // characters of a value
 const LINES = 8; // of a text that is cut
@@ -50,6 +51,9 @@ for (const candidate of candidates.sort((a, b) => rank(b) - rank(a))) {
   if (chosen.has(candidate.kind)) continue;
   const value = valueOf(candidate.kind, candidate.body);
   if (value !== undefined) chosen.set(candidate.kind, `${candidate.kind} ${candidate.target} ${JSON.stringify(value)}\n`);
+}
+for (const { kind, target, value } of readSamples()) {
+  if (!chosen.has(kind) && fitsSchema(kind, value)) chosen.set(kind, `${kind} ${target} ${JSON.stringify(value)}\n`);
 }
 writeFileSync(samplesFile, [...chosen.values()].sort().join(""));
 console.log(`${chosen.size} examples of ${new Set(candidates.map(({ kind }) => kind)).size} kinds`);
