@@ -59,7 +59,8 @@ const figure figure_table[FIGURE_COUNT] = {
                            OF(RUN, BOTH_FED) },
     [FIGURE_PEAK] = { "peak_density", NULL, NULL,
                       "Largest density after the warm-up, 1 being close packing, of all samples "
-                      "(macroscopic) or snapshots (microscopic)",
+                      "(macroscopic) or snapshots (microscopic, by a mollifier that is no "
+                      "narrower than a part)",
                       OF(RUN, BOTH) },
     [FIGURE_DRAINED_AT] = { "drained_at_s", NULL, "s",
                             "Since when the domain has been empty again until the end: less than "

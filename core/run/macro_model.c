@@ -414,7 +414,8 @@ static run_load measure_run(const void *solver)
     return (run_load){ .parts = run->packing * totals.mass,
                        .fallen = run->packing * totals.fallen,
                        .entered = feed_density_admitted(run->feeds),
-                       .peak = totals.peak };
+                       .peak = totals.peak,
+                       .smooth_peak = totals.peak };
 }
 
 // What density thins out to without end is no cargo that has a time.

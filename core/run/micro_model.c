@@ -253,12 +253,22 @@ static run_load measure_run(const void *solver)
     return load;
 }
 
+static double largest_of(const double *rho, size_t n)
+{
+    double largest = 0.0;
+
+    for (size_t c = 0; c < n; c++)
+        largest = rho[c] > largest ? rho[c] : largest; // fmax() here makes GCC 12 for AArch64 fail
+    return largest;
+}
+
 // The density (18) of the parts in the domain, so that both models can be compared cell by cell.
 static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load, bf_error *err)
 {
     micro_run *run = solver;
     const size_t n_cells = grid_cells(&run->grid), n_handles = micro_parts(run->solver);
-    double peak = 0.0;
+    const double mollifier = run->scene->macro.initial_mollifier;
+    const double widest = M_PI / scene_mean_footprint(run->scene); // deviation of a part's radius
     size_t n = 0;
 
     if (memory_reserve(&run->poses, &run->n_poses_max, n_handles, sizeof *run->poses) != 0 ||
@@ -274,16 +284,19 @@ static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load,
     }
     run->n_rows = n;
     bf_status status =
-        density_from_parts(&run->grid, run->packing, run->scene->macro.initial_mollifier,
-                           run->poses, n, run->rho, err);
+        density_from_parts(&run->grid, run->packing, mollifier, run->poses, n, run->rho, err);
     if (status != BF_OK)
         return status;
-    for (size_t c = 0; c < n_cells; c++) {
+    for (size_t c = 0; c < n_cells; c++)
         ret_rho[c] = (float)run->rho[c];
-        peak = run->rho[c] > peak ? run->rho[c] : peak; // fmax() here makes GCC 12 for AArch64 fail
-    }
+    const double peak = largest_of(run->rho, n_cells);
+    if (mollifier > widest)
+        status = density_from_parts(&run->grid, run->packing, widest, run->poses, n, run->rho, err);
+    if (status != BF_OK)
+        return status;
     *ret_load = measure_run(run);
     ret_load->peak = peak;
+    ret_load->smooth_peak = largest_of(run->rho, n_cells);
     return BF_OK;
 }
 

@@ -379,7 +379,7 @@ static void sample_figures(run *r, const run_load *load, const double *columns)
         tell_ages(r);
     figures_sample(r->figures, &now);
     if (r->backend->parts == NULL)
-        figures_peak(r->figures, load->peak);
+        figures_peak(r->figures, load->smooth_peak);
 }
 
 // Takes a sample of the curve; a full batch is emitted.
@@ -425,7 +425,7 @@ static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
     if (status != BF_OK)
         return status;
     r->peak = fmax(r->peak, load.peak);
-    figures_peak(r->figures, load.peak);
+    figures_peak(r->figures, load.smooth_peak);
     const frame f = { .type = FRAME_SNAPSHOT,
                       .snapshot = { .index = r->snapshots.n,
                                     .t = time_now(r),

@@ -34,11 +34,12 @@ typedef struct run_plan {
 
 /// What is in the domain at one time.
 typedef struct run_load {
-    double parts;    ///< parts in the domain
-    double entered;  ///< parts that entered since t = 0
-    double fallen;   ///< parts that fell off the belts since t = 0
-    double peak;     ///< largest density; 0 where the model knows it at snapshots only
-    uint64_t n_rows; ///< rows of FRAME_PARTS, see frame_parts
+    double parts;       ///< parts in the domain
+    double entered;     ///< parts that entered since t = 0
+    double fallen;      ///< parts that fell off the belts since t = 0
+    double peak;        ///< largest density; 0 where the model knows it at snapshots only
+    double smooth_peak; ///< same by a mollifier that is no narrower than a part
+    uint64_t n_rows;    ///< rows of FRAME_PARTS, see frame_parts
 } run_load;
 
 /// A part that left the domain, or fell off the belts.

@@ -90,7 +90,7 @@ test("both models of a fed run stand in one plot, and in the list with what went
   assert.deepEqual(await page.locator(".plot-legend .group").allInnerTexts(),
     ["micro", "macro, dispersive"]);
   assert.deepEqual(await page.locator(".plot-legend span").allInnerTexts(),
-    Array.from({ length: 2 }, () => ["offered", "admitted", "waiting", "exits"]).flat());
+    Array.from({ length: 2 }, () => ["offered", "admitted", "waiting", "left the belt"]).flat());
   await showsValue(page, "offered", 60);
   const measures = (await d.get(`/v1/compare?a=${ids[0]}&b=${ids[1]}&column=left_domain`)).json;
   await page.getByRole("group", { name: "What this says" }).getByText(measures.verdicts[0].text).waitFor();

@@ -175,13 +175,13 @@ test("parts of fed runs are told by their ids, enter over the feed and leave wit
   });
 });
 
-test("a fed run's flow is the sum of its feeds and the exits, its content the counters and what waits", () => {
+test("a fed run's flow is the sum of its feeds and what left, its content the counters and what waits", () => {
   const scenario = { counters: [{ id: "upstream" }], feeds: [{ id: "a" }, { id: "b" }] };
   const columns = new Map(Object.entries({ upstream: [0, 3], left_domain: [0, 1], "a.offered": [0, 4], "a.admitted": [0, 3],
     "a.waiting": [0, 1], "a.discarded": [0, 0], "b.offered": [0, 2], "b.admitted": [0, 1], "b.waiting": [0, 1], "b.discarded": [0, 0] }));
   assert.deepEqual(columnsOf(scenario).map(([name]) => name), [...columns.keys()]);
   assert.deepEqual(flowOf(scenario, { columns }),
-    [["offered", [0, 6]], ["admitted", [0, 4]], ["waiting", [0, 2]], ["exits", [0, 1]]]);
+    [["offered", [0, 6]], ["admitted", [0, 4]], ["waiting", [0, 2]], ["left the belt", [0, 1]]]);
   assert.deepEqual(fallsOf({ columns: new Map([["fallen", [0, 0.01]]]) }), []); // a density spreads without end
   columns.set("fallen", [0, 3]);
   assert.deepEqual(flowOf(scenario, { columns }).at(-1), ["fell off the belts", [0, 3]]);

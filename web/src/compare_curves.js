@@ -10,7 +10,7 @@ import { DASHES } from "./theme.js";
 import { tellFault, toast } from "./toast.js";
 import { segments } from "./transport.js";
 
-const flowDashes = { exits: DASHES[0], admitted: DASHES[1], offered: DASHES[2], waiting: DASHES[3], discarded: [1, 4] };
+const flowDashes = { "left the belt": DASHES[0], admitted: DASHES[1], offered: DASHES[2], waiting: DASHES[3], discarded: [1, 4] };
 const EXITS = "left_domain";
 const plots = [["counts", "Counts"], ["difference", "Difference"], ["rate", "Flow rate"]];
 const units = { counts: "Parts", difference: "Parts more than the reference", rate: "Parts/s" };
@@ -53,7 +53,7 @@ export class CompareCurves {
 
   // Which column of the curves is shown; "" is the flow of runs with feeds: four columns at once.
   columnBox() {
-    const columns = new Map([...(this.hasFlow ? [["", "offered, admitted, waiting and exits"]] : []),
+    const columns = new Map([...(this.hasFlow ? [["", "offered, admitted, waiting and left the belt"]] : []),
       ...this.runs.flatMap(({ scenario }) => columnsOf(scenario))]);
     this.box = h("select", { on: { change: () => this.choose(this.box.value) } },
       [...columns].map(([name, words]) => h("option", { value: name }, words)));
@@ -81,7 +81,7 @@ export class CompareCurves {
       h("span", {}, "or drop a CSV here: times in seconds, then counts of parts."));
   }
 
-  // Measures and measured counts are of one column; those of a flow are of its exits.
+  // Measures and measured counts are of one column; those of a flow are of what left.
   measuredColumn() {
     return this.column || EXITS;
   }
@@ -149,7 +149,7 @@ export class CompareCurves {
     this.plot.setCurves(shown.filter(({ v }) => v.length > 0), this.end, units[this.shown]);
   }
 
-  // Differences need the reference, rates what only passes: of other columns the exits.
+  // Differences need the reference, rates what only passes: of other columns what left.
   derived(curves) {
     if (this.shown === "rate") return curves.map((curve) => ({ ...curve, ...rateOf(curve) }));
     if (this.shown !== "difference") return curves;

@@ -29,7 +29,8 @@ const figures = [
     unit: "s",
     value: ({ figures: known }) => known?.drained_at_s ?? null,
     text: (value, { run, figures: known }) => (value === null && known && isOver(run) ? "not drained" : number(value, 4)),
-    sentence: () => "Since then the belt has been empty.",
+    sentence: ({ figures: known }) => (known && known.drained_at_s === undefined ? "Parts are still on the belt."
+      : "Since then the belt has been empty."),
   },
   {
     name: ({ scenario }) => (isFed(scenario) ? "Throughput" : "Sustained throughput"),

@@ -37,16 +37,16 @@ function wordsOf({ id }) {
 // [name, words] of the columns of a run's curve that count parts.
 export function columnsOf(scenario) {
   const { counters, feeds = [] } = scenario;
-  return [...counters.map((counter) => [counter.id, wordsOf(counter)]), ["left_domain", isFed(scenario) ? "exits" : "left the belt"],
+  return [...counters.map((counter) => [counter.id, wordsOf(counter)]), ["left_domain", "left the belt"],
     ...feeds.flatMap(({ id }) => balance.map((what) => [`${id}.${what}`, `${id}: ${what}`]))];
 }
 
-// [words, values] of what flows through: the sums of the feeds, and the exits.
+// [words, values] of what flows through: the sums of the feeds, and what left the belt.
 export function flowOf(scenario, { columns }) {
   const { feeds = [] } = scenario;
   const sums = balance.map((what) => [what, sumOf(feeds.map(({ id }) => columns.get(`${id}.${what}`) ?? []))]);
   const seen = sums.filter(([what, values]) => what !== "discarded" || values.some((value) => value > 0));
-  return [...seen, ["exits", columns.get("left_domain") ?? []], ...fallsOf({ columns })];
+  return [...seen, ["left the belt", columns.get("left_domain") ?? []], ...fallsOf({ columns })];
 }
 
 // [words, values] of what fell off the belts, where anything did.

@@ -122,6 +122,24 @@ static void gaps_are_those_between_the_parts(void **state)
     scene_fini(&s);
 }
 
+// Of parts 0.1 m apart, by a Gaussian as wide as a part, sigma = 1/r^2, the peak is that of one: sigma/(2 pi rho_max), less what cells of
+// 1 cm miss, exp(-sigma 50 mm2 / 2). By the one that the scenario gives, a quarter as wide, a part is 8 times as dense as close packing.
+static void the_peak_of_parts_is_not_that_of_one_part(void **state)
+{
+    (void)state;
+    const double sigma = 1.0 / (0.012 * 0.012);
+    scene s;
+    make_file(&s);
+    s.macro.initial_mollifier = 16.0 * sigma;
+    const double one = sigma / (2.0 * M_PI * s.macro.packing);
+    helper_run_log *log = run_model_of(&s, RUN_MICRO);
+    assert_true(value(&s, log, FIGURE_PEAK) <= one * (1.0 + 1e-9));
+    assert_true(value(&s, log, FIGURE_PEAK) >= one * exp(-0.5 * sigma * 50e-6));
+    assert_true(log->end.peak > 1.0);
+    helper_run_free(log);
+    scene_fini(&s);
+}
+
 // The belt stops at 10 s for good: a jam from the last exit on, everything is blocked, and what comes waits. Until 30 s.
 static void a_belt_that_stops_is_a_jam(void **state)
 {
@@ -217,6 +235,7 @@ int main(void)
         cmocka_unit_test(a_free_file_has_the_throughput_residence_and_content_of_its_feed),
         cmocka_unit_test(lanes_have_times_of_their_own),
         cmocka_unit_test(gaps_are_those_between_the_parts),
+        cmocka_unit_test(the_peak_of_parts_is_not_that_of_one_part),
         cmocka_unit_test(a_belt_that_stops_is_a_jam),
         cmocka_unit_test(queue_states_and_jams_agree),
         cmocka_unit_test(a_run_ends_when_its_throughput_is_steady),
