@@ -8,6 +8,7 @@
 #include "core/scene/surroundings.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -372,7 +373,7 @@ static void the_field_on_a_grid_is_the_plain_rule_at_every_face(void **state)
 
     (void)state;
     random_init(&random, 1);
-    for (int round = 0; round < 300; round++) {
+    for (int round = 0; round < HELPER_AMOUNT(300, 60); round++) {
         scene s;
         draw_scene(&s, &random);
         velocity_field *f = helper_macro_field(&s);

@@ -220,7 +220,7 @@ static void a_plate_that_does_not_move_has_the_bits_of_one_that_cannot(void **st
                 set_presence(&w, 2, times, ones);
             }
             micro_solver *s = helper_micro_start(&w.def);
-            helper_micro_advance_to(s, 0.3);
+            helper_micro_advance_to(s, HELPER_AMOUNT(0.3, 0.1));
             assert_true(micro_measure(s).largest_overlap > 0.0);
             digests[moves] = micro_digest(s);
             s = micro_destroy(s);
@@ -264,7 +264,7 @@ static void a_bent_plate_is_turned_as_a_whole(void **state)
             world w;
             make_bent(&w, k, is_scheduled == 1);
             turned[is_scheduled] = helper_micro_start(&w.def);
-            helper_micro_advance_to(turned[is_scheduled], 1.0);
+            helper_micro_advance_to(turned[is_scheduled], HELPER_AMOUNT(1.0, 0.4));
             assert_true(micro_measure(turned[is_scheduled]).largest_overlap > 0.0);
         }
         for (size_t m = 0; m < 6; m++) {
