@@ -162,13 +162,13 @@ static const route table[] = {
     RESULT("photo_eyes", handlers_results_photo_eyes, .formats = "json csv",
            .params =
                PARAMS(&routes__run_id, &routes__format, &routes__if_match, &routes__if_none_match),
-           .id = "getPhotoEyes", .summary = "Changes of photo eyes and their actions so far",
+           .id = "getPhotoEyes",            .summary = "Changes of photo eyes, their actions, and drives that cargo holds back, so far",
            .help =
-               "Both lists by rising time, empty for a run without photo eyes. As CSV the changes "
-               "alone, as photo_eyes.csv. A run keeps the first 100,000 of both together; `is_cut` "
+               "Each list by rising time, empty for a run without photo eyes and moving obstacles. As CSV the changes "
+               "alone, as photo_eyes.csv. A run keeps the first 100,000 of all; `is_cut` "
                "says when there are so many.",
            .refusals = "404 412",
-           .answers = { { 200, "PhotoEyes", CACHED, "The changes and actions" }, UNCHANGED }),
+           .answers = { { 200, "PhotoEyes", CACHED, "The changes, actions and drives" }, UNCHANGED }),
     RESULT("key_figures", handlers_results_figures, .formats = "json csv",
            .params =
                PARAMS(&routes__run_id, &routes__format, &routes__if_match, &routes__if_none_match),

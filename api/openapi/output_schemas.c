@@ -96,6 +96,7 @@ LINE("EndLine", end_line, "end", "EndEvent");
 LINE("FiguresLine", figures_line, "figures", "FiguresEvent");
 LINE("PhotoEyeLine", eye_line, "photo_eye", "PhotoEyeEvent");
 LINE("ActionLine", action_line, "action", "ActionEvent");
+LINE("DriveLine", drive_line, "drive", "DriveEvent");
 
 // The same of a study; `status` has no id.
 #define STUDY_LINE(title, name, word, data, ...)                                                   \
@@ -296,6 +297,7 @@ static const openapi_schema table[] = {
     OBJECT(results_changes_members, "What the photo eyes of a run saw and did"),
     OBJECT(results_eye_members, "A photo eye changed its state"),
     OBJECT(results_action_members, "An action of a photo eye was carried out"),
+    OBJECT(results_drive_members, "Cargo holds an obstacle back, or no longer"),
     OBJECT(results_grid_members, "Grid of a density"),
     OBJECT(results_parts_layout_members, "Layout of the parts of a snapshot"),
     OBJECT(results_snapshot_item_members, "A snapshot in a list"),
@@ -363,7 +365,8 @@ static const openapi_schema table[] = {
          "\"contentMediaType\":\"application/json\",\"contentSchema\":"
          "{\"$ref\":\"#/components/schemas/EventData\"}",
          "Server-sent events. `event` is one of status, progress, curve, snapshot, figures, "
-         "photo_eye, action and end, of a study trial, status and end; `data` is an object in one "
+         "photo_eye, action, drive and end, of a study trial, status and end; `data` is an object "
+         "in one "
          "line; `id` rises. A comment is sent while there are no events"),
     TYPE(
         "EventLines", "string",
@@ -377,7 +380,7 @@ static const openapi_schema table[] = {
     { .name = "EventData",
       .help = "Data of an event",
       .one_of = "StatusEvent ProgressEvent CurveEvent SnapshotEvent EndEvent FiguresEvent "
-                "PhotoEyeEvent ActionEvent Trial Study" },
+                "PhotoEyeEvent ActionEvent DriveEvent Trial Study" },
     OBJECT(events_status_data, "The run has changed its state; the whole run"),
     OBJECT(events_progress_data, "Progress of the run"),
     { .help = "Samples of the outflow curve: one list for each counter, under its id",
@@ -388,10 +391,11 @@ static const openapi_schema table[] = {
     OBJECT(events_figures_data, "Key figures so far"),
     OBJECT(events_eye_data, "A photo eye changed its state"),
     OBJECT(events_action_data, "An action of a photo eye was carried out"),
+    OBJECT(events_drive_data, "Cargo holds an obstacle back, or no longer"),
     { .name = "EventLine",
       .help = "An event",
       .one_of = "StatusLine ProgressLine CurveLine SnapshotLine EndLine FiguresLine PhotoEyeLine "
-                "ActionLine TrialLine StudyStatusLine StudyEndLine" },
+                "ActionLine DriveLine TrialLine StudyStatusLine StudyEndLine" },
     OBJECT(status_line, "A status event"),
     OBJECT(progress_line, "A progress event"),
     OBJECT(curve_line, "A curve event"),
@@ -400,6 +404,7 @@ static const openapi_schema table[] = {
     OBJECT(figures_line, "A figures event"),
     OBJECT(eye_line, "An event of a photo eye"),
     OBJECT(action_line, "An event of an action"),
+    OBJECT(drive_line, "An event of a drive"),
     OBJECT(trial_line, "A trial of a study has ended"),
     OBJECT(study_status_line, "A study has changed"),
     OBJECT(study_end_line, "A study has ended; its last event"),

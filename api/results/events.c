@@ -1,8 +1,10 @@
 #include "api/results/events.h"
 
 #include "api/json/json_out.h"
+#include "api/results/results_priv.h"
 #include "api/results/run_json.h"
 #include "core/base/check.h"
+#include "core/scene/plate_drive.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -176,9 +178,11 @@ typedef struct change_event {
     const char *id;
     uint64_t item;
     uint32_t state;
+    double turn_deg;
 } change_event;
 
 static const char *const eye_states[] = { "clear", "blocked", NULL };
+const char *const results__drive_states[] = { "as_told", "behind", "stalled", NULL };
 
 #define AT(place) offsetof(change_event, place)
 static const member eye_members[] = {
@@ -196,16 +200,39 @@ static const member action_members[] = {
     MEMBER("target", string, AT(id), "Id of the belt, obstacle or feed", .type = "#ScenarioId"),
 };
 const member_table events_action_data = { MEMBER_TABLE("ActionEvent", action_members) };
+
+static const member drive_members[] = {
+    MEMBER("run", string, AT(run), RUN, .type = "#Id"),
+    MEMBER("t_s", number, AT(t), "When it was so", .unit = "s"),
+    MEMBER("obstacle", string, AT(id), "Its id", .type = "#ScenarioId"),
+    MEMBER("state", enum, AT(state), "How it follows what it is told from then on",
+           .words = results__drive_states),
+    MEMBER("turn_deg", number, AT(turn_deg), "By which its path is turned, counter-clockwise",
+           .unit = "deg"),
+};
+const member_table events_drive_data = { MEMBER_TABLE("DriveEvent", drive_members) };
 #undef AT
 
 bf_status events_change(const char *run_id, const frame_change *c, bf_buffer *out, bf_error *err)
 {
-    const change_event event = {
-        .run = run_id, .t = c->t, .id = c->id, .item = c->item, .state = c->is_blocked != 0
+    static const struct {
+        const member_table *table;
+        uint32_t n_states;
+    } kinds[FRAME_CHANGE_TYPE_COUNT] = {
+        [FRAME_CHANGE_EYE] = { &events_eye_data, 2 },
+        [FRAME_CHANGE_ACTION] = { &events_action_data, 1 },
+        [FRAME_CHANGE_DRIVE] = { &events_drive_data, PLATE_DRIVE_STATE_COUNT },
     };
+    const change_event event = { .run = run_id,
+                                 .t = c->t,
+                                 .id = c->id,
+                                 .item = c->item,
+                                 .state = c->state,
+                                 .turn_deg = c->turn * 180.0 / M_PI };
 
-    return write_event(c->type == FRAME_CHANGE_EYE ? &events_eye_data : &events_action_data, &event,
-                       out, err);
+    if (c->type >= FRAME_CHANGE_TYPE_COUNT || c->state >= kinds[c->type].n_states)
+        return bf_fail(err, BF_ECORRUPT, "", "a change of no known kind or state");
+    return write_event(kinds[c->type].table, &event, out, err);
 }
 
 #define AT(place) offsetof(api_run, place)

@@ -4,6 +4,7 @@
 
 #include "api/json/number.h"
 #include "api/results/results_priv.h"
+#include "core/scene/plate_drive.h"
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -32,7 +33,7 @@ bf_status results_photo_eyes_csv(const frame_change *c, bf_buffer *out, bf_error
     if (out->n == 0)
         status = buffer_printf(out, CSV_HEADER);
     if (status == BF_OK)
-        status = append_row(c->t, c->id, c->is_blocked, out);
+        status = append_row(c->t, c->id, c->state, out);
     return results__finish(status, out, n_before, err);
 }
 
@@ -61,6 +62,22 @@ static bool read_action(json_t *json, results_action *ret_action)
     return true;
 }
 
+static bool read_drive(json_t *json, results_drive *ret_drive)
+{
+    const char *id, *state;
+    results_drive drive = { .state = 0 };
+
+    if (json_unpack(json, "{s:F, s:s, s:s, s:F}", "t_s", &drive.t, "obstacle", &id, "state", &state,
+                    "turn_deg", &drive.turn_deg) != 0)
+        return false;
+    while (results__drive_states[drive.state] != NULL &&
+           strcmp(results__drive_states[drive.state], state) != 0)
+        drive.state++;
+    snprintf(drive.id, sizeof drive.id, "%s", id);
+    *ret_drive = drive;
+    return drive.state < PLATE_DRIVE_STATE_COUNT;
+}
+
 static bf_status take_event(void *context, const api_event *event, bf_error *err)
 {
     results_changes *changes = context;
@@ -68,14 +85,18 @@ static bf_status take_event(void *context, const api_event *event, bf_error *err
     bf_status status = BF_ECORRUPT;
     results_eye_change change;
     results_action action;
+    results_drive drive;
 
     if (event->type == API_EVENT_EYE && read_eye(json, &change))
         status = buffer_append(&changes->eyes, &change, sizeof change);
     else if (event->type == API_EVENT_ACTION && read_action(json, &action))
         status = buffer_append(&changes->actions, &action, sizeof action);
+    else if (event->type == API_EVENT_DRIVE && read_drive(json, &drive))
+        status = buffer_append(&changes->drives, &drive, sizeof drive);
     json_decref(json);
-    return status == BF_OK ? BF_OK
-                           : bf_fail(err, status, "", "an event of a photo eye cannot be read");
+    return status == BF_OK
+               ? BF_OK
+               : bf_fail(err, status, "", "an event of an eye or a drive cannot be read");
 }
 
 bf_status results_changes_read(const api_services *services, const char *id,
@@ -93,6 +114,7 @@ void results_changes_fini(results_changes *changes)
 {
     buffer_fini(&changes->eyes);
     buffer_fini(&changes->actions);
+    buffer_fini(&changes->drives);
 }
 
 bf_status results_changes_csv(const results_changes *changes, bf_buffer *out, bf_error *err)
@@ -126,12 +148,27 @@ const member_table results_action_members = { MEMBER_TABLE("PhotoEyeAction", act
                                               .size = sizeof(results_action) };
 #undef AT
 
+#define AT(place) offsetof(results_drive, place)
+static const member drive_members[] = {
+    MEMBER("t_s", number, AT(t), "When it was so", .unit = "s"),
+    MEMBER("obstacle", text, AT(id), "Its id", .type = "#ScenarioId"),
+    MEMBER("state", enum, AT(state), "How it follows what it is told from then on",
+           .words = results__drive_states),
+    MEMBER("turn_deg", number, AT(turn_deg), "By which its path is turned, counter-clockwise",
+           .unit = "deg"),
+};
+const member_table results_drive_members = { MEMBER_TABLE("Drive", drive_members),
+                                             .size = sizeof(results_drive) };
+#undef AT
+
 // What the JSON is written from.
 typedef struct changes_view {
     const results_eye_change *eyes;
     size_t n_eyes;
     const results_action *actions;
     size_t n_actions;
+    const results_drive *drives;
+    size_t n_drives;
     bool is_cut;
 } changes_view;
 
@@ -141,6 +178,10 @@ static const member changes_members[] = {
            .table = &results_eye_members),
     MEMBER("actions", list, AT(actions), "Actions that were carried out", .offset_n = AT(n_actions),
            .table = &results_action_members),
+    MEMBER("drives", list, AT(drives),
+           "How obstacles that cargo holds back follow what they are told: a change of state, and "
+           "every 2 degrees that they turn while behind",
+           .offset_n = AT(n_drives), .table = &results_drive_members),
     MEMBER("is_cut", bool, AT(is_cut),
            "There are as many as a run keeps, and what came later is not among them"),
 };
@@ -152,10 +193,12 @@ bf_status results_changes_json(const results_changes *changes, bf_buffer *out, b
     changes_view of = { .eyes = (const results_eye_change *)(const void *)changes->eyes.bytes,
                         .n_eyes = changes->eyes.n / sizeof *of.eyes,
                         .actions = (const results_action *)(const void *)changes->actions.bytes,
-                        .n_actions = changes->actions.n / sizeof *of.actions };
+                        .n_actions = changes->actions.n / sizeof *of.actions,
+                        .drives = (const results_drive *)(const void *)changes->drives.bytes,
+                        .n_drives = changes->drives.n / sizeof *of.drives };
     json_out w = json_out_to(out);
 
-    of.is_cut = of.n_eyes + of.n_actions >= FRAME_CHANGES_MAX;
+    of.is_cut = of.n_eyes + of.n_actions + of.n_drives >= FRAME_CHANGES_MAX;
     members_write(&w, &results_changes_members, &of);
     return json_out_status(&w, err);
 }

@@ -32,6 +32,7 @@ extern const member_table results_parts_members;
 extern const member_table results_parts_layout_members;
 extern const member_table results_eye_members;
 extern const member_table results_action_members;
+extern const member_table results_drive_members;
 extern const member_table results_changes_members;
 extern const member_table results_summary_members; ///< its tag is the model
 
@@ -99,10 +100,19 @@ typedef struct results_action {
     char target[SCENE_ID_SIZE]; ///< id of the belt, obstacle or feed
 } results_action;
 
-/// What the photo eyes of a run saw and did so far. Zero-initialise; results_changes_fini().
+/// How the drive of an obstacle follows what it is told.
+typedef struct results_drive {
+    double t;               ///< s
+    char id[SCENE_ID_SIZE]; ///< of the obstacle
+    uint32_t state;         ///< frame_drive_state
+    double turn_deg;        ///< of its path, counter-clockwise
+} results_drive;
+
+/// What the photo eyes of a run saw and did, and drives under load, so far. Zero-initialise; results_changes_fini().
 typedef struct results_changes {
     bf_buffer eyes;    ///< results_eye_change, in the order of their times
     bf_buffer actions; ///< results_action, same
+    bf_buffer drives;  ///< results_drive, same
 } results_changes;
 
 /// Read the changes of a stored run into the empty *changes. BF_ECORRUPT: an event is damaged.
@@ -110,8 +120,9 @@ BF_MUST_CHECK bf_status results_changes_read(const api_services *services, const
                                              results_changes *changes, bf_error *err);
 void results_changes_fini(results_changes *changes);
 
-/// Append photo_eyes.csv, its header also where no state changed, or the JSON of both:
-/// {"changes": [{"t_s", "photo_eye", "state"}], "actions": [{"t_s", "action", "target"}], "is_cut": false}.
+/// Append photo_eyes.csv, its header also where no state changed, or the JSON of all:
+/// {"changes": [{"t_s", "photo_eye", "state"}], "actions": [{"t_s", "action", "target"}],
+///  "drives": [{"t_s", "obstacle", "state", "turn_deg"}], "is_cut": false}.
 BF_MUST_CHECK bf_status results_changes_csv(const results_changes *changes, bf_buffer *out,
                                             bf_error *err);
 BF_MUST_CHECK bf_status results_changes_json(const results_changes *changes, bf_buffer *out,

@@ -8,6 +8,9 @@
 
 #include <stddef.h>
 
+/// Words of frame_drive_state.
+extern const char *const results__drive_states[];
+
 /// End of a function that appends: on failure *out is again as it was, n bytes long.
 bf_status results__finish(bf_status status, bf_buffer *out, size_t n, bf_error *err);
 

@@ -249,6 +249,37 @@ static void say_jams(const run_verdict_subject *of, verdicts *all)
     verdict_rests_on(v, "jam.total_s", "", value_of(of, FIGURE_JAM_TOTAL, 0));
 }
 
+static void say_stalls(const run_verdict_subject *of, verdicts *all)
+{
+    const double n = value_of(of, FIGURE_STALL_COUNT, 0);
+    const scene *s = of->scene;
+    size_t n_moving = 0, last = 0;
+
+    if (!(n > 0.0))
+        return;
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        if (!scene_obstacle_moves(&s->obstacles[k]))
+            continue;
+        n_moving++;
+        last = k;
+    }
+    verdict *v = verdict_add(all, "stalled");
+    if (n_moving == 1)
+        verdict_say(v, "Cargo stopped the plate '%s', which could not push it away: ",
+                    s->obstacles[last].id);
+    else
+        verdict_say(v, "Cargo stopped plates, which could not push it away: ");
+    if (n > 1.0)
+        verdict_say(v, "%.0f times, the first ", n);
+    verdict_say(v, "at %.4g s, for %.4g s together.", value_of(of, FIGURE_STALL_FIRST, 0),
+                value_of(of, FIGURE_STALL_TOTAL, 0));
+    verdict_advise(v, "Let it move while less cargo lies in its way, slower or less far; "
+                      "`force_limit_n` says how much its drive can push.");
+    verdict_rests_on(v, "stall.count", "", n);
+    verdict_rests_on(v, "stall.first_s", "", value_of(of, FIGURE_STALL_FIRST, 0));
+    verdict_rests_on(v, "stall.total_s", "", value_of(of, FIGURE_STALL_TOTAL, 0));
+}
+
 static void say_chance(const run_verdict_subject *of, verdicts *all)
 {
     const double needs = value_of(of, FIGURE_THROUGHPUT_NEEDS, 0);
@@ -321,6 +352,7 @@ bf_status run_verdict_find(const run_verdict_subject *of, verdicts *ret_verdicts
     if (status != BF_OK)
         return status;
     say_jams(of, ret_verdicts);
+    say_stalls(of, ret_verdicts);
     say_chance(of, ret_verdicts);
     say_doubt(of, ret_verdicts);
     return BF_OK;

@@ -11,6 +11,7 @@
 ///     not_drained         without feeds: what is left on the belt
 ///     bridges             of parts: nothing left for some time while parts stood before a plate
 ///     pauses              nothing left for some time, for other reasons
+///     stalled             cargo stopped plates that were told to move
 ///     too_short           parts arrive by chance and the run is too short to say how far chance moved its throughput
 ///     not_compared        the model was never compared with experiments or the other model for lines like this one
 

@@ -251,7 +251,8 @@ static const member summary_members[] = {
     MEMBER("verdicts", array, AT(verdicts.items),
            "What the run says, in sentences: everything_through, queue_at_inlet, inlet_limit, "
            "queue_grows, belt_fills or throughput of a belt that is fed, drained or not_drained of "
-           "another, bridges or pauses, too_short, not_compared; missing in summaries of versions "
+           "another, bridges or pauses, stalled, too_short, not_compared; missing in summaries of "
+           "versions "
            "that did not say so",
            .table = &verdict_members, .offset_n = AT(verdicts.n), .limit = VERDICTS_MAX,
            .flags = MEMBER_OPTIONAL),

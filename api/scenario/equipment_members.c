@@ -113,6 +113,11 @@ static const member_table presence_table = { MEMBER_TABLE("presence", presence_m
 #undef AT
 
 #define AT(place) offsetof(scene_obstacle, place)
+static bool has_no_force_limit(const void *item)
+{
+    return ((const scene_obstacle *)item)->force_limit == 0.0;
+}
+
 static const member obstacle_members[] = {
     MEMBER("id", text, AT(id), "its name", .default_text = "obstacle-1, ...", .least = 1,
            .limit = SCENE_ID_SIZE),
@@ -146,6 +151,11 @@ static const member obstacle_members[] = {
     MEMBER("present", object, AT(presence), "when it stands there; before the first time it does",
            .table = &presence_table, .offset_n = AT(presence.n_times), .flags = MEMBER_OMIT_EMPTY,
            .default_text = "at all times"),
+    MEMBER("force_limit_n", step, AT(force_limit),
+           "of what moves it, at the point farthest from its pivot: slower from half of it on, and "
+           "stalled at it; auto: twice what pushes a full belt",
+           .unit = "N", .range = &scene_range_force_limit, .flags = MEMBER_OMIT_EMPTY,
+           .is_empty = has_no_force_limit, .default_text = "auto"),
 };
 const member_table scenario_members_obstacle = {
     MEMBER_TABLE("obstacle", obstacle_members), .size = sizeof(scene_obstacle),

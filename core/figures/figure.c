@@ -50,6 +50,14 @@ const figure figure_table[FIGURE_COUNT] = {
                            OF(RUN, BOTH) },
     [FIGURE_JAM_FIRST] = { "jam", "first_s", "s", "When the first jam began", OF(RUN, BOTH) },
     [FIGURE_JAM_TOTAL] = { "jam", "total_s", "s", "Length of all jams together", OF(RUN, BOTH) },
+    [FIGURE_STALL_COUNT] = { "stall", "count", NULL,
+                             "How often cargo stopped a plate that was told to move, after the "
+                             "warm-up, see `force_limit_n`; absent where no plate moves",
+                             OF(RUN, BOTH) },
+    [FIGURE_STALL_FIRST] = { "stall", "first_s", "s", "When the first one was stopped",
+                             OF(RUN, BOTH) },
+    [FIGURE_STALL_TOTAL] = { "stall", "total_s", "s", "For how long, all plates together",
+                             OF(RUN, BOTH) },
     [FIGURE_QUEUE_END] = { "queue_end_m", NULL, "m",
                            "Longest queue of what is queued, slower than 0.8 of the belt under it: "
                            "the largest distance, against the belt's direction, from the "

@@ -57,7 +57,7 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
     f->s = s;
     f->has_parts = has_parts;
     f->has_exits = s->n_feeds > 0;
-    f->run.drained_at = f->run.jam.first = f->run.peak = (double)NAN;
+    f->run.drained_at = f->run.jam.first = f->run.stall.first = f->run.peak = (double)NAN;
     for (size_t k = 0; k < s->n_eyes; k++)
         f->eyes[k].last_end = (double)NAN;
     f->queue = queue_of(s);
@@ -290,6 +290,20 @@ void figures_eye_state(figures *f, size_t eye, double t, bool is_blocked)
     }
     e->blocked_since = t;
     e->is_blocked = is_blocked;
+}
+
+void figures_stall(figures *f, double t, bool is_stopped)
+{
+    stall_sums *s = &f->run.stall;
+
+    if (f->run.is_warm) {
+        s->total += (double)s->n_now * (t - fmax(s->since, f->run.t_start));
+        if (is_stopped && s->count == 0.0)
+            s->first = t;
+        s->count += is_stopped ? 1.0 : 0.0;
+    }
+    s->n_now = is_stopped ? s->n_now + 1 : s->n_now - 1;
+    s->since = t;
 }
 
 double figures_time(const figures *f)

@@ -85,6 +85,9 @@ void figures_eye_end(figures *f, size_t eye, double travel);
 /// The state of a photo eye becomes blocked, or clear, at t, s.
 void figures_eye_state(figures *f, size_t eye, double t, bool is_blocked);
 
+/// A plate that was told to move is stopped by cargo, or moves again, at t, s.
+void figures_stall(figures *f, double t, bool is_stopped);
+
 /// Time of the last sample, s.
 double figures_time(const figures *f);
 

@@ -52,6 +52,15 @@ typedef struct jam_sums {
     double total;        ///< length of those that are over, s
 } jam_sums;
 
+/// Of plates that cargo stops.
+typedef struct stall_sums {
+    uint64_t n_now; ///< plates that are stopped
+    double since;   ///< of their last change, s
+    double count;   ///< how often one was stopped
+    double first;   ///< when the first one was, s; NAN: none
+    double total;   ///< for how long, until `since`, s
+} stall_sums;
+
 /// Plain numbers of the run, saved as they are.
 typedef struct run_sums {
     uint64_t is_warm;    ///< the warm-up is over
@@ -66,6 +75,7 @@ typedef struct run_sums {
     double queue_end;    ///< longest queue, m
     double drained_at;   ///< s; NAN: it is not empty
     jam_sums jam;        ///< see there
+    stall_sums stall;    ///< see there
     steady batches;      ///< of what leaves
 } run_sums;
 

@@ -41,6 +41,7 @@ static void fill_run(const figures *f, double *ret_values)
     static const double p[N_PERCENTILES] = { 0.5, 0.9, 0.95, 0.99 };
     const run_sums *run = &f->run;
     const jam_sums *jam = &run->jam;
+    const stall_sums *stall = &run->stall;
 
     if (f->residence.weight >= whole_part && f->ages.weight + f->ages_first.weight > 0.0)
         survival_find(&(survival){ &f->residence, &f->ages, &f->ages_first }, p, N_PERCENTILES,
@@ -63,6 +64,12 @@ static void fill_run(const figures *f, double *ret_values)
     ret_values[FIGURE_JAM_COUNT] = jam->count;
     ret_values[FIGURE_JAM_FIRST] = jam->first;
     ret_values[FIGURE_JAM_TOTAL] = jam->total + (jam->is_jam ? run->t - jam->since : 0.0);
+    if (scene_has_moving_obstacles(f->s)) {
+        const double lasted = fmax(run->t - fmax(stall->since, run->t_start), 0.0);
+        ret_values[FIGURE_STALL_COUNT] = stall->count;
+        ret_values[FIGURE_STALL_FIRST] = stall->first;
+        ret_values[FIGURE_STALL_TOTAL] = stall->total + (double)stall->n_now * lasted;
+    }
     ret_values[FIGURE_QUEUE_END] = run->has_cargo ? run->queue_end : (double)NAN;
 }
 

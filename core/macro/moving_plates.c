@@ -18,7 +18,9 @@ typedef struct place {
 // An obstacle of the scene.
 typedef struct plate {
     place place;
-    double radius;      // plate_motion_radius()
+    double radius; // plate_motion_radius()
+    plate_drive drive;
+    uint64_t n_steps;   // between two loads of its drive; 0: it does not turn
     size_t n_lines;     // 0: it closes nothing
     closed_line *lines; // at angle 0
     vec2 *path;         // at its place
@@ -58,6 +60,12 @@ static bf_status init_plate(const scene *s, const scene_obstacle *o, plate *p)
     if (closed_lines_has(s, o))
         (void)closed_lines_visit_one(&around, o, add_line, p);
     return BF_OK;
+}
+
+// The density up to which cells take what plates hand on.
+static double full_density(const scene *s)
+{
+    return s->macro.closure == SCENE_CONGESTED ? s->macro.jam_density : 1.0;
 }
 
 // The places at a time.
@@ -100,6 +108,13 @@ static bf_status init_arrays(moving_plates *p, bf_error *err)
         status = BF_ENOMEM;
     for (size_t k = 0; status == BF_OK && k < s->n_obstacles; k++)
         status = init_plate(s, &s->obstacles[k], &p->plates[k]);
+    for (size_t k = 0; status == BF_OK && k < s->n_obstacles; k++) {
+        plate *of = &p->plates[k];
+        of->drive = plate_drive_of(s, k);
+        if (of->drive.rate > 0.0)
+            of->n_steps = (uint64_t)fmax(
+                floor(most_moved * p->edge / (of->drive.rate * of->radius * p->dt)), 1.0);
+    }
     p->now.obstacles = p->obstacles;
     return status == BF_OK ? BF_OK : bf_fail(err, status, "/obstacles", "no memory for obstacles");
 }
@@ -154,6 +169,11 @@ const velocity_field *moving_plates_field(const moving_plates *p)
     return p->field;
 }
 
+const plate_motion *moving_plates_motion(const moving_plates *p)
+{
+    return &p->motion;
+}
+
 // True if the field has to be made again for the step that begins at t, when plates are at `after`.
 static bool is_due(const moving_plates *p, double t)
 {
@@ -187,13 +207,42 @@ static bool find_sweep(const moving_plates *p, size_t k, swept_cells_plate *ret_
     return turned != 0.0 && from->presence == 1.0 && to->presence == 1.0;
 }
 
+// Lets the drive of a plate follow until its next load is found.
+static void follow(moving_plates *p, size_t k, macro_solver *s)
+{
+    const scene *of = p->scene;
+    const plate *moving = &p->plates[k];
+    const double t = macro_time(s);
+    const double until = (double)(macro_steps(s) + moving->n_steps) * p->dt;
+    swept_cells_plate sweep;
+
+    if (!plate_drive_is_needed(&p->motion, k, t, until))
+        return;
+    const scene_contact *belt = &of->micro.contact[SCENE_CONVEYOR_CARGO];
+    const bf_grid grid = scene_grid(of);
+    const swept_cells_cargo cargo = { surroundings_of(of), full_density(of),
+                                      belt->friction * of->micro.gravity *
+                                          plate_drive_mass_per_area(of) * grid.d1 * grid.d2,
+                                      belt->tanh_linear, moving->radius };
+    plate_load load = { 0.0, 0.0 };
+    p->before[k] = moving->place;
+    p->after[k] = moving->place;
+    p->after[k].angle = plate_motion_told_angle(&p->motion, k, until);
+    if (find_sweep(p, k, &sweep)) {
+        const double w = copysign(moving->drive.rate, sweep.turned);
+        load.torque = -copysign(swept_cells_load(p->swept, &sweep, &cargo, p->field, w, s), w);
+    }
+    plate_drive_follow(&p->motion, k, &moving->drive, &load, t, until);
+}
+
 void moving_plates_update(moving_plates *p, macro_solver *s)
 {
     const scene *of = p->scene;
-    // The density up to which cells take what plates hand on.
-    const double full = of->macro.closure == SCENE_CONGESTED ? of->macro.jam_density : 1.0;
     swept_cells_plate sweep;
 
+    for (size_t k = 0; k < of->n_obstacles; k++)
+        if (p->plates[k].n_steps > 0 && macro_steps(s) % p->plates[k].n_steps == 0)
+            follow(p, k, s);
     find_places(p, macro_time(s), p->after);
     if (!is_due(p, macro_time(s)))
         return;
@@ -206,7 +255,7 @@ void moving_plates_update(moving_plates *p, macro_solver *s)
             swept_cells_mark(p->swept, &sweep);
     for (size_t k = 0; k < of->n_obstacles; k++)
         if (find_sweep(p, k, &sweep))
-            swept_cells_hand_on(p->swept, &sweep, p->field, full, s);
+            swept_cells_hand_on(p->swept, &sweep, p->field, full_density(of), s);
     macro_set_field(s, p->field);
 }
 

@@ -21,6 +21,7 @@
 #include "core/base/status.h"
 #include "core/macro/macro.h"
 #include "core/macro/velocity_field.h"
+#include "core/scene/plate_drive.h"
 #include "core/scene/scene.h"
 
 /// The plates of a scene; opaque, on the heap.
@@ -35,6 +36,9 @@ moving_plates *moving_plates_destroy(moving_plates *p);
 
 /// The field of their present places; valid as long as they are.
 const velocity_field *moving_plates_field(const moving_plates *p);
+
+/// How they move.
+const plate_motion *moving_plates_motion(const moving_plates *p);
 
 /// Move plates to where they are before the next step of a solver, and hand cargo on. Never allocates.
 void moving_plates_update(moving_plates *p, macro_solver *s);

@@ -15,6 +15,9 @@ struct swept_cells {
     uint32_t *found_in; // per cell: last search that came to it
     size_t n_queue;     // cells found by the present search
     size_t queue[SWEPT_CELLS_SEARCH];
+    size_t origin
+        [SWEPT_CELLS_SEARCH]; // of a load: the place in the queue of the swept cell that a cell was found from
+    vec2 ahead[SWEPT_CELLS_SEARCH]; // and the way that this one is pushed
 };
 
 bf_status swept_cells_create(const bf_grid *grid, swept_cells **ret_cells, bf_error *err)
@@ -270,4 +273,72 @@ void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const v
     hand_on_context x = { c, f, s, full };
 
     visit_swept(&c->grid, plate, hand_on_cell, &x);
+}
+
+// A swept cell from which room is searched for.
+static void add_origin(void *context, size_t cell, vec2 ahead)
+{
+    const hand_on_context *x = context;
+    swept_cells *c = x->cells;
+
+    if (density_of(x, cell) == 0.0 || c->found_in[cell] == c->search ||
+        c->n_queue == SWEPT_CELLS_SEARCH)
+        return;
+    c->found_in[cell] = c->search;
+    c->origin[c->n_queue] = c->n_queue;
+    c->ahead[c->n_queue] = ahead;
+    c->queue[c->n_queue++] = cell;
+}
+
+// The torque of a cell's cargo that moves with a plate.
+static double torque_of(const hand_on_context *x, const swept_cells_plate *plate,
+                        const swept_cells_cargo *cargo, double w, size_t cell)
+{
+    const bf_grid *g = &x->cells->grid;
+    const vec2 at = { grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) };
+    const vec2 to = vec2_sub(at, plate->before.pivot);
+    const double r = vec2_length(to), lever = fmin(r, cargo->radius);
+    const size_t belt = surroundings_belt_at(&cargo->around, at);
+
+    if (r == 0.0)
+        return 0.0;
+    const double factor = belt < cargo->around.n_belts ? macro_belt_factor(x->solver, belt) : 0.0;
+    const vec2 e = vec2_scale(vec2_turn_left(to), copysign(1.0, w) / r);
+    const vec2 slip = vec2_sub(vec2_scale(e, fabs(w) * lever),
+                               vec2_scale(surroundings_velocity_of(&cargo->around, belt), factor));
+    const double speed = vec2_length(slip), against = fmax(vec2_dot(slip, e), 0.0);
+    return against == 0.0 ? 0.0
+                          : cargo->weight * density_of(x, cell) * tanh(cargo->tanh_linear * speed) *
+                                (against / speed) * lever;
+}
+
+double swept_cells_load(swept_cells *c, const swept_cells_plate *plate,
+                        const swept_cells_cargo *cargo, const velocity_field *f, double w,
+                        macro_solver *s)
+{
+    hand_on_context x = { c, f, s, cargo->full };
+    double torque = 0.0, left = 0.0; // what has found no room
+
+    c->round = next_mark(c->round, c->swept_in, grid_cells(&c->grid));
+    c->search = next_mark(c->search, c->found_in, grid_cells(&c->grid));
+    c->n_queue = 0;
+    visit_swept(&c->grid, plate, add_origin, &x);
+    for (size_t k = 0; k < c->n_queue; k++)
+        left += density_of(&x, c->queue[k]);
+    for (size_t k = 0; k < c->n_queue && left > 0.0; k++) {
+        const size_t from = c->queue[k], origin = c->origin[k];
+        direction order[4];
+        order_directions(c->ahead[origin], order);
+        torque += torque_of(&x, plate, cargo, w, from);
+        for (int m = 0; m < 4 && c->n_queue < SWEPT_CELLS_SEARCH; m++) {
+            const size_t to = next_cell(&x, from, order[m], c->queue[origin], c->ahead[origin]);
+            if (to == from)
+                continue;
+            c->found_in[to] = c->search;
+            c->origin[c->n_queue] = origin;
+            c->queue[c->n_queue++] = to;
+            left -= fmax(0.0, cargo->full - density_of(&x, to));
+        }
+    }
+    return left > 0.0 ? INFINITY : torque;
 }

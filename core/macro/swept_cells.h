@@ -36,6 +36,15 @@ typedef struct swept_cells_plate {
     double moved;             ///< how far its points have moved at most, m
 } swept_cells_plate;
 
+/// Cargo as the load counts it.
+typedef struct swept_cells_cargo {
+    surroundings around; ///< its belts
+    double full;         ///< density up to which cells take cargo
+    double weight;       ///< mu g m of a cell at density 1, N
+    double tanh_linear;  ///< lambda, s/m
+    double radius;       ///< R, m
+} swept_cells_cargo;
+
 /// What is needed for it; opaque.
 typedef struct swept_cells swept_cells;
 
@@ -51,6 +60,19 @@ void swept_cells_begin(swept_cells *c, const velocity_field *f);
 
 /// Mark the cells that a plate has swept over since.
 void swept_cells_mark(swept_cells *c, const swept_cells_plate *plate);
+
+/// What it would take to turn a plate at w, rad/s, not 0: cargo in the cells that it would sweep over, and in those ahead up to
+/// where there is room for the former, slides on its belts as it moves with the plate.
+///
+///     u      = w min(r, R) e: the velocity of cargo at r from the pivot, e its direction, R the plate's radius
+///     s      = u - v, v the belt's velocity under it
+///     torque = sum over these cells of mu g m tanh(lambda |s|) max(0, s.e)/|s| min(r, R), N m, >= 0; INFINITY:
+///              there is no room
+///
+/// *f is the field of the plate's present place, `before`. Never allocates.
+double swept_cells_load(swept_cells *c, const swept_cells_plate *plate,
+                        const swept_cells_cargo *cargo, const velocity_field *f, double w,
+                        macro_solver *s);
 
 /// Hand on what lies in the marked cells of a plate; *f is the field of the plates' new places. Never allocates.
 void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,

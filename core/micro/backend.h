@@ -6,7 +6,7 @@
 #include "core/micro/micro.h"
 #include "core/micro/press.h"
 #include "core/scene/belt_speeds.h"
-#include "core/scene/plate_motion.h"
+#include "core/scene/plate_drive.h"
 #include "core/scene/surroundings.h"
 
 /// What a handle stands for.
@@ -56,6 +56,8 @@ typedef struct micro_backend {
     void (*harden)(void *state, double reduction);
     /// Put the plates where their motion says
     void (*pose_plates)(void *state);
+    /// What parts do to an obstacle that moves now, by the springs of their contacts
+    plate_load (*load_on)(void *state, size_t obstacle);
     /// Write the state as the payload of a checkpoint.
     void (*save)(const void *state, checkpoint_writer *w);
     /// Take a state with n handles that save() wrote, to the payload's end; else as micro_load().

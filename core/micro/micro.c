@@ -4,6 +4,7 @@
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
+#include "core/micro/drives.h"
 #include "core/micro/hardness.h"
 #include "core/micro/implicit_step.h"
 #include "core/micro/micro_priv.h"
@@ -45,6 +46,7 @@ struct micro_solver {
     size_t first_free; // no lower handle is free
     uint64_t n_reported_fallen;
     places places;
+    drives drives;
 };
 
 // The start of a saved state, followed by the ids and what the backend saves.
@@ -224,7 +226,9 @@ static bf_status fill(micro_solver *s, const micro_def *def, bf_error *err)
         s->ids[s->n++] = s->next_id++;
     s->first_free = s->n;
     bf_status status = places_init(def, &s->places, err);
-    return status == BF_OK ? s->backend->create(def, &s->state, err) : status;
+    if (status == BF_OK)
+        status = s->backend->create(def, &s->state, err);
+    return status == BF_OK ? drives_init(&s->drives, def, &s->state->motion, err) : status;
 }
 
 bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error *err)
@@ -269,6 +273,7 @@ micro_solver *micro_destroy(micro_solver *s)
     if (s->state != NULL)
         s->backend->destroy(s->state);
     places_fini(&s->places);
+    drives_fini(&s->drives);
     memory_free(s->ids);
     memory_free(s);
     return NULL;
@@ -314,10 +319,12 @@ bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
 
     s->places.is_sorted = false;
     while (n > 0 && status == BF_OK) {
-        const uint64_t n_now = steps_until_harder(s, n);
+        const uint64_t n_now =
+            drives_steps_until(&s->drives, micro_steps(s), steps_until_harder(s, n));
         status = s->backend->advance(s->state, n_now, err);
         n -= n_now;
         harden_if_pressed(s);
+        drives_follow(&s->drives, s->backend, s->state);
     }
     return status == BF_ENUMERIC && micro_press_now(s, &press) ? fail_pressed(s, &press, err)
                                                                : status;
@@ -352,6 +359,11 @@ void micro_command_presence(micro_solver *s, size_t obstacle, double t, bool is_
 {
     plate_motion_command_presence(&s->state->motion, obstacle, t, is_present);
     s->backend->pose_plates(s->state);
+}
+
+const plate_motion *micro_plate_motion(const micro_solver *s)
+{
+    return &s->state->motion;
 }
 
 micro_part micro_part_of(const micro_solver *s, size_t k)
@@ -554,6 +566,7 @@ bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
     checkpoint_write(&w, &header, sizeof header);
     checkpoint_write(&w, s->ids, s->n * sizeof *s->ids);
     belt_speeds_save(&s->state->speeds, &w);
+    drives_save(&s->drives, &w);
     s->backend->save(s->state, &w);
     return checkpoint_end(&w, err);
 }
@@ -598,8 +611,10 @@ static bf_status load(micro_solver *s, checkpoint_reader *r, const saved_header 
     const char *from = checkpoint_read_items(r, n, sizeof **ret_ids);
     checkpoint_reader of_speeds = *r;
 
-    if (from == NULL || checkpoint_read_items(r, belt_speeds_state_size(speeds), 1) == NULL)
-        return bf_fail(err, BF_ECORRUPT, "", "the saved state is too short");
+    const char *loads = NULL;
+    if (from == NULL || checkpoint_read_items(r, belt_speeds_state_size(speeds), 1) == NULL ||
+        (loads = drives_read(&s->drives, r)) == NULL)
+        return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged, or too short");
     if ((*ret_ids = memory_alloc(n + 1, sizeof **ret_ids)) == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
     memcpy(*ret_ids, from, n * sizeof **ret_ids);
@@ -609,6 +624,8 @@ static bf_status load(micro_solver *s, checkpoint_reader *r, const saved_header 
     const bf_status status = s->backend->load(s->state, n, r, err);
     if (status == BF_OK && !belt_speeds_load(speeds, &of_speeds))
         return bf_fail(err, BF_ECORRUPT, "", "the saved speeds of the belts are damaged");
+    if (status == BF_OK)
+        drives_take(&s->drives, loads);
     return status;
 }
 

@@ -9,10 +9,9 @@
 ///     verlet    x+ = (2 - D dt) x - (1 - D dt) x- + dt^2 F/m, v = (x+ - x-)/(2 dt);
 ///               w+ = (1 - D)^dt w + dt Theta^-1 (torque)                                  (12), (13)
 ///
-/// Two paths behind one interface. Planar: upright cylinders that stay on belts keep their axes vertical, so
-/// position, heading, velocity and spin in the plane are exact for them. Spatial: everything else, as
-/// rigid bodies in 3-D with quaternions, on belts as moving planes, between obstacles and walls as
-/// rigid boundaries; contact points by GJK/EPA or in closed form.
+/// Two paths behind one interface. Planar: upright cylinders that stay on belts keep their axes vertical, so position,
+/// heading, velocity and spin in the plane are exact for them. Spatial: everything else, as rigid bodies in 3-D with
+/// quaternions, on belts as moving planes, between obstacles and walls as rigid boundaries; contacts by GJK/EPA or closed form.
 ///
 /// A part whose centre leaves the domain over an edge that is no wall has left, and one that no belt carries after a step
 /// (surroundings.h, by its own radius) has fallen: micro_is_gone() is true, and its last state stays, until
@@ -30,6 +29,7 @@
 
 #include "core/base/buffer.h"
 #include "core/base/status.h"
+#include "core/scene/plate_drive.h"
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
@@ -68,14 +68,15 @@ typedef struct micro_def {
     const scene_belt *belts;            ///< later ones lie on top of earlier ones
     size_t n_obstacles;                 ///< (default 0)
     const scene_obstacle *obstacles;    ///< plates: path, thickness, motion; solid
-    size_t n_actions;                   ///< (default 0)
-    const scene_action *actions;        ///< that may turn obstacles: bound the step
-    size_t n_kinds;                     ///< >= 1 (no default)
-    const micro_kind *kinds;            ///< kinds of parts
-    size_t n_parts;                     ///< (no default)
-    const scene_pose *poses;            ///< of the parts' centres at the start; they lie flat
-    const uint32_t *part_kinds;         ///< kind of each part; NULL: all of kind 0
-    size_t n_parts_expected; ///< that steps are chosen for; 0: n_parts, none admitted (default)
+    const plate_drive *drives;   ///< of each obstacle; NULL: they push whatever there is (default)
+    size_t n_actions;            ///< (default 0)
+    const scene_action *actions; ///< that may turn obstacles: bound the step
+    size_t n_kinds;              ///< >= 1 (no default)
+    const micro_kind *kinds;     ///< kinds of parts
+    size_t n_parts;              ///< (no default)
+    const scene_pose *poses;     ///< of the parts' centres at the start; they lie flat
+    const uint32_t *part_kinds;  ///< kind of each part; NULL: all of kind 0
+    size_t n_parts_expected;     ///< that steps are chosen for; 0: n_parts, none admitted (default)
     vec2 start_velocity; ///< of parts off every belt, m/s (default 0, 0); others have the belt's
     scene_contact contact[SCENE_PAIR_COUNT]; ///< laws (defaults as in scene_micro)
     double wall_friction;     ///< mu of SCENE_HANDLING_CARGO at walls, >= 0 (default its default)
@@ -145,16 +146,13 @@ typedef struct micro_totals {
 /// The defaults above.
 micro_def micro_def_default(void);
 
-/// Largest step, s, for which the integrator is stable with this definition (contact stiffness and
-/// dashpot, frictions); what dt = 0 chooses is at most this.
+/// Largest step, s, for which the integrator is stable with this definition (contacts, frictions); dt = 0 chooses at most this.
 double micro_dt_stable(const micro_def *def);
 
-/// Largest step, s, in which no plate that moves goes farther than a quarter of the smallest radius; INFINITY: none
-/// moves.
+/// Largest step, s, in which no plate that moves goes farther than a quarter of the smallest radius; INFINITY: none moves.
 double micro_dt_plates(const micro_def *def);
 
-/// The step that dt = 0 stands for, s, at most micro_dt_plates(); of MICRO_IMPLICIT it depends on
-/// n_parts_expected.
+/// The step that dt = 0 stands for, s, at most micro_dt_plates(); of MICRO_IMPLICIT it depends on n_parts_expected.
 double micro_dt_chosen(const micro_def *def);
 
 /// True if the parts are solved in the plane.
@@ -164,9 +162,8 @@ bool micro_def_is_planar(const micro_def *def);
 int micro_iterations(const micro_def *def);
 
 /// Build a solver at t = 0. The caller owns *ret_solver: micro_destroy().
-/// BF_EINPUT: def not from micro_def_default(), or a member out of range or dt beyond
-/// micro_dt_stable() or micro_dt_plates(), which the text names, or a plate moves too fast for its contacts;
-/// BF_ENOMEM.
+/// BF_EINPUT: def not from micro_def_default(), or a member out of range or dt beyond micro_dt_stable() or
+/// micro_dt_plates(), which the text names, or a plate moves too fast for its contacts; BF_ENOMEM.
 BF_MUST_CHECK bf_status micro_create(const micro_def *def, micro_solver **ret_solver,
                                      bf_error *err);
 
@@ -181,6 +178,9 @@ BF_MUST_CHECK bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err
 /// s, or let it come or go; at the present time t, s. Its schedule has no effect from then on. Saved with the state.
 void micro_command_turn(micro_solver *s, size_t obstacle, double t, double angle, double over);
 void micro_command_presence(micro_solver *s, size_t obstacle, double t, bool is_present);
+
+/// The motion of the obstacles, and how drives lag; valid as long as the solver.
+const plate_motion *micro_plate_motion(const micro_solver *s);
 
 /// The state of part k, 0 <= k < micro_parts().
 micro_part micro_part_of(const micro_solver *s, size_t k);

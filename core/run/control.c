@@ -1,13 +1,20 @@
 #include "core/run/control.h"
 
+#include "core/scene/plate_drive.h"
+
+#include <math.h>
 #include <stdio.h>
 
 // Less than this is no part any more where parts are divisible.
 static const double least_part = 0.5;
 
+static const double told_turn =
+    2.0 * M_PI / 180.0; // rad, between two changes of a drive that is behind
+
 control control_of(const scene *s, const run_backend *backend, const run_plan *plan)
 {
-    const bool needs_ticks = s->n_feeds > 0 || s->n_eyes > 0 || s->until != SCENE_UNTIL_DURATION;
+    const bool needs_ticks = s->n_feeds > 0 || s->n_eyes > 0 || s->until != SCENE_UNTIL_DURATION ||
+                             scene_has_moving_obstacles(s);
 
     return (control){ .scene = s,
                       .backend = backend,
@@ -42,22 +49,17 @@ static const char *target_of(const scene *s, const scene_action *a)
     }
 }
 
-static bf_status emit_change(control *c, uint64_t step, frame_change_type type, size_t item,
-                             bool is_blocked, const run_sink *sink, bf_error *err)
+// The index is set here.
+static bf_status emit_change(control *c, uint64_t step, const frame_change *change, const char *id,
+                             const run_sink *sink, bf_error *err)
 {
-    const scene *s = c->scene;
+    frame f = { .type = FRAME_CHANGE, .change = *change };
 
     if (c->n_changes == FRAME_CHANGES_MAX)
         return BF_OK;
-    frame f = { .type = FRAME_CHANGE,
-                .change = { .index = c->n_changes++,
-                            .t = (double)step * c->dt,
-                            .type = type,
-                            .item = (uint32_t)item,
-                            .is_blocked = is_blocked } };
-
-    snprintf(f.change.id, sizeof f.change.id, "%s",
-             type == FRAME_CHANGE_EYE ? s->eyes[item].id : target_of(s, &s->actions[item]));
+    f.change.index = c->n_changes++;
+    f.change.t = (double)step * c->dt;
+    snprintf(f.change.id, sizeof f.change.id, "%s", id);
     return sink->take(sink->context, &f, err);
 }
 
@@ -73,7 +75,10 @@ static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, 
     if (status != BF_OK || !photo_eyes_see(&c->eyes, eye, step, view.is_broken))
         return status;
     figures_eye_state(to, eye, (double)step * c->dt, view.is_broken);
-    status = emit_change(c, step, FRAME_CHANGE_EYE, eye, view.is_broken, sink, err);
+    const frame_change change = { .type = FRAME_CHANGE_EYE,
+                                  .item = (uint32_t)eye,
+                                  .state = view.is_broken };
+    status = emit_change(c, step, &change, c->scene->eyes[eye].id, sink, err);
     return status == BF_OK ? commands_note(&c->commands, eye, view.is_broken, step, err) : status;
 }
 
@@ -84,9 +89,42 @@ static bf_status command_due(control *c, void *solver, uint64_t step, const run_
     size_t action;
 
     while (status == BF_OK && commands_take(&c->commands, step, &action)) {
-        c->backend->command(solver, &c->scene->actions[action]);
-        status = emit_change(c, step, FRAME_CHANGE_ACTION, action, false, sink, err);
+        const scene_action *of = &c->scene->actions[action];
+        const frame_change change = { .type = FRAME_CHANGE_ACTION, .item = (uint32_t)action };
+        c->backend->command(solver, of);
+        status = emit_change(c, step, &change, target_of(c->scene, of), sink, err);
     }
+    return status;
+}
+
+static bf_status watch_drive(control *c, const plate_motion *motion, size_t k, uint64_t step,
+                             figures *to, const run_sink *sink, bf_error *err)
+{
+    const double t = (double)step * c->dt;
+    control_drive *told = &c->drives[k];
+    const frame_change change = { .type = FRAME_CHANGE_DRIVE,
+                                  .item = (uint32_t)k,
+                                  .state = plate_drive_state_of(motion, k, t),
+                                  .turn = plate_motion_angle(motion, k, t) };
+
+    if (change.state == told->state &&
+        (change.state == PLATE_DRIVE_AS_TOLD || fabs(change.turn - told->turn) < told_turn))
+        return BF_OK;
+    if ((change.state == PLATE_DRIVE_STALLED) != (told->state == PLATE_DRIVE_STALLED))
+        figures_stall(to, t, change.state == PLATE_DRIVE_STALLED);
+    *told = (control_drive){ change.turn, change.state };
+    return emit_change(c, step, &change, c->scene->obstacles[k].id, sink, err);
+}
+
+static bf_status watch_drives(control *c, const void *solver, uint64_t step, figures *to,
+                              const run_sink *sink, bf_error *err)
+{
+    const plate_motion *motion = c->backend->plate_motion(solver);
+    bf_status status = BF_OK;
+
+    for (size_t k = 0; motion != NULL && k < motion->n && status == BF_OK; k++)
+        if (motion->plates[k].moves)
+            status = watch_drive(c, motion, k, step, to, sink, err);
     return status;
 }
 
@@ -109,7 +147,7 @@ bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, con
         status = command_due(c, solver, step, sink, err);
     if (status == BF_OK && c->scene->n_feeds > 0)
         status = c->backend->admit(solver, to, err);
-    return status;
+    return status == BF_OK ? watch_drives(c, solver, step, to, sink, err) : status;
 }
 
 bool control_is_drained(const control *c, const void *solver)
@@ -124,6 +162,7 @@ void control_save(const control *c, checkpoint_writer *w)
     if (c->n_tick == 0)
         return;
     checkpoint_write(w, &c->n_changes, sizeof c->n_changes);
+    checkpoint_write(w, c->drives, c->scene->n_obstacles * sizeof *c->drives);
     photo_eyes_save(&c->eyes, w);
     commands_save(&c->commands, w);
     for (size_t k = 0; k < c->eyes.n; k++)
@@ -134,7 +173,9 @@ bf_status control_load(control *c, checkpoint_reader *r, bf_error *err)
 {
     if (c->n_tick == 0)
         return BF_OK;
-    if (!checkpoint_read(r, &c->n_changes, sizeof c->n_changes) || !photo_eyes_load(&c->eyes, r))
+    if (!checkpoint_read(r, &c->n_changes, sizeof c->n_changes) ||
+        !checkpoint_read(r, c->drives, c->scene->n_obstacles * sizeof *c->drives) ||
+        !photo_eyes_load(&c->eyes, r))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
     bf_status status = commands_load(&c->commands, r, err);
     for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++)

@@ -1,4 +1,5 @@
-/// What a run does at its ticks beside stepping: departures, photo eyes, actions and admissions, in this order.
+/// What a run does at its ticks beside stepping: departures, photo eyes, actions, admissions and drives, in this
+/// order.
 ///
 /// A tick is a number of steps (run_plan.n_tick) that depends on the scenario alone. There is one at t = 0, at
 /// every multiple of it, and at the end; scenarios that need none have none.
@@ -13,16 +14,23 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/// What was told last of the drive of an obstacle that moves.
+typedef struct control_drive {
+    double turn;    ///< rad
+    uint64_t state; ///< frame_drive_state
+} control_drive;
+
 /// The state of a run's ticks. Make with control_of(), free with control_fini().
 typedef struct control {
-    const scene *scene;                ///< must outlive it
-    const run_backend *backend;        ///< the model
-    uint64_t n_tick;                   ///< steps of a tick; 0: there are none
-    double dt;                         ///< step, s
-    photo_eyes eyes;                   ///< see there
-    commands commands;                 ///< see there
-    passages passages[SCENE_EYES_MAX]; ///< of parts, at each eye
-    uint64_t n_changes;                ///< frames of changes since t = 0, at most FRAME_CHANGES_MAX
+    const scene *scene;                        ///< must outlive it
+    const run_backend *backend;                ///< the model
+    uint64_t n_tick;                           ///< steps of a tick; 0: there are none
+    double dt;                                 ///< step, s
+    photo_eyes eyes;                           ///< see there
+    commands commands;                         ///< see there
+    passages passages[SCENE_EYES_MAX];         ///< of parts, at each eye
+    control_drive drives[SCENE_OBSTACLES_MAX]; ///< of the obstacles
+    uint64_t n_changes; ///< frames of changes since t = 0, at most FRAME_CHANGES_MAX
 } control;
 
 /// The ticks of a run at t = 0.

@@ -21,10 +21,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// Frames in the order in which a run emits them: job (to the run), begin, then any number of
-/// curve, snapshot, progress, change and checkpoint, then one end or error. Where begin announces rows of
-/// parts, a parts frame follows each snapshot at once. As bytes, the array of a snapshot or of parts stands in slices
-/// right before it. The values are stored in files: never renumber.
+/// Frames in the order in which a run emits them: job (to the run), begin, then any number of curve, snapshot, progress,
+/// change and checkpoint, then one end or error. Where begin announces rows of parts, a parts frame follows each snapshot at
+/// once. As bytes, the array of a snapshot or of parts stands in slices before it. The values are stored: never renumber.
 typedef enum frame_type {
     FRAME_JOB = 1,    ///< to the run: the scenario document and how to solve it
     FRAME_RESUME,     ///< to the run: a checkpoint's bytes to go on from
@@ -36,8 +35,8 @@ typedef enum frame_type {
     FRAME_END,        ///< the run is over: done, or stopped on request
     FRAME_ERROR,      ///< the run failed
     FRAME_PARTS,      ///< the parts at the time of the snapshot before it
-    FRAME_CHANGE,     ///< a photo eye changed its state, or an action was carried out
-    FRAME_FIGURES,    ///< the key figures so far
+    FRAME_CHANGE, ///< a photo eye changed its state, an action was carried out, or a drive is loaded
+    FRAME_FIGURES, ///< the key figures so far
     FRAME_SLICE, ///< a part of the array of the snapshot or parts frame that comes next; in bytes only
     FRAME_TYPE_COUNT
 } frame_type;
@@ -147,17 +146,19 @@ enum { FRAME_CHANGES_MAX = 100000 };
 typedef enum frame_change_type {
     FRAME_CHANGE_EYE,    ///< the state of a photo eye
     FRAME_CHANGE_ACTION, ///< the target of an action
+    FRAME_CHANGE_DRIVE, ///< how a plate follows what it is told; while it is behind, every 2 degrees
     FRAME_CHANGE_TYPE_COUNT
 } frame_change_type;
 
-/// A change of a photo eye's state, or an action that is carried out.
+/// A change of a photo eye's state, an action that is carried out, or a drive under load.
 typedef struct frame_change {
     uint64_t index;         ///< 0 for the first of the run
     double t;               ///< s
     uint32_t type;          ///< frame_change_type
-    uint32_t item;          ///< index of the photo eye or action in the scenario
-    uint32_t is_blocked;    ///< FRAME_CHANGE_EYE: its state from now on; else 0
-    char id[SCENE_ID_SIZE]; ///< of the photo eye, or of the action's target
+    uint32_t item;          ///< index of the photo eye, action or obstacle in the scenario
+    uint32_t state;         ///< from now on; of an eye: 1 if blocked; of a drive: plate_drive_state
+    char id[SCENE_ID_SIZE]; ///< of the photo eye, of the action's target, or of the obstacle
+    double turn;            ///< of the obstacle, counter-clockwise, rad; else 0
 } frame_change;
 
 /// The key figures until a time, as by figure.h; NAN: the run cannot say. They come with progress and before the end.

@@ -353,6 +353,13 @@ static void command_run(void *solver, const scene_action *action)
     }
 }
 
+static const plate_motion *plate_motion_of(const void *solver)
+{
+    const macro_run *run = solver;
+
+    return run->plates != NULL ? moving_plates_motion(run->plates) : NULL;
+}
+
 static feed_balance balance_run(const void *solver, size_t feed)
 {
     const macro_run *run = solver;
@@ -552,6 +559,7 @@ const run_backend run__macro = {
     .measure = measure_run,
     .fallen_in = fallen_in,
     .snapshot = take_snapshot,
+    .plate_motion = plate_motion_of,
     .save = save_run,
     .load = load_run,
     .digest = digest_run,

@@ -400,6 +400,13 @@ static bf_status depart(void *solver, run_departures *ret_departures, bf_error *
     return micro_feeds_depart(&run->feeds, ret_departures, err);
 }
 
+static const plate_motion *plate_motion_of(const void *solver)
+{
+    const micro_run *run = solver;
+
+    return micro_plate_motion(run->solver);
+}
+
 static void tell_cargo(const void *solver, figures *to)
 {
     const micro_run *run = solver;
@@ -553,6 +560,7 @@ const run_backend run__micro = {
     .snapshot = take_snapshot,
     .parts = copy_parts,
     .fill_end = fill_end,
+    .plate_motion = plate_motion_of,
     .save = save_run,
     .load = load_run,
     .digest = digest_run,

@@ -113,6 +113,9 @@ static bf_status set_surroundings(const scene *s, run__micro_setup *setup, bf_er
     def->belts = around.belts;
     def->n_obstacles = s->n_obstacles;
     def->obstacles = s->obstacles;
+    for (size_t k = 0; k < s->n_obstacles; k++)
+        setup->drives[k] = plate_drive_of(s, k);
+    def->drives = setup->drives;
     def->n_actions = s->n_actions;
     def->actions = s->actions;
     return status;

@@ -12,6 +12,7 @@
 #include "core/run/frame.h"
 #include "core/run/passages.h"
 #include "core/scene/placement.h"
+#include "core/scene/plate_drive.h"
 #include "core/scene/scene.h"
 #include "core/scene/surroundings.h"
 
@@ -105,6 +106,8 @@ typedef struct run_backend {
     void (*tell_exits)(const void *solver, figures *to);
     /// What a photo eye sees. BF_ENOMEM.
     bf_status (*look)(void *solver, size_t eye, run_view *ret_view, bf_error *err);
+    /// How the obstacles move; NULL: none does.
+    const plate_motion *(*plate_motion)(const void *solver);
     /// Give the target of an action its value.
     void (*command)(void *solver, const scene_action *action);
     /// Let the parts of the feeds enter that are due and find a place, and tell their waits. BF_ENOMEM.
@@ -125,10 +128,11 @@ extern const run_backend run__micro;
 /// A definition of the microscopic solver with what it borrows; must stay where it is.
 /// run__micro_fini_setup().
 typedef struct run__micro_setup {
-    micro_def def;                     ///< ready, with the step that the run takes
-    micro_kind kinds[SCENE_KINDS_MAX]; ///< def.kinds
-    surroundings inlets;               ///< def.domain, edges and belts where a feed lies on a side
-    scene_placement placement;         ///< def.poses, def.part_kinds
+    micro_def def;                           ///< ready, with the step that the run takes
+    micro_kind kinds[SCENE_KINDS_MAX];       ///< def.kinds
+    plate_drive drives[SCENE_OBSTACLES_MAX]; ///< def.drives
+    surroundings inlets;       ///< def.domain, edges and belts where a feed lies on a side
+    scene_placement placement; ///< def.poses, def.part_kinds
 } run__micro_setup;
 
 /// The definition of a checked scenario. BF_ENOMEM, BF_EINPUT as placement_of(); *setup is then empty.

@@ -114,6 +114,9 @@ void scene__check_obstacles(const scene *s, bf_faults *faults)
         scene__check_numbers(obstacle, pointer, obstacle_rules,
                              sizeof obstacle_rules / sizeof *obstacle_rules, faults);
         check_motion(obstacle, pointer, faults);
+        snprintf(pointer, sizeof pointer, "/obstacles/%zu/force_limit_n", k);
+        if (obstacle->force_limit != 0.0) // 0 stands for "auto"
+            range_check(&scene_range_force_limit, obstacle->force_limit, pointer, faults);
         snprintf(pointer, sizeof pointer, "/obstacles/%zu/treatment", k);
         if ((unsigned)obstacle->treatment >= SCENE_TREATMENT_COUNT)
             faults_add(faults, pointer, "is not a treatment");

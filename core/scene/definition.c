@@ -154,6 +154,8 @@ uint64_t definition_add_motions(uint64_t digest, size_t n, const scene_obstacle 
             continue;
         digest = ADD_NUMBERS(digest, (double)k, o->pivot.x, o->pivot.y);
         digest = add_series(add_series(digest, &o->turn), &o->presence);
+        if (o->force_limit > 0.0)
+            digest = ADD_NUMBERS(digest, o->force_limit);
     }
     return digest;
 }

@@ -10,6 +10,9 @@ static const plate_motion_command no_command = { .at = INFINITY,
                                                  .presence = -1.0,
                                                  .came = -INFINITY };
 
+static const plate_motion_lag no_lag = { .angle = { .at = INFINITY },
+                                         .extent = { .at = INFINITY } };
+
 static bf_status copy_series(const scene_series *from, scene_series *ret_copy)
 {
     const size_t n = from->n_times, size = n * sizeof(double);
@@ -30,7 +33,8 @@ static bf_status copy_plate(const scene_obstacle *from, plate_motion_plate *ret_
 {
     *ret_plate = (plate_motion_plate){ .moves = scene_obstacle_moves(from),
                                        .pivot = from->pivot,
-                                       .command = no_command };
+                                       .command = no_command,
+                                       .lag = no_lag };
     if (!ret_plate->moves)
         return BF_OK;
     bf_status status = copy_series(&from->turn, &ret_plate->turn);
@@ -115,12 +119,25 @@ static double commanded_angle(const plate_motion_command *c, double t)
     return t < c->at + c->over ? c->from + (c->to - c->from) * ((t - c->at) / c->over) : c->to;
 }
 
-double plate_motion_angle(const plate_motion *motion, size_t obstacle, double t)
+double plate_motion_told_angle(const plate_motion *motion, size_t obstacle, double t)
 {
     const plate_motion_plate *plate = &motion->plates[obstacle];
 
     return plate->command.at < INFINITY ? commanded_angle(&plate->command, t)
                                         : scheduled_angle(&plate->turn, t);
+}
+
+// The value of a piece at a time t at or after its beginning.
+static double value_of(const plate_motion_piece *p, double t)
+{
+    return t < p->until ? p->from + (p->to - p->from) * ((t - p->at) / (p->until - p->at)) : p->to;
+}
+
+double plate_motion_angle(const plate_motion *motion, size_t obstacle, double t)
+{
+    const plate_motion_piece *lag = &motion->plates[obstacle].lag.angle;
+
+    return lag->at < INFINITY ? value_of(lag, t) : plate_motion_told_angle(motion, obstacle, t);
 }
 
 double plate_motion_angular_velocity(const plate_motion *motion, size_t obstacle, double from,
@@ -174,13 +191,21 @@ bool plate_motion_is_present(const plate_motion *motion, size_t obstacle, double
     return find_presence(&motion->plates[obstacle], t, &came);
 }
 
-double plate_motion_extent(const plate_motion *motion, size_t obstacle, double t)
+double plate_motion_told_extent(const plate_motion *motion, size_t obstacle, double t)
 {
     double came;
 
     if (!find_presence(&motion->plates[obstacle], t, &came))
         return 0.0;
     return t - came < PLATE_MOTION_COMING ? (t - came) / PLATE_MOTION_COMING : 1.0;
+}
+
+double plate_motion_extent(const plate_motion *motion, size_t obstacle, double t)
+{
+    const plate_motion_piece *lag = &motion->plates[obstacle].lag.extent;
+    const double told = plate_motion_told_extent(motion, obstacle, t);
+
+    return lag->at < INFINITY ? fmin(value_of(lag, t), told) : told;
 }
 
 plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle, double angle)
@@ -210,6 +235,7 @@ void plate_motion_command_turn(plate_motion *motion, size_t obstacle, double t, 
     plate_motion_command *c = &motion->plates[obstacle].command;
 
     c->from = plate_motion_angle(motion, obstacle, t);
+    motion->plates[obstacle].lag.angle = no_lag.angle;
     c->at = t;
     c->to = angle;
     c->over = over;
@@ -285,42 +311,63 @@ double plate_motion_largest_speed(const scene_obstacle *obstacles, size_t k, siz
     return rate > 0.0 ? rate * plate_motion_radius(&obstacles[k]) : 0.0;
 }
 
+// What is saved of an obstacle that moves.
+typedef struct saved_plate {
+    plate_motion_command command;
+    plate_motion_lag lag;
+} saved_plate;
+
 void plate_motion_save(const plate_motion *motion, checkpoint_writer *w)
 {
-    for (size_t k = 0; k < motion->n; k++)
+    for (size_t k = 0; k < motion->n; k++) {
+        const saved_plate saved = { motion->plates[k].command, motion->plates[k].lag };
         if (motion->plates[k].moves)
-            checkpoint_write(w, &motion->plates[k].command, sizeof motion->plates[k].command);
+            checkpoint_write(w, &saved, sizeof saved);
+    }
 }
 
-static bool is_sound(const plate_motion_command *c)
+static bool is_piece_sound(const plate_motion_piece *p)
 {
+    return p->at == INFINITY || (p->at >= 0.0 && p->until > p->at && isfinite(p->until) &&
+                                 isfinite(p->from) && isfinite(p->to));
+}
+
+static bool is_sound(const saved_plate *s)
+{
+    const plate_motion_command *c = &s->command;
+
     return (c->at == INFINITY || (c->at >= 0.0 && isfinite(c->from) && isfinite(c->to) &&
                                   c->over > 0.0 && isfinite(c->over))) &&
-           (c->presence == -1.0 || c->presence == 0.0 || c->presence == 1.0) && c->came < INFINITY;
+           (c->presence == -1.0 || c->presence == 0.0 || c->presence == 1.0) &&
+           c->came < INFINITY && is_piece_sound(&s->lag.angle) && is_piece_sound(&s->lag.extent);
 }
 
 const char *plate_motion_read(const plate_motion *motion, checkpoint_reader *r)
 {
-    plate_motion_command command;
+    saved_plate saved;
     size_t n = 0;
 
     for (size_t k = 0; k < motion->n; k++)
         n += motion->plates[k].moves ? 1 : 0;
-    const char *commands = checkpoint_read_items(r, n, sizeof command);
-    for (size_t k = 0; commands != NULL && k < n; k++) {
-        memcpy(&command, commands + k * sizeof command, sizeof command);
-        if (!is_sound(&command))
+    const char *bytes = checkpoint_read_items(r, n, sizeof saved);
+    for (size_t k = 0; bytes != NULL && k < n; k++) {
+        memcpy(&saved, bytes + k * sizeof saved, sizeof saved);
+        if (!is_sound(&saved))
             return NULL;
     }
-    return commands;
+    return bytes;
 }
 
-void plate_motion_take(plate_motion *motion, const char *commands)
+void plate_motion_take(plate_motion *motion, const char *saved)
 {
+    saved_plate of;
+
     for (size_t k = 0; k < motion->n; k++) {
         if (!motion->plates[k].moves)
             continue;
-        memcpy(&motion->plates[k].command, commands, sizeof motion->plates[k].command);
-        commands += sizeof motion->plates[k].command;
+        memcpy(&of, saved, sizeof of);
+        motion->plates[k].command = of.command;
+        motion->plates[k].lag = of.lag;
+        saved += sizeof of;
     }
 }

@@ -10,6 +10,8 @@
 ///                   steadily between their angles, and is present as at the last time
 ///     commands      replace the schedule from then on: a turn goes from the present angle to another one at a
 ///                   steady rate and ends there
+///     lag           a drive that bears too much falls behind these, see plate_drive.h; it is then moved by pieces
+///                   that plate_drive_follow() sets, and has caught up when angle and extent are those told
 ///
 /// In a step of a solver, from t to t + dt, a plate turns at its mean angular velocity (angle(t + dt) -
 /// angle(t))/dt, so that it is displaced exactly whatever the step, and is there if it is at t.
@@ -42,6 +44,20 @@ typedef struct plate_motion_command {
     double came;     ///< when it came, if it is commanded to be there, s; -INFINITY: it always was
 } plate_motion_command;
 
+/// A piece of a motion that is behind what was told: steady, and at rest after it.
+typedef struct plate_motion_piece {
+    double at;    ///< its beginning, s; INFINITY: the motion is as told
+    double until; ///< its end, s, later
+    double from;  ///< value at its beginning
+    double to;    ///< at its end
+} plate_motion_piece;
+
+/// How a drive lags.
+typedef struct plate_motion_lag {
+    plate_motion_piece angle;  ///< rad
+    plate_motion_piece extent; ///< of a plate that comes, 0 to 1
+} plate_motion_lag;
+
 /// The motion of one obstacle.
 typedef struct plate_motion_plate {
     bool moves;                   ///< scene_obstacle_moves(); the rest is unused otherwise
@@ -49,6 +65,7 @@ typedef struct plate_motion_plate {
     scene_series turn;            ///< a copy
     scene_series presence;        ///< a copy
     plate_motion_command command; ///< see there
+    plate_motion_lag lag;         ///< see there
 } plate_motion_plate;
 
 /// The motions of a number of obstacles.
@@ -83,6 +100,9 @@ void plate_motion_fini(plate_motion *motion);
 /// The angle of an obstacle at a time t >= 0, rad; 0 of one that does not move.
 double plate_motion_angle(const plate_motion *motion, size_t obstacle, double t);
 
+/// The one that schedule and commands tell it to have.
+double plate_motion_told_angle(const plate_motion *motion, size_t obstacle, double t);
+
 /// Its mean angular velocity over [from, to], s, 0 <= from < to; rad/s. Exactly 0 where it stands.
 double plate_motion_angular_velocity(const plate_motion *motion, size_t obstacle, double from,
                                      double to);
@@ -92,6 +112,9 @@ bool plate_motion_is_present(const plate_motion *motion, size_t obstacle, double
 
 /// How much of it is there, 0 to 1; see above.
 double plate_motion_extent(const plate_motion *motion, size_t obstacle, double t);
+
+/// What schedule and commands tell.
+double plate_motion_told_extent(const plate_motion *motion, size_t obstacle, double t);
 
 /// The rotation by an angle about the obstacle's pivot; by 0 it changes no bit of what it turns.
 plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle, double angle);
@@ -136,11 +159,11 @@ double plate_motion_radius(const scene_obstacle *obstacle);
 double plate_motion_largest_speed(const scene_obstacle *obstacles, size_t k, size_t n_actions,
                                   const scene_action *actions);
 
-/// Write what was commanded; nothing if no obstacle moves.
+/// Write what was commanded, and how drives lag; nothing if no obstacle moves.
 void plate_motion_save(const plate_motion *motion, checkpoint_writer *w);
 
 /// What plate_motion_save() wrote for the same obstacles, in place, for plate_motion_take(). NULL: it is damaged.
 const char *plate_motion_read(const plate_motion *motion, checkpoint_reader *r);
 
-/// Take the commands that plate_motion_read() found.
-void plate_motion_take(plate_motion *motion, const char *commands);
+/// Take what plate_motion_read() found.
+void plate_motion_take(plate_motion *motion, const char *saved);

@@ -10,6 +10,7 @@ const bf_range scene_range_length = { 0.0, INFINITY, true, false, SCENE_LENGTH_M
 const bf_range scene_range_lever = { 0.0, INFINITY, false, false, SCENE_LENGTH_MAX };
 const bf_range scene_range_mass = { 0.0, INFINITY, true, false, 1e9 };
 const bf_range scene_range_share = { 0.0, INFINITY, true, false, 1e9 };
+const bf_range scene_range_force_limit = { 0.0, INFINITY, true, false, 1e9 };
 const bf_range scene_range_acceleration = { 0.0, INFINITY, true, false, 1e9 };
 const bf_range scene_range_speed_factor = { 0.0, INFINITY, false, false, 1e9 };
 const bf_range scene_range_rate = { 0.0, INFINITY, true, false, 1e9 };

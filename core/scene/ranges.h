@@ -10,6 +10,7 @@ extern const bf_range scene_range_length;       ///< lengths, m
 extern const bf_range scene_range_lever;        ///< levers of friction, m
 extern const bf_range scene_range_mass;         ///< kg
 extern const bf_range scene_range_share;        ///< proportions of a mix
+extern const bf_range scene_range_force_limit;  ///< of drives, N
 extern const bf_range scene_range_acceleration; ///< of belts, m/s2
 extern const bf_range scene_range_speed_factor; ///< of a belt's velocity
 extern const bf_range scene_range_rate;         ///< of feeds, parts/s

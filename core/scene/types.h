@@ -76,6 +76,7 @@ typedef struct scene_obstacle {
                            ///< between the times, constant outside
     scene_series presence; ///< 1: it stands there, 0: it does not; from each time to the next,
                            ///< 1 before the first
+    double force_limit;    ///< of its drive, see plate_drive.h, N, > 0; 0: chosen (default 0)
     bool is_commanded;     ///< an action turns it or lets it come and go; set by scene_resolve()
 } scene_obstacle;
 

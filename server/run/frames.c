@@ -116,9 +116,15 @@ static void update_rate(supervisor__task *task, double now_s)
 
 static bf_status add_change(supervisor__task *task, const frame_change *c, bf_error *err)
 {
-    store_item *item = snapshots_add_item(
-        &task->items, c->type == FRAME_CHANGE_EYE ? API_EVENT_EYE : API_EVENT_ACTION);
+    static const api_event_type types[FRAME_CHANGE_TYPE_COUNT] = {
+        [FRAME_CHANGE_EYE] = API_EVENT_EYE,
+        [FRAME_CHANGE_ACTION] = API_EVENT_ACTION,
+        [FRAME_CHANGE_DRIVE] = API_EVENT_DRIVE,
+    };
 
+    if (c->type >= FRAME_CHANGE_TYPE_COUNT)
+        return bf_fail(err, BF_ECORRUPT, "", "a change of no known kind");
+    store_item *item = snapshots_add_item(&task->items, types[c->type]);
     if (item == NULL)
         return fail_memory(err);
     item->first = c->index;

@@ -248,7 +248,7 @@ static bf_status append_change(store__connection *writer, store__appending *cont
         return status;
     if (item->first > context->n_changes)
         return bf_fail(err, BF_ECORRUPT, "",
-                       "the changes of photo eyes have a gap: number %llu "
+                       "the changes of photo eyes and drives have a gap: number %llu "
                        "came after %llu",
                        (unsigned long long)item->first, (unsigned long long)context->n_changes);
     store__query q = store__begin(writer, STORE__SQL_INSERT_CHANGE);
@@ -274,7 +274,8 @@ static bf_status append_item(store__connection *writer, store__appending *contex
         return append_snapshot(writer, context, i, err);
     if (item->type == API_EVENT_FIGURES)
         return replace_figures(writer, &context->row, item, err);
-    if (item->type == API_EVENT_EYE || item->type == API_EVENT_ACTION)
+    if (item->type == API_EVENT_EYE || item->type == API_EVENT_ACTION ||
+        item->type == API_EVENT_DRIVE)
         return append_change(writer, context, item, err);
     BF_CHECK(item->type == API_EVENT_PROGRESS);
     return store__insert_event(writer, &context->row, API_EVENT_PROGRESS, 0, &item->event, err);

@@ -138,7 +138,7 @@ test("actions move plates from the time on at which they were carried out", () =
   };
   const curve = { t: [0, 1, 2, 3, 4, 5], columns: new Map([["pe.blocked", [0, 0, 1, 1, 0, 0]]]) };
   const done = [{ t_s: 1.75, action: 1 }];
-  const equipment = new Equipment(scenario, curve, done);
+  const equipment = new Equipment(scenario, curve, done, []);
   const at = (t) => {
     const { plates: [flap, stop], eyes: [eye] } = equipment.at(t);
     return [flap.turn, stop.isPresent, eye];
@@ -152,6 +152,18 @@ test("actions move plates from the time on at which they were carried out", () =
   assert.deepEqual(at(4), [18, false, false]);
   assert.deepEqual(at(5), [33, false, false]);
   assert.deepEqual(at(6), [33, false, null]); // the curve does not know yet
+});
+
+test("a plate that cargo holds back is where its drive was", () => {
+  const scenario = { obstacles: [{ id: "gate" }, { id: "flap", motion: { t_s: [0, 10], turn_deg: [0, 100] } }] };
+  const drives = [];
+  const equipment = new Equipment(scenario, { t: [], columns: new Map() }, [], drives);
+  const turns = (...times) => times.map((t) => equipment.at(t).plates[1].turn);
+  assert.deepEqual(turns(2, 4), [20, 40]);
+  drives.push({ t_s: 3, obstacle: "flap", state: "behind", turn_deg: 30 }, { t_s: 4, obstacle: "flap", state: "stalled", turn_deg: 34 });
+  assert.deepEqual(turns(2, 3.5, 4, 9), [20, 32, 34, 34]);
+  drives.push({ t_s: 5, obstacle: "flap", state: "behind", turn_deg: 34 }, { t_s: 6, obstacle: "flap", state: "as_told", turn_deg: 60 });
+  assert.deepEqual(turns(4.5, 5.5, 6, 7), [34, 47, 60, 70]);
 });
 
 test("parts of fed runs are told by their ids, enter over the feed and leave with their velocity", () => {

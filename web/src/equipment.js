@@ -27,9 +27,11 @@ export function isPresentAt(present, t) {
 }
 
 export class Equipment {
-  // curve: { t, columns } of the run; done: its actions that were carried out, [{ t_s, action }] in this order. Both may grow.
-  constructor(scenario, curve, done) {
-    Object.assign(this, { obstacles: scenario.obstacles, eyes: scenario.photo_eyes ?? [], actions: scenario.actions ?? [], curve, done });
+  // curve: { t, columns } of the run; done: its actions that were carried out, [{ t_s, action }] in this order; drives: how
+  // obstacles followed what they were told, [{ t_s, obstacle, state, turn_deg }] in this order. All may grow.
+  constructor(scenario, curve, done, drives) {
+    const { obstacles, photo_eyes: eyes = [], actions = [] } = scenario;
+    Object.assign(this, { obstacles, eyes, actions, curve, done, drives });
     this.seen = 0;
   }
 
@@ -48,10 +50,11 @@ export class Equipment {
     return columns.get(`${id}.blocked`)?.[indexBefore(times, t + 1e-9)] === 1;
   }
 
-  // The commands so far, of each obstacle in the order of their times.
+  // The commands so far, of each obstacle in the order of their times, and how it followed them.
   followCommands() {
-    if (this.seen === this.done.length) return;
-    this.seen = this.done.length;
+    if (this.seen === this.done.length + this.drives.length) return;
+    this.seen = this.done.length + this.drives.length;
+    this.held = this.obstacles.map(({ id }) => this.drives.filter(({ obstacle }) => obstacle === id));
     const commands = this.done.map(({ t_s: t, action }) => ({ ...this.actions[action].do, t }));
     this.commands = this.obstacles.map(({ id }) => commands.filter(({ obstacle }) => obstacle === id));
     this.turns = this.obstacles.map(() => []);
@@ -62,7 +65,16 @@ export class Equipment {
     });
   }
 
+  // Where cargo held a plate back, between the angles that were told.
   turnOf(k, t) {
+    const held = this.held?.[k] ?? [];
+    const at = indexBefore(held, t, (drive) => drive.t_s);
+    if (at < 0 || held[at].state === "as_told") return this.toldTurnOf(k, t);
+    const [now, next = { ...held[at], t_s: Infinity }] = held.slice(at, at + 2);
+    return now.turn_deg + (next.turn_deg - now.turn_deg) * ((t - now.t_s) / (next.t_s - now.t_s));
+  }
+
+  toldTurnOf(k, t) {
     const turns = this.turns?.[k] ?? [];
     const last = turns[indexBefore(turns, t, (turn) => turn.t)];
     if (!last) return turnAt(this.obstacles[k].motion, t);

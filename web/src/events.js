@@ -4,7 +4,7 @@
 import { onConnection, report, isDaemonAway } from "./connection.js";
 import { ended, ticketed } from "./api.js";
 
-const KINDS = ["status", "progress", "curve", "snapshot", "figures", "action", "end", "gap"];
+const KINDS = ["status", "progress", "curve", "snapshot", "figures", "action", "drive", "end", "gap"];
 const RETRY_MS = 2000;
 const RUNS_MAX = 32; // that one stream follows
 

@@ -25,6 +25,7 @@ export class RunData {
     this.snapshots = [];
     this.curve = { t: [], columns: new Map() };
     this.actions = []; // that photo eyes commanded, { t_s, action }
+    this.drives = []; // of obstacles that cargo holds back, { t_s, obstacle, state, turn_deg }
     this.onChange = () => {}; // (what) => ..., what is "run", "curve", "snapshots", "figures" or "summary"
   }
 
@@ -44,12 +45,15 @@ export class RunData {
   }
 
   async loadResults() {
-    const [list, curve, { actions }] = await Promise.all([
+    const { obstacles, actions: told } = this.scenario;
+    const moves = told || obstacles.some(({ motion, present }) => motion || present);
+    const [list, curve, { actions, drives }] = await Promise.all([
       getJson(paths.of(this.id, "snapshots")),
       getJson(paths.of(this.id, "curve")),
-      this.scenario.actions ? getJson(paths.of(this.id, "photo_eyes")) : { actions: [] },
+      moves ? getJson(paths.of(this.id, "photo_eyes")) : { actions: [], drives: [] },
     ]);
     replaceFrom(this.actions, 0, actions);
+    replaceFrom(this.drives, 0, drives);
     this.takeList(list);
     this.takeCurve({ first: 0, ...curve });
     this.onChange("snapshots");
@@ -93,6 +97,7 @@ export class RunData {
     applyToRun(this.run, kind, event);
     if (kind === "curve") this.takeCurve(event);
     if (kind === "action") this.actions.push(event);
+    if (kind === "drive") this.drives.push(event);
     if (kind === "snapshot") await this.takeSnapshot(event);
     if (kind === "figures") this.figures = event.key_figures;
     if (kind === "gap") await this.loadResults();

@@ -56,11 +56,11 @@ export class Stage {
     this.stopTheme();
   }
 
-  // data: a RunData, of which scenario, grid and, where it has them, parts are known; curve and actions may grow.
+  // data: a RunData, of which scenario, grid and, where it has them, parts are known; curve, actions and drives may grow.
   setScene(data) {
-    const { scenario, grid, parts, curve, actions } = data;
+    const { scenario, grid, parts, curve, actions, drives } = data;
     Object.assign(this, { data, scenario, grid });
-    this.equipment = new Equipment(scenario, curve, actions);
+    this.equipment = new Equipment(scenario, curve, actions, drives);
     this.layer = parts ? new PartsLayer(parts.columns, parts.cargo, feedLines(scenario)) : null;
     this.resize();
   }

@@ -261,6 +261,7 @@ const micro_backend micro__body = {
     .measure = body__measure,
     .press = press,
     .pose_plates = pose_plates,
+    .load_on = body__load_on,
     .save = body__save,
     .load = body__load,
     .kind = CHECKPOINT_BODY,

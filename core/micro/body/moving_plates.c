@@ -142,3 +142,50 @@ vec3 body__surface_velocity(const body_moving *moving, vec3 n, vec3 to)
 
     return vec3_along(turning, moving->growth, n);
 }
+
+// The load of an obstacle, which contacts are added to.
+typedef struct load_context {
+    const body_state *s;
+    size_t obstacle;
+    plate_load load;
+} load_context;
+
+static void add_point(load_context *of, const body_moving *moving, double stiffness, vec3 normal,
+                      vec3 at, double depth, double weight)
+{
+    const double force = weight * stiffness * fmax(depth, 0.0);
+    const vec3 to = vec3_sub(at, moving->pivot);
+
+    of->load.force += force;
+    of->load.torque -= force * (to.x * normal.y - to.y * normal.x);
+}
+
+static void add_contact(void *context, size_t k, const micro_law *law, uint32_t boundary,
+                        const body_contact *contact)
+{
+    load_context *of = context;
+    const body_moving *moving = body__moving_plate(of->s, boundary);
+
+    (void)k;
+    if (moving == NULL || moving->obstacle != of->obstacle)
+        return;
+    for (size_t m = 0; contact->is_closed_form && m < contact->n_points; m++) {
+        const body_contact_point *p = &contact->points[m];
+        add_point(of, moving, law->stiffness, p->normal, p->at, p->depth, p->weight);
+    }
+    for (size_t m = 0; !contact->is_closed_form && m < contact->hull.n; m++) {
+        const manifold_point *p = &contact->hull.point[m];
+        add_point(of, moving, law->stiffness, contact->hull.normal, p->at, p->depth, p->weight);
+    }
+}
+
+plate_load body__load_on(void *state, size_t obstacle)
+{
+    body_state *s = state;
+    load_context of = { s, obstacle, { 0.0, 0.0 } };
+
+    for (size_t k = 0; k < s->n; k++)
+        if (!s->common.presence[k])
+            body__visit_boundaries(s, k, 0.0, add_contact, &of);
+    return of.load;
+}

@@ -4,7 +4,7 @@
 
 #include "core/micro/body/narrow_phase.h"
 #include "core/micro/micro.h"
-#include "core/scene/plate_motion.h"
+#include "core/scene/plate_drive.h"
 
 /// How a plate moves. The velocity of its surface in p is spin x (p - pivot) + growth n, n the normal there.
 typedef struct body_moving {
@@ -47,6 +47,9 @@ bool body__is_absent(const body_state *s, uint32_t plate);
 /// Reduce a contact with a plate, of points within `margin`, m, to what there is of the plate.
 void body__recess_contact(const body_state *s, uint32_t plate, double margin,
                           body_contact *contact);
+
+/// micro_backend.load_on
+plate_load body__load_on(void *state, size_t obstacle);
 
 /// Velocity of a surface with normal n at `to` from the pivot, m/s.
 vec3 body__surface_velocity(const body_moving *moving, vec3 n, vec3 to);

@@ -4,7 +4,7 @@
 
 #include "core/micro/disk/kernels.h"
 #include "core/micro/micro.h"
-#include "core/scene/plate_motion.h"
+#include "core/scene/plate_drive.h"
 
 /// A plate that moves.
 typedef struct disk_plate {
@@ -53,6 +53,9 @@ void disk__pose_plates_by_team(const driver_member *m);
 
 /// How far a surface of a plate moves at most in a step, before which n_before were made, m.
 double disk__plates_travel(const disk_state *s, uint64_t n_before);
+
+/// micro_backend.load_on
+plate_load disk__load_on(void *state, size_t obstacle);
 
 /// Velocity, m/s, of the point `at` of a surface with normal n.
 vec2 disk__surface_velocity(const disk_surface *surface, vec2 n, vec2 at);

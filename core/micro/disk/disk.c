@@ -262,6 +262,7 @@ const micro_backend micro__disk = {
     .press = disk__press,
     .harden = disk__harden,
     .pose_plates = pose_plates,
+    .load_on = disk__load_on,
     .save = disk__save,
     .load = disk__load,
     .kind = CHECKPOINT_DISK,

@@ -141,3 +141,48 @@ vec2 disk__surface_velocity(const disk_surface *surface, vec2 n, vec2 at)
 
     return vec2_add(turning, vec2_scale(n, surface->growth));
 }
+
+// The normal of a feature towards a part.
+static vec2 find_normal(const disk_state *s, const disk *part, uint32_t feature)
+{
+    if (feature < s->n_faces)
+        return (vec2){ s->faces[feature].nx, s->faces[feature].ny };
+    const disk_arc *arc = &s->arcs[feature - s->n_faces];
+    const vec2 to = { part->x - arc->px, part->y - arc->py };
+    return vec2_scale(to, 1.0 / vec2_length(to));
+}
+
+static void add_load(const disk_state *s, const disk_plate *plate, const disk_candidate *candidate,
+                     plate_load *load)
+{
+    const size_t arc = candidate->feature - s->n_faces;
+    const disk *part = &s->now[candidate->slot];
+    const bool is_of =
+        candidate->feature < s->n_faces
+            ? plate->face_first <= candidate->feature && candidate->feature < plate->face_last
+            : plate->arc_first <= arc && arc < plate->arc_last;
+    bool counts;
+
+    if (!is_of)
+        return;
+    const double overlap = disk__overlap(s, part, candidate->feature, &counts);
+    if (!counts || overlap <= 0.0)
+        return;
+    const double force = s->handling.line / (part->compliance + s->handling_compliance) * overlap;
+    const vec2 normal = find_normal(s, part, candidate->feature);
+    const vec2 at = vec2_sub((vec2){ part->x, part->y }, vec2_scale(normal, part->radius));
+    const vec2 pivot = s->common.motion.plates[plate->obstacle].pivot;
+    load->force += force;
+    load->torque -= force * vec2_cross(vec2_sub(at, pivot), normal);
+}
+
+plate_load disk__load_on(void *state, size_t obstacle)
+{
+    const disk_state *s = state;
+    plate_load load = { 0.0, 0.0 };
+
+    for (size_t k = 0; k < s->plates.n; k++)
+        for (size_t m = 0; m < s->n_candidates && s->plates.of[k].obstacle == obstacle; m++)
+            add_load(s, &s->plates.of[k], &s->candidates[m], &load);
+    return load;
+}

@@ -3,7 +3,9 @@
 #include "api/results/events.h"
 #include "api/results/results.h"
 #include "core/base/memory.h"
+#include "core/scene/plate_drive.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,9 +17,10 @@
 static const char run_id[] = "0190a0b0-0000-7000-8000-000000000001";
 
 static const frame_change changes[] = {
-    { .index = 0, .t = 0.5, .type = FRAME_CHANGE_EYE, .is_blocked = 1, .id = "pe1" },
+    { .index = 0, .t = 0.5, .type = FRAME_CHANGE_EYE, .state = 1, .id = "pe1" },
     { .index = 1, .t = 0.5, .type = FRAME_CHANGE_ACTION, .item = 2, .id = "main" },
     { .index = 2, .t = 1.25, .type = FRAME_CHANGE_EYE, .id = "pe2" },
+    { .index = 3, .t = 1.5, .type = FRAME_CHANGE_DRIVE, .state = 2, .id = "arm", .turn = -M_PI_4 },
 };
 enum { N_CHANGES = sizeof changes / sizeof *changes };
 
@@ -38,6 +41,8 @@ static void changes_of_photo_eyes_are_lines(void **state)
 static bf_status read_changes(void *context, const char *id, api_event_fn *take, void *take_context,
                               bf_error *err)
 {
+    static const api_event_type types[FRAME_CHANGE_TYPE_COUNT] = { API_EVENT_EYE, API_EVENT_ACTION,
+                                                                   API_EVENT_DRIVE };
     bf_status status = BF_OK;
 
     assert_string_equal(id, run_id);
@@ -46,11 +51,9 @@ static bf_status read_changes(void *context, const char *id, api_event_fn *take,
         bf_buffer data = { 0 };
         status = context != NULL ? buffer_printf(&data, "{\"run\":1}")
                                  : events_change(run_id, c, &data, err);
-        const api_event event = { .id = k + 1,
-                                  .type = c->type == FRAME_CHANGE_EYE ? API_EVENT_EYE
-                                                                      : API_EVENT_ACTION,
-                                  .n = data.n,
-                                  .data = data.bytes };
+        const api_event event = {
+            .id = k + 1, .type = types[c->type], .n = data.n, .data = data.bytes
+        };
         if (status == BF_OK)
             status = take(take_context, &event, err);
         buffer_fini(&data);
@@ -74,7 +77,9 @@ static void stored_events_give_the_same_lines(void **state)
         text.bytes,
         "{\"changes\":[{\"t_s\":0.5,\"photo_eye\":\"pe1\",\"state\":\"blocked\"},"
         "{\"t_s\":1.25,\"photo_eye\":\"pe2\",\"state\":\"clear\"}],"
-        "\"actions\":[{\"t_s\":0.5,\"action\":2,\"target\":\"main\"}],\"is_cut\":false}");
+        "\"actions\":[{\"t_s\":0.5,\"action\":2,\"target\":\"main\"}],"
+        "\"drives\":[{\"t_s\":1.5,\"obstacle\":\"arm\",\"state\":\"stalled\",\"turn_deg\":-45}],"
+        "\"is_cut\":false}");
     results_changes_fini(&read);
     buffer_fini(&text);
 }
@@ -83,11 +88,13 @@ static void as_many_as_a_run_keeps_may_not_be_all(void **state)
 {
     static const results_eye_change change = { .t = 1.0, .id = "pe" };
     static const results_action action = { .t = 1.0, .target = "main" };
+    static const results_drive drive = { .t = 1.0, .id = "arm" };
     results_changes kept = { 0 };
     bf_buffer json = { 0 };
 
     (void)state;
-    for (int k = 0; k < FRAME_CHANGES_MAX - 2; k++)
+    assert_int_equal(buffer_append(&kept.drives, &drive, sizeof drive), BF_OK);
+    for (int k = 0; k < FRAME_CHANGES_MAX - 3; k++)
         assert_int_equal(buffer_append(&kept.eyes, &change, sizeof change), BF_OK);
     for (int k = 0; k < 2; k++) {
         assert_int_equal(buffer_append(&kept.actions, &action, sizeof action), BF_OK);
@@ -107,7 +114,7 @@ static void a_damaged_event_is_reported(void **state)
 
     (void)state;
     assert_int_equal(results_changes_read(&services, run_id, &read, NULL), BF_ECORRUPT);
-    assert_int_equal(read.eyes.n + read.actions.n, 0);
+    assert_int_equal(read.eyes.n + read.actions.n + read.drives.n, 0);
 }
 
 static void events_say_what_changed(void **state)
@@ -120,6 +127,12 @@ static void events_say_what_changed(void **state)
     data.n = 0;
     assert_int_equal(events_change(run_id, &changes[1], &data, NULL), BF_OK);
     assert_non_null(strstr(data.bytes, "\"t_s\":0.5,\"action\":2,\"target\":\"main\"}"));
+    data.n = 0;
+    assert_int_equal(events_change(run_id, &changes[3], &data, NULL), BF_OK);
+    assert_non_null(strstr(
+        data.bytes, "\"t_s\":1.5,\"obstacle\":\"arm\",\"state\":\"stalled\",\"turn_deg\":-45}"));
+    const frame_change unknown = { .type = FRAME_CHANGE_DRIVE, .state = PLATE_DRIVE_STATE_COUNT };
+    assert_int_equal(events_change(run_id, &unknown, &data, NULL), BF_ECORRUPT);
     buffer_fini(&data);
 }
 

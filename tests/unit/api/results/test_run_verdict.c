@@ -174,6 +174,26 @@ static void parts_bridge_where_they_stand_before_a_plate(void **unused)
     finish(t);
 }
 
+static void plates_that_cargo_stops_are_told(void **unused)
+{
+    told *t = begin("{'duration_s': 100, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, 'cargo': {}, "
+                    "'obstacles': [{'from_m': [0.6, 0], 'to_m': [0.9, 0.4]}, {'id': 'arm', "
+                    "'from_m': [0.4, 0], 'to_m': [0.4, 0.2], 'motion': {'t_s': [0, 1], 'turn_deg': "
+                    "[0, -45]}}], 'feeds': [{'id': 'infeed', 'edge': 'west', 'rate_per_s': 2}]}",
+                    RUN_MICRO);
+
+    (void)unused;
+    feed(t, 7200.0, 200.0, 200.0);
+    set(t, FIGURE_STALL_COUNT, 2.0);
+    set(t, FIGURE_STALL_FIRST, 4.25);
+    set(t, FIGURE_STALL_TOTAL, 1.5);
+    const verdict *v = say(t, "stalled");
+    assert_non_null(strstr(v->text, "'arm'"));
+    assert_non_null(strstr(v->text, "2 times, the first at 4.25 s, for 1.5 s together"));
+    assert_int_equal(v->n_figures, 3);
+    finish(t);
+}
+
 static void a_density_tells_no_throughput_where_parts_bridge(void **unused)
 {
     told *t = begin(NARROW, RUN_MACRO);
@@ -236,6 +256,7 @@ int main(void)
         cmocka_unit_test(a_density_has_a_queue_where_the_inlet_could_take_more),
         cmocka_unit_test(a_heap_is_drained_or_not),
         cmocka_unit_test(parts_bridge_where_they_stand_before_a_plate),
+        cmocka_unit_test(plates_that_cargo_stops_are_told),
         cmocka_unit_test(a_density_tells_no_throughput_where_parts_bridge),
         cmocka_unit_test(a_run_that_is_too_short_says_how_long_it_has_to_be),
         cmocka_unit_test(more_than_there_is_room_for_is_dropped),

@@ -429,6 +429,7 @@ static void every_lack_of_memory_is_reported(void **state)
         world w;
         make_world(&w, k);
         set_turn(&w, 2, times, angles);
+        w.def.drives = &(plate_drive){ 1.0, 1.0, 1.0 };
         for (int m = 0; m < 4; m++)
             add_part(&w, 1.1 + 0.05 * m, 1.0 + radius);
         for (size_t n = 1; status != BF_OK; n++) {
@@ -467,6 +468,83 @@ static void a_command_turns_a_plate(void **state)
     }
 }
 
+// A part at 0.3 m from the pivot between the plate, which turns at 1 rad/s, and another plate, which stands.
+static void make_vice(world *w, int solver, scene_obstacle obstacles[2], plate_drive drives[2],
+                      double torque)
+{
+    static const double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 1.0 };
+    static vec2 above[] = { { 1.1, 1.0285 }, { 1.6, 1.0285 } };
+
+    make_world(w, solver);
+    w->def.n_belts = 0;
+    w->def.gravity = 0.0;
+    set_turn(w, 2, times, angles);
+    add_part(w, 1.3, 1.0 + radius + 1e-3);
+    obstacles[0] = w->plate;
+    scene_obstacle_init(&obstacles[1]);
+    obstacles[1].n_points = 2;
+    obstacles[1].path = above;
+    drives[0] = (plate_drive){ torque / 0.5, torque, 1.0 };
+    drives[1] = (plate_drive){ INFINITY, INFINITY, 0.0 };
+    w->def.n_obstacles = 2;
+    w->def.obstacles = obstacles;
+    w->def.drives = drives;
+}
+
+// It comes into contact at 2 mm of way and goes on until what bears on it has lasted, at most 10 % of the part's radius, and
+// overlaps with both plates bear its force at the part's distance, M/0.3 m; their stiffness is 3.7e4 N/m.
+static void a_drive_that_bears_its_limit_stalls(void **state)
+{
+    const double torque = 0.6, press = 2.0 * torque / 0.3 / 3.7e4;
+
+    (void)state;
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
+        scene_obstacle obstacles[2];
+        plate_drive drives[2];
+        world w;
+        make_vice(&w, k, obstacles, drives, torque);
+        micro_solver *s = helper_micro_start(&w.def);
+        const plate_motion *motion = micro_plate_motion(s);
+        helper_micro_advance_to(s, 0.08);
+        const double way = 0.3 * plate_motion_angle(motion, 0, 0.08);
+        assert_true(0.002 < way && way < 0.002 + press + 0.1 * radius);
+        assert_int_equal(plate_drive_state_of(motion, 0, 0.08), PLATE_DRIVE_STALLED);
+        helper_micro_advance_to(s, 0.12);
+        assert_near(0.3 * plate_motion_angle(motion, 0, 0.12), way, 1e-12);
+        assert_near(micro_part_of(s, 0).v[1], 0.0, 1e-3);
+        s = micro_destroy(s);
+    }
+}
+
+static void a_drive_that_lags_goes_on_with_the_same_bits(void **state)
+{
+    (void)state;
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
+        scene_obstacle obstacles[2];
+        plate_drive drives[2];
+        bf_buffer bytes = { 0 };
+        world w;
+        make_vice(&w, k, obstacles, drives, 0.6);
+        micro_solver *whole = helper_micro_start(&w.def), *resumed;
+        while (plate_drive_state_of(micro_plate_motion(whole), 0,
+                                    (double)micro_steps(whole) * micro_dt(whole)) ==
+               PLATE_DRIVE_AS_TOLD)
+            assert_int_equal(micro_advance(whole, 1, NULL), BF_OK);
+        assert_int_equal(micro_save(whole, &bytes, NULL), BF_OK);
+        w.def.n_threads = 2;
+        resumed = helper_micro_start(&w.def);
+        assert_int_equal(micro_load(resumed, bytes.bytes, bytes.n, NULL), BF_OK);
+        helper_micro_advance_to(whole, 0.08);
+        helper_micro_advance_to(resumed, 0.08);
+        assert_true(micro_digest(whole) == micro_digest(resumed));
+        assert_true(plate_motion_angle(micro_plate_motion(whole), 0, 0.08) ==
+                    plate_motion_angle(micro_plate_motion(resumed), 0, 0.08));
+        whole = micro_destroy(whole);
+        resumed = micro_destroy(resumed);
+        buffer_fini(&bytes);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -478,6 +556,8 @@ int main(void)
         cmocka_unit_test(a_stop_that_comes_and_goes_lets_parts_pass_and_holds_them),
         cmocka_unit_test(a_plate_that_comes_upon_parts_pushes_them_to_their_sides),
         cmocka_unit_test(a_command_turns_a_plate),
+        cmocka_unit_test(a_drive_that_bears_its_limit_stalls),
+        cmocka_unit_test(a_drive_that_lags_goes_on_with_the_same_bits),
         cmocka_unit_test(a_bent_plate_is_turned_as_a_whole),
         cmocka_unit_test(every_lack_of_memory_is_reported),
         cmocka_unit_test(threads_cuts_and_checkpoints_do_not_change_a_bit),

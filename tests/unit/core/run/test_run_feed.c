@@ -230,7 +230,7 @@ static void a_photo_eye_stops_a_belt(void **state)
         assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
         assert_int_equal(log->n_changes, 3);
         assert_int_equal(log->changes[0].type, FRAME_CHANGE_EYE);
-        assert_int_equal(log->changes[0].is_blocked, 1);
+        assert_int_equal(log->changes[0].state, 1);
         assert_int_equal(log->changes[1].type, FRAME_CHANGE_ACTION);
         assert_true(log->changes[0].t >= 0.469 && log->changes[0].t < 0.480);
         assert_near(log->changes[1].t, log->changes[0].t, 0.0);
@@ -238,7 +238,7 @@ static void a_photo_eye_stops_a_belt(void **state)
         assert_true(log->parts[0] == 0.0 && log->parts[1] == 0.0); // id and kind
         assert_true(log->parts[2] > 0.288 && log->parts[2] < 0.297);
         // Where it stands the eye is clear again.
-        assert_int_equal(log->changes[2].is_blocked, 0);
+        assert_int_equal(log->changes[2].state, 0);
         assert_true(helper_run_at(log, 0.5)[BLOCKED] == 1.0);
         assert_true(log->values[log->n_samples - 1][BLOCKED] == 0.0);
         scene_fini(&s);

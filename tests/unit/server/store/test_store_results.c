@@ -120,6 +120,7 @@ static api_run solve(store *s, const char *id)
     }
     append_change(s, id, API_EVENT_EYE, 0);
     append_change(s, id, API_EVENT_ACTION, 1);
+    append_change(s, id, API_EVENT_DRIVE, 2);
     for (int k = 0; k < 3; k++) {
         helper_figures_item(id, 60, &item);
         append_item(s, id, &item);
@@ -132,7 +133,7 @@ static bf_status collect(void *context, const api_event *event, bf_error *err)
 {
     bool is_shared = event->type == API_EVENT_CURVE || event->type == API_EVENT_SNAPSHOT ||
                      event->type == API_EVENT_FIGURES || event->type == API_EVENT_EYE ||
-                     event->type == API_EVENT_ACTION;
+                     event->type == API_EVENT_ACTION || event->type == API_EVENT_DRIVE;
     const bf_buffer *told = context;
     const bool is_repeated =
         event->type == API_EVENT_FIGURES && told->n > event->n &&
@@ -258,9 +259,8 @@ static void its_events_are_those_of_the_first_with_its_own_id(void **state)
     assert_string_equal(told.bytes, wanted.bytes);
     assert_non_null(strstr(told.bytes, "/parts/2"));
     helper_events events = helper_read_events(s, second.id, newest);
-    // Three batches of samples, three snapshots, two changes of photo eyes, the key figures, the status, the
-    // end.
-    assert_int_equal(events.n, 11);
+    // Three batches of samples, three snapshots, three of the equipment, the key figures, the status, the end.
+    assert_int_equal(events.n, 12);
     assert_int_equal(events.type, API_EVENT_END);
     assert_int_equal(events.id, second.last_event);
     buffer_fini(&events.data);
@@ -273,7 +273,7 @@ static void changes_of_photo_eyes_are_read_by_themselves(void **state)
     store *s = ((helper_store *)*state)->store;
     api_run first = submit(s, "work", "first");
     bf_buffer text = { 0 };
-    char expected[160];
+    char expected[240];
 
     solve(s, first.id);
     api_run second = submit(s, "work", "second");
@@ -282,7 +282,9 @@ static void changes_of_photo_eyes_are_read_by_themselves(void **state)
         text.n = 0;
         assert_int_equal(store_read_changes(s, id, collect, &text, NULL), BF_OK);
         snprintf(expected, sizeof expected,
-                 "photo_eye {\"run\":\"%s\",\"k\":0}\naction {\"run\":\"%s\",\"k\":1}\n", id, id);
+                 "photo_eye {\"run\":\"%s\",\"k\":0}\naction {\"run\":\"%s\",\"k\":1}\n"
+                 "drive {\"run\":\"%s\",\"k\":2}\n",
+                 id, id, id);
         assert_string_equal(text.bytes, expected);
     }
     text.n = 0;
