@@ -9,6 +9,9 @@
 // How far a point of a plate may move before the field is made again, cells.
 static const double most_moved = 0.25;
 
+// How far beyond the density at which cargo is packed it may be pressed before a drive stalls.
+static const double pressed = 1.1;
+
 // Where the field has an obstacle.
 typedef struct place {
     double angle;    // rad
@@ -220,10 +223,14 @@ static void follow(moving_plates *p, size_t k, macro_solver *s)
         return;
     const scene_contact *belt = &of->micro.contact[SCENE_CONVEYOR_CARGO];
     const bf_grid grid = scene_grid(of);
-    const swept_cells_cargo cargo = { surroundings_of(of), full_density(of),
+    const bool is_packed = of->macro.closure == SCENE_CONGESTED;
+    const swept_cells_cargo cargo = { surroundings_of(of),
+                                      full_density(of),
+                                      is_packed ? pressed * full_density(of) : INFINITY,
                                       belt->friction * of->micro.gravity *
                                           plate_drive_mass_per_area(of) * grid.d1 * grid.d2,
-                                      belt->tanh_linear, moving->radius };
+                                      belt->tanh_linear,
+                                      moving->radius };
     plate_load load = { 0.0, 0.0 };
     p->before[k] = moving->place;
     p->after[k] = moving->place;

@@ -185,6 +185,15 @@ static bool is_swept(const swept_cells *c, size_t cell)
     return c->swept_in[cell] == c->round;
 }
 
+// True if a cell lies behind the line across `ahead` through the start of a search.
+static bool is_behind(const bf_grid *g, size_t start, size_t cell, vec2 ahead)
+{
+    const vec2 way = { grid_x1(g, cell % g->n1) - grid_x1(g, start % g->n1),
+                       grid_x2(g, cell / g->n1) - grid_x2(g, start / g->n1) };
+
+    return vec2_dot(way, ahead) < -SCENE_TOLERANCE;
+}
+
 // The cell next to `from` in a direction, if the search may go there; else `from`.
 static size_t next_cell(const hand_on_context *x, size_t from, direction d, size_t start,
                         vec2 ahead)
@@ -197,10 +206,10 @@ static size_t next_cell(const hand_on_context *x, size_t from, direction d, size
                   from, d))
         return from;
     const size_t to = (size_t)((ptrdiff_t)from + d.di + d.dj * (ptrdiff_t)g->n1);
-    const vec2 way = { grid_x1(g, to % g->n1) - grid_x1(g, start % g->n1),
-                       grid_x2(g, to / g->n1) - grid_x2(g, start / g->n1) };
-    const bool is_behind = vec2_dot(way, ahead) < -SCENE_TOLERANCE;
-    return is_behind || (!was && is_swept(c, to)) || c->found_in[to] == c->search ? from : to;
+    return is_behind(g, start, to, ahead) || (!was && is_swept(c, to)) ||
+                   c->found_in[to] == c->search
+               ? from
+               : to;
 }
 
 static double density_of(const hand_on_context *x, size_t cell)
@@ -290,6 +299,23 @@ static void add_origin(void *context, size_t cell, vec2 ahead)
     c->queue[c->n_queue++] = cell;
 }
 
+// True if a part fits between a cell, itself included, and what is closed beyond it, away from the pivot.
+static bool is_wide(const hand_on_context *x, vec2 pivot, double width, size_t cell)
+{
+    const bf_grid *g = &x->cells->grid;
+    const vec2 out = { grid_x1(g, cell % g->n1) - pivot.x, grid_x2(g, cell / g->n1) - pivot.y };
+    direction order[4];
+
+    order_directions(out, order);
+    const double edge = order[0].di != 0 ? g->d1 : g->d2;
+    const ptrdiff_t next = order[0].di + order[0].dj * (ptrdiff_t)g->n1;
+    double free = edge;
+    for (; free < width && !is_closed(g, x->field->closed1, x->field->closed2, cell, order[0]);
+         free += edge)
+        cell = (size_t)((ptrdiff_t)cell + next);
+    return free >= width;
+}
+
 // The torque of a cell's cargo that moves with a plate.
 static double torque_of(const hand_on_context *x, const swept_cells_plate *plate,
                         const swept_cells_cargo *cargo, double w, size_t cell)
@@ -316,6 +342,7 @@ double swept_cells_load(swept_cells *c, const swept_cells_plate *plate,
                         const swept_cells_cargo *cargo, const velocity_field *f, double w,
                         macro_solver *s)
 {
+    const vec2 anywhere = { 0.0, 0.0 };
     hand_on_context x = { c, f, s, cargo->full };
     double torque = 0.0, left = 0.0; // what has found no room
 
@@ -323,16 +350,20 @@ double swept_cells_load(swept_cells *c, const swept_cells_plate *plate,
     c->search = next_mark(c->search, c->found_in, grid_cells(&c->grid));
     c->n_queue = 0;
     visit_swept(&c->grid, plate, add_origin, &x);
-    for (size_t k = 0; k < c->n_queue; k++)
+    for (size_t k = 0; k < c->n_queue; k++) {
         left += density_of(&x, c->queue[k]);
+        if (density_of(&x, c->queue[k]) > cargo->most)
+            return INFINITY;
+    }
     for (size_t k = 0; k < c->n_queue && left > 0.0; k++) {
         const size_t from = c->queue[k], origin = c->origin[k];
         direction order[4];
         order_directions(c->ahead[origin], order);
         torque += torque_of(&x, plate, cargo, w, from);
         for (int m = 0; m < 4 && c->n_queue < SWEPT_CELLS_SEARCH; m++) {
-            const size_t to = next_cell(&x, from, order[m], c->queue[origin], c->ahead[origin]);
-            if (to == from)
+            const size_t to = next_cell(&x, from, order[m], from, anywhere);
+            if (to == from || (is_behind(&c->grid, c->queue[origin], to, c->ahead[origin]) &&
+                               !is_wide(&x, plate->before.pivot, 2.0 * cargo->around.bridge, to)))
                 continue;
             c->found_in[to] = c->search;
             c->origin[c->n_queue] = origin;

@@ -38,11 +38,13 @@ typedef struct swept_cells_plate {
 
 /// Cargo as the load counts it.
 typedef struct swept_cells_cargo {
-    surroundings around; ///< its belts
+    surroundings around; ///< its belts, and the radius of the narrowest part
     double full;         ///< density up to which cells take cargo
-    double weight;       ///< mu g m of a cell at density 1, N
-    double tanh_linear;  ///< lambda, s/m
-    double radius;       ///< R, m
+    double
+        most; ///< density of a swept cell, beyond which cargo has to give way before the plate goes on
+    double weight;      ///< mu g m of a cell at density 1, N
+    double tanh_linear; ///< lambda, s/m
+    double radius;      ///< R, m
 } swept_cells_cargo;
 
 /// What is needed for it; opaque.
@@ -61,13 +63,14 @@ void swept_cells_begin(swept_cells *c, const velocity_field *f);
 /// Mark the cells that a plate has swept over since.
 void swept_cells_mark(swept_cells *c, const swept_cells_plate *plate);
 
-/// What it would take to turn a plate at w, rad/s, not 0: cargo in the cells that it would sweep over, and in those ahead up to
-/// where there is room for the former, slides on its belts as it moves with the plate.
+/// What it would take to turn a plate at w, rad/s, not 0: cargo in the cells that it would sweep over, and in those around
+/// them up to where there is room for the former, slides on its belts as it moves with the plate. The way around its
+/// free end counts where it is as wide as a part.
 ///
 ///     u      = w min(r, R) e: the velocity of cargo at r from the pivot, e its direction, R the plate's radius
 ///     s      = u - v, v the belt's velocity under it
 ///     torque = sum over these cells of mu g m tanh(lambda |s|) max(0, s.e)/|s| min(r, R), N m, >= 0; INFINITY:
-///              there is no room
+///              there is no room, or a cell holds more than `most`
 ///
 /// *f is the field of the plate's present place, `before`. Never allocates.
 double swept_cells_load(swept_cells *c, const swept_cells_plate *plate,

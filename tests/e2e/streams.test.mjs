@@ -56,7 +56,7 @@ test("what photo eyes saw and did stands in events, in its resource and in the a
     const events = await (await d.events(run.id)).rest();
     const of = (kind) => events.filter(({ event }) => event === kind).map(({ data: { run: id, ...rest } }) => rest);
     const { json } = await d.get(`/v1/runs/${run.id}/photo_eyes`);
-    assert.deepEqual(json, { changes: of("photo_eye"), actions: of("action"), is_cut: false });
+    assert.deepEqual(json, { changes: of("photo_eye"), actions: of("action"), drives: [], is_cut: false });
     assert.equal(json.changes[0].state, "blocked");
     assert.deepEqual(json.actions.map(({ action, target }) => [action, target])[0], [0, "stop"]);
     const lines = json.changes.map((row) => `${row.t_s},${row.photo_eye},${row.state}\n`);
@@ -64,6 +64,27 @@ test("what photo eyes saw and did stands in events, in its resource and in the a
     assert.equal(csv, `t_s,photo_eye,state\n${lines.join("")}`);
     const folder = await solved(t, fed());
     assert.equal(csv, readFileSync(path.join(folder, "photo_eyes.csv"), "utf8"));
+  }
+});
+
+// A closed box whose eastern half is full of parts, and a plate in its middle that turns towards them.
+const press = () => ({
+  duration_s: 0.6, domain: { x_m: [0, 0.6], y_m: [0, 0.2] }, edges: { west: "wall", east: "wall" }, belts: [{ velocity_m_s: [0.1, 0] }], cargo: {},
+  obstacles: [{ id: "arm", from_m: [0.3, 0], to_m: [0.3, 0.19], motion: { t_s: [0.05, 0.55], turn_deg: [0, -60] }, force_limit_n: 2 }],
+  initial: { positions_m: Array.from({ length: 88 }, (_, k) => [0.6 - 0.0245 * (0.5 + (k % 11)), 0.0245 * (0.5 + Math.floor(k / 11))]) },
+});
+
+test("a plate that cargo stops is told in events, in its resource and in a sentence alike", async (t) => {
+  const d = await daemon(t);
+  for (const model of ["macro", "micro"]) {
+    const run = await d.submit(press(), { model });
+    const events = await (await d.events(run.id)).rest();
+    const drives = events.filter(({ event }) => event === "drive").map(({ data: { run: id, ...rest } }) => rest);
+    assert.ok(drives.some(({ obstacle, state, turn_deg: turn }) => obstacle === "arm" && state === "stalled" && turn > -60 && turn < 0));
+    assert.deepEqual((await d.get(`/v1/runs/${run.id}/photo_eyes`)).json.drives, drives);
+    const { key_figures: figures, verdicts } = (await d.get(`/v1/runs/${run.id}/summary`)).json;
+    assert.equal(figures.stall.count, drives.filter(({ state }) => state === "stalled").length);
+    assert.match(verdicts.find(({ kind }) => kind === "stalled").text, /'arm'/);
   }
 });
 
