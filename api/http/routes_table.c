@@ -159,16 +159,18 @@ static const route table[] = {
                "header is `t_s`, the counters' ids, `left_domain` and, where some of the domain is "
                "under no belt, `fallen`.",
            .refusals = "404 412", .answers = { { 200, "Curve", CACHED, "The curve" }, UNCHANGED }),
-    RESULT("photo_eyes", handlers_results_photo_eyes, .formats = "json csv",
-           .params =
-               PARAMS(&routes__run_id, &routes__format, &routes__if_match, &routes__if_none_match),
-           .id = "getPhotoEyes",            .summary = "Changes of photo eyes, their actions, and drives that cargo holds back, so far",
-           .help =
-               "Each list by rising time, empty for a run without photo eyes and moving obstacles. As CSV the changes "
-               "alone, as photo_eyes.csv. A run keeps the first 100,000 of all; `is_cut` "
-               "says when there are so many.",
-           .refusals = "404 412",
-           .answers = { { 200, "PhotoEyes", CACHED, "The changes, actions and drives" }, UNCHANGED }),
+    RESULT(
+        "photo_eyes", handlers_results_photo_eyes, .formats = "json csv",
+        .params =
+            PARAMS(&routes__run_id, &routes__format, &routes__if_match, &routes__if_none_match),
+        .id = "getPhotoEyes",
+        .summary = "Changes of photo eyes, their actions, and drives that cargo holds back, so far",
+        .help = "Each list by rising time, empty for a run without photo eyes and moving "
+                "obstacles. As CSV the changes "
+                "alone, as photo_eyes.csv. A run keeps the first 100,000 of all; `is_cut` "
+                "says when there are so many.",
+        .refusals = "404 412",
+        .answers = { { 200, "PhotoEyes", CACHED, "The changes, actions and drives" }, UNCHANGED }),
     RESULT("key_figures", handlers_results_figures, .formats = "json csv",
            .params =
                PARAMS(&routes__run_id, &routes__format, &routes__if_match, &routes__if_none_match),
