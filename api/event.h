@@ -20,7 +20,7 @@
     X(API_EVENT_ACTION, "action")                                                                  \
     X(API_EVENT_DRIVE, "drive")
 
-/// The values stand in the store: never renumber.
+/// The values stand in the store: never renumber. Those from API_EVENT_EYE on say what the equipment did.
 typedef enum api_event_type {
 #define X(type, word) type,
     API_EVENT_LIST(X)

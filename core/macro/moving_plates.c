@@ -223,10 +223,10 @@ static void follow(moving_plates *p, size_t k, macro_solver *s)
         return;
     const scene_contact *belt = &of->micro.contact[SCENE_CONVEYOR_CARGO];
     const bf_grid grid = scene_grid(of);
-    const bool is_packed = of->macro.closure == SCENE_CONGESTED;
+    const bool has_limit = of->macro.closure == SCENE_CONGESTED;
     const swept_cells_cargo cargo = { surroundings_of(of),
                                       full_density(of),
-                                      is_packed ? pressed * full_density(of) : INFINITY,
+                                      has_limit ? pressed * full_density(of) : INFINITY,
                                       belt->friction * of->micro.gravity *
                                           plate_drive_mass_per_area(of) * grid.d1 * grid.d2,
                                       belt->tanh_linear,

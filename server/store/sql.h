@@ -7,9 +7,6 @@
 #include "server/store/sql_studies.h"
 #include "server/store/sql_tokens.h"
 
-/// Values of api_event_type: what a run tells of its equipment (API_EVENT_EYE, _ACTION, _DRIVE).
-#define STORE__EQUIPMENT "6, 7, 8"
-
 /// The columns of table runs next to its key `number`, and the members of store__row that they hold, as
 /// X(kind, column, member). A kind is INTEGER, REAL (not finite: NULL), TEXT (characters with their
 /// terminator) or CODE (bf_status by its word). Those that only an insert sets:
@@ -184,22 +181,18 @@
     X(INSERT_EVENT, "INSERT INTO events (run, type, snapshot, data) VALUES (?1, ?2, ?3, ?4)")      \
     X(INSERT_CHANGE, "INSERT INTO changes (results, item, data) VALUES (?1, ?2, ?3)")              \
     X(GET_CHANGE, "SELECT data FROM changes WHERE results = ?1 AND item = ?2")                     \
-    X(COUNT_CHANGES,                                                                               \
-      "SELECT count(*) FROM events WHERE run = ?1 AND type IN (" STORE__EQUIPMENT ")")             \
+    X(COUNT_CHANGES, "SELECT count(*) FROM events WHERE run = ?1 AND type >= 6")                   \
     X(COPY_EVENTS,                                                                                 \
       "INSERT INTO events (run, type, snapshot, data) SELECT ?1, type, snapshot, "                 \
-      "CASE WHEN type IN (5, " STORE__EQUIPMENT ") THEN replace(data, ?4, ?3) ELSE '' END"                         \
-      " FROM events WHERE run = ?2 AND (type IN (2, 3, " STORE__EQUIPMENT ") OR id = (SELECT max(id) "             \
-      "FROM events WHERE run = ?2 AND type = 5)) ORDER BY id")                                     \
+      "CASE WHEN type >= 5 THEN replace(data, ?4, ?3) ELSE '' END FROM events WHERE run = ?2 AND " \
+      "(type IN (2, 3) OR type >= 6 OR id = (SELECT max(id) FROM events WHERE run = ?2 AND type "  \
+      "= 5)) ORDER BY id")                                                                         \
     X(SUM_EVENTS,                                                                                  \
       "SELECT coalesce(sum(length(CAST(data AS BLOB))), 0) FROM events WHERE run = ?1")            \
     X(COUNT_SOME_CHANGES,                                                                          \
-      "SELECT count(*) FROM (SELECT 1 FROM events WHERE run = ?1 AND type IN (" STORE__EQUIPMENT   \
-      ") "                                                                                         \
-      "LIMIT ?2)")                                                                                 \
+      "SELECT count(*) FROM (SELECT 1 FROM events WHERE run = ?1 AND type >= 6 LIMIT ?2)")         \
     X(LIST_CHANGES,                                                                                \
-      "SELECT id, type, snapshot, data FROM events WHERE run = ?1 AND type IN (" STORE__EQUIPMENT  \
-      ") ORDER BY id")                                                                             \
+      "SELECT id, type, snapshot, data FROM events WHERE run = ?1 AND type >= 6 ORDER BY id")      \
     X(NEXT_EVENT, "SELECT id FROM events WHERE run = ?1 AND id > ?2 ORDER BY id LIMIT 1")          \
     X(GET_EVENT, "SELECT type, snapshot, data FROM events WHERE id = ?1")                          \
     X(INSERT_MEASUREMENT,                                                                          \

@@ -76,10 +76,10 @@ static void changes_of_photo_eyes_are_json_or_csv(void **state)
     helper_add_event(&ask_daemon, of, API_EVENT_ACTION,
                      "{\"t_s\":2,\"action\":3,\"target\":\"flap\"}");
     ask_get(RUN_1 "/photo_eyes", NULL, NULL, 200);
-    assert_string_equal(
-        ask_response.body.bytes,
-        "{\"changes\":[{\"t_s\":1.5,\"photo_eye\":\"pe\",\"state\":\"blocked\"}],"
-        "\"actions\":[{\"t_s\":2,\"action\":3,\"target\":\"flap\"}],\"drives\":[],\"is_cut\":false}");
+    assert_string_equal(ask_response.body.bytes,
+                        "{\"changes\":[{\"t_s\":1.5,\"photo_eye\":\"pe\",\"state\":\"blocked\"}],"
+                        "\"actions\":[{\"t_s\":2,\"action\":3,\"target\":\"flap\"}],\"drives\":[],"
+                        "\"is_cut\":false}");
     ask_get(RUN_1 "/photo_eyes", "format=csv", NULL, 200);
     assert_string_equal(ask_response.body.bytes, "t_s,photo_eye,state\n1.5,pe,blocked\n");
     ask_get("/v1/runs/0190a0b0-0000-7000-8000-0000000000ff/photo_eyes", NULL, NULL, 404);
