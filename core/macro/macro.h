@@ -108,8 +108,9 @@ void macro_add(macro_solver *s, size_t cell, double density, double entered);
 /// When the cargo of a cell entered in the mean, s; 0 without has_entry_times.
 double macro_entered(const macro_solver *s, size_t cell);
 
-/// How fast the cargo of a cell left it in the last step, m/s; 0 without has_entry_times, and before the first step.
-double macro_speed(const macro_solver *s, size_t cell);
+/// How fast the cargo of the cell of a column and a row left it in the last step, m/s; 0 without has_entry_times, and
+/// before the first step.
+double macro_speed(const macro_solver *s, size_t column, size_t row);
 
 /// What left in the last step, *ret_n exits; without has_entry_times none. Borrowed until the next non-const call.
 const macro_exit *macro_exits(const macro_solver *s, size_t *ret_n);

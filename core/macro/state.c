@@ -122,26 +122,31 @@ double macro_entered(const macro_solver *s, size_t cell)
                : 0.0;
 }
 
-double macro_speed(const macro_solver *s, size_t cell)
+// fmax() is a call, and this is asked of all cells at every sample.
+static inline double positive(double x)
 {
-    const ptrdiff_t j = (ptrdiff_t)cell / s->n1, i = (ptrdiff_t)cell % s->n1;
+    return x > 0.0 ? x : 0.0;
+}
+
+double macro_speed(const macro_solver *s, size_t column, size_t row)
+{
+    const ptrdiff_t i = (ptrdiff_t)column, j = (ptrdiff_t)row;
 
     if (s->entries == NULL)
         return 0.0;
-    const double west = macro__row(s, s->entries->flux1, j)[i - 1];
-    const double east = macro__row(s, s->entries->flux1, j)[i];
+    const double *x1 = macro__row(s, s->entries->flux1, j) + i;
+    const double west = x1[-1], east = x1[0];
     const double south = macro__row(s, s->entries->flux2, j)[i];
     const double north = macro__row(s, s->entries->flux2, j + 1)[i];
-    const double out1 = fmax(east, 0.0) + fmax(-west, 0.0);
-    const double out2 = fmax(north, 0.0) + fmax(-south, 0.0);
+    const double out1 = positive(east) + positive(-west);
+    const double out2 = positive(north) + positive(-south);
+    const double in = positive(-east) + positive(west) + positive(-north) + positive(south);
     // Of the density before the step; what was added to the cell since then has not had the time to leave it.
-    const double now = macro__row(s, s->now.rho, j)[i];
-    const double before = now + out1 + out2 - fmax(-east, 0.0) - fmax(west, 0.0) -
-                          fmax(-north, 0.0) - fmax(south, 0.0);
-    const double density = fmin(now, before);
-    return density > 0.0
-               ? hypot(out1 * s->def.grid.d1, out2 * s->def.grid.d2) / (s->def.dt * density)
-               : 0.0;
+    const double now = macro__row(s, s->now.rho, j)[i], before = now + out1 + out2 - in;
+    const double density = now < before ? now : before;
+    const double d1 = out1 * s->def.grid.d1, d2 = out2 * s->def.grid.d2;
+
+    return density > 0.0 ? sqrt(d1 * d1 + d2 * d2) / (s->def.dt * density) : 0.0;
 }
 
 const macro_exit *macro_exits(const macro_solver *s, size_t *ret_n)

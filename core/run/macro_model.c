@@ -453,26 +453,33 @@ static void tell_ages(const void *solver, figures *to)
     }
 }
 
+static void tell_row(const macro_run *run, const double *speeds, size_t j, figures *to)
+{
+    const bf_grid *g = &run->grid;
+    const double *densities = macro_row(run->solver, j), parts = run->packing * g->d1 * g->d2;
+    const uint16_t *belts = run->belt_of + j * g->n1;
+
+    for (size_t i = 0; i < g->n1; i++) {
+        if (densities[i] <= least_density || belts[i] == run->n_belts)
+            continue;
+        const figures_cargo cargo = { .at = { grid_x1(g, i), grid_x2(g, j) },
+                                      .speed = macro_speed(run->solver, i, j),
+                                      .belt_speed = speeds[belts[i]],
+                                      .parts = parts * densities[i],
+                                      .age = (double)NAN };
+        figures_add_cargo(to, &cargo);
+    }
+}
+
 static void tell_cargo(const void *solver, figures *to)
 {
     const macro_run *run = solver;
-    const bf_grid *g = &run->grid;
-    const double parts = run->packing * g->d1 * g->d2;
     double speeds[SCENE_BELTS_MAX];
 
     for (size_t k = 0; k < run->n_belts; k++)
         speeds[k] = vec2_length(run->belts[k].velocity) * macro_belt_factor(run->solver, k);
-    for (size_t cell = 0; run->is_fed && cell < grid_cells(g); cell++) {
-        const double density = density_of_cell(run, cell);
-        if (density <= least_density || run->belt_of[cell] == run->n_belts)
-            continue;
-        const figures_cargo cargo = { .at = { grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) },
-                                      .speed = macro_speed(run->solver, cell),
-                                      .belt_speed = speeds[run->belt_of[cell]],
-                                      .parts = parts * density,
-                                      .age = (double)NAN };
-        figures_add_cargo(to, &cargo);
-    }
+    for (size_t j = 0; run->is_fed && j < run->grid.n2; j++)
+        tell_row(run, speeds, j, to);
 }
 
 static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load, bf_error *err)
