@@ -46,18 +46,23 @@ static size_t find_limited_feed(const run_verdict_subject *of)
     return found;
 }
 
-// Length of the first belt between the line of a feed and the farthest plate downstream of it, m.
+// Length of the first belt between the line of a feed and the downstream end of the next plate, from which its queue is
+// measured (core/figures/queue.h), m; INFINITY: there is none.
 static double find_room(const scene *s, const scene_feed *feed)
 {
     const vec2 middle = vec2_scale(vec2_add(feed->line[0], feed->line[1]), 0.5);
     const vec2 velocity = s->belts[0].velocity;
     const double speed = vec2_length(velocity);
-    double room = 0.0;
+    double room = INFINITY;
 
-    for (size_t k = 0; k < s->n_obstacles && speed > 0.0; k++)
-        for (size_t i = 0; i < s->obstacles[k].n_points; i++)
-            room =
-                fmax(room, vec2_dot(vec2_sub(s->obstacles[k].path[i], middle), velocity) / speed);
+    for (size_t k = 0; k < s->n_obstacles && speed > 0.0; k++) {
+        const scene_obstacle *o = &s->obstacles[k];
+        double end = 0.0;
+        for (size_t i = 0; i < o->n_points; i++)
+            end = fmax(end, vec2_dot(vec2_sub(o->path[i], middle), velocity) / speed);
+        if (end > 0.0)
+            room = fmin(room, end);
+    }
     return room;
 }
 

@@ -131,12 +131,14 @@ static void fill_eye(const figures *f, size_t k, double *ret_values)
     ret_values[figure_at(f->s, FIGURE_DOUBLES, k)] = ratio(f->eyes[k].n_doubles, f->eyes[k].n);
 }
 
-// 12 significant digits: what is behind them is the rounding of sums and products.
+// 12 significant digits, and nothing below 1e-9: what is behind them is the rounding of sums and products.
 static double rounded(double x)
 {
     const double magnitude = fabs(x);
 
-    if (!(magnitude >= 1e-9 && magnitude < 1e11))
+    if (magnitude < 1e-9)
+        return 0.0;
+    if (!(magnitude < 1e11))
         return x;
     const double scale = pow(10.0, 11.0 - floor(log10(magnitude)));
     return nearbyint(x * scale) / scale;

@@ -131,6 +131,24 @@ static void parts_that_wait_are_held_by_the_queue_or_by_the_inlet(void **unused)
 }
 
 // A belt carries 2004 parts/m2 times 0.6 m times 0.395 m/s = 475 parts/s: 2 parts/s that wait are a queue.
+// With a plate 0.4 m from the west side before the other one, which is 0.9 m from it.
+static void the_queue_at_the_inlet_is_that_of_the_next_plate(void **unused)
+{
+    told *t = begin("{'duration_s': 100, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, 'cargo': {}, "
+                    "'obstacles': [{'from_m': [0.6, 0], 'to_m': [0.9, 0.4]}, "
+                    "{'from_m': [0.3, 0], 'to_m': [0.4, 0.4]}], "
+                    "'feeds': [{'id': 'infeed', 'edge': 'west', 'rate_per_s': 2}]}",
+                    RUN_MICRO);
+
+    (void)unused;
+    feed(t, 3600.0, 200.0, 100.0);
+    set(t, FIGURE_QUEUE_END, 0.3);
+    (void)say(t, "inlet_limit");
+    set(t, FIGURE_QUEUE_END, 0.39);
+    (void)say(t, "queue_at_inlet");
+    finish(t);
+}
+
 static void a_density_has_a_queue_where_the_inlet_could_take_more(void **unused)
 {
     told *t = begin(FED, RUN_MACRO);
@@ -253,6 +271,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(everything_gets_through_up_to_what_chance_leaves_open),
         cmocka_unit_test(parts_that_wait_are_held_by_the_queue_or_by_the_inlet),
+        cmocka_unit_test(the_queue_at_the_inlet_is_that_of_the_next_plate),
         cmocka_unit_test(a_density_has_a_queue_where_the_inlet_could_take_more),
         cmocka_unit_test(a_heap_is_drained_or_not),
         cmocka_unit_test(parts_bridge_where_they_stand_before_a_plate),

@@ -277,6 +277,12 @@ static void figures_have_the_digits_that_they_have(void **state)
     sample(&x, 10.0 + 1e-15 * 3.0, 0.0, 649.0 * (1.0 + 2e-16));
     assert_true(value(&x, FIGURE_THROUGHPUT, 0) == 233640.0);
     end(&x);
+    // What left is a difference of sums that are 649.
+    begin(&x, 0.0, false);
+    sample(&x, 0.0, 649.0, 0.0);
+    sample(&x, 3600.0, 649.0, 649.0 * 2e-16);
+    assert_true(value(&x, FIGURE_THROUGHPUT, 0) == 0.0);
+    end(&x);
 }
 
 // Exits at 1 s and at 9 s with cargo inside: from 1 s to 9 s nothing leaves, 8 s >= 5 s. Then 4 s without an exit are none.
