@@ -17,10 +17,9 @@ static const side_law end_law = { 1.2, 2.0, 0.4 };
 static const side_law wall_law = { 0.9, 0.7, 0.4 };
 static const double fitted_cargo = 0.15;    // mu_c at which friction adds nothing
 static const double fitted_handling = 0.19; // mu_h, same
-static const double acceleration = 0.15;    // of v_T^2/(mu_b g)
+static const double acceleration = 0.9;     // of v_T^2/(mu_b g) by the width of the outlet
 static const double shallow = 4.0;          // times sin(theta): w of aperture.h
 static const double most_of_way = 0.9;      // that an extension takes
-static const double most_to_end = 0.45;     // same, of two that come towards each other
 
 // The end of a plate and how it goes on.
 typedef struct plate_end {
@@ -129,9 +128,9 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
 
     if (speed == 0.0)
         return (vec2){ 0.0, 0.0 };
-    const vec2 left = vec2_scale(vec2_turn_left(belt), 1.0 / speed);
-    const double sine = vec2_dot(e->outward, left);
-    const vec2 toward = vec2_scale(left, sine < 0.0 ? -1.0 : 1.0);
+    const vec2 across = vec2_scale(vec2_turn_left(belt), 1.0 / speed);
+    const double sine = vec2_dot(e->outward, across);
+    const vec2 toward = vec2_scale(across, sine < 0.0 ? -1.0 : 1.0);
     const opposite other = find_opposite(s, around, obstacle, e->tip, toward);
     const double handling = parts->contact[SCENE_HANDLING_CARGO].friction;
     const double stopping =
@@ -140,10 +139,14 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
 
     if (other.kind == OPPOSITE_SIDE)
         radii += cost_of(&wall_law, sine, s, other.friction);
-    const double length =
-        fmin(1.0, shallow * fabs(sine)) * (radii * aperture_radius(s) + acceleration * stopping);
-    const double most = (other.kind == OPPOSITE_END ? most_to_end : most_of_way) * other.way;
-    return vec2_scale(toward, fmax(fmin(length, most), 0.0));
+    // Of two ends each has its half of the outlet.
+    const double way = (other.kind == OPPOSITE_END ? 0.5 : 1.0) * other.way;
+    const double radius = aperture_radius(s), open = fmax(way - radii * radius, 0.0);
+    const double slowing = other.kind == OPPOSITE_NOTHING
+                               ? 0.0
+                               : acceleration * stopping / open * sqrt(2.0 * radius / open);
+    const double length = fmin(1.0, shallow * fabs(sine)) * (way - open / sqrt(1.0 + slowing));
+    return vec2_scale(toward, fmax(fmin(length, most_of_way * way), 0.0));
 }
 
 // One axis of the grid: its faces, cells along their normal (m, faces 0 .. n_normal) and beside each other.

@@ -3,15 +3,18 @@
 /// Parts that come along a plate turn around its end and pass it at a distance, rub against each other, and have to be
 /// brought to the belt's speed again. So the outlet is as if the plate went on across the belt by
 ///
-///     delta = w (r (1.2 sin^2(theta) + 2 a + 0.4 b) + 0.15 v_T^2/(mu_b g))
-///             + w r (0.9 sin^2(theta) + 0.7 a + 0.4 b)           if a wall, a guide or a plate's side is opposite,
+///     delta = w (l - o/sqrt(1 + 0.9 v_T^2/(mu_b g o) sqrt(2 r/o)))
+///     o = l - r (1.2 sin^2(theta) + 2 a + 0.4 b)
+///           - r (0.9 sin^2(theta) + 0.7 a + 0.4 b)               if a wall, a guide or a plate's side is opposite,
 ///                                                                not another plate's end
 ///     a = sqrt(mu_c) - sqrt(0.15)     b = sqrt(mu_h) - sqrt(0.19)     w = min(1, 4 sin(theta))
 ///
-/// but not below 0, nor by more than 45 % of the way to the other end, 90 % of that to what else is opposite. r is the
+/// but not below 0, nor by more than 90 % of l, which is the way to what is opposite, half of it to another end. r is the
 /// radius of a disk with the mean footprint of the parts, theta the angle between plate and belt, v_T^2/(2 mu_b g) the
 /// length in which the belt brings a part to its speed; mu_b, mu_c and mu_h are the frictions of cargo on belts, on
 /// cargo and on what handles it, for a wall that of walls. w lets delta go to 0 at guides, whose ends cost nothing.
+/// The root is 1 where nothing is opposite. It makes what a fast belt carries off independent of its speed, as o^(7/4)
+/// sqrt(mu_b g): nearly as grains leave a hopper, o^(3/2) sqrt(g), whose speed is what they gain within the width of its outlet.
 ///
 /// Fitted to the microscopic model (tests/validation/lines.py, core/macro/congested/README.md). The plate's own end
 /// is exact as well: of a face that plate and extension cover in part, the rest stays open.

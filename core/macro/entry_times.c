@@ -74,9 +74,9 @@ void entry_times_hold(const macro_solver *s, double *rows, ptrdiff_t row, const 
     double *held = macro__row(s, rows, row);
 
     if (is_first)
-        memset(held - s->margin, 0, (size_t)s->stride * sizeof *held);
+        entry_times_clear(s, held, span);
     for (ptrdiff_t i = span.first * BLOCK_CELLS; i < span.last * BLOCK_CELLS; i++)
-        held[i] += part * flux[i];
+        held[i] = is_first ? part * flux[i] : held[i] + part * flux[i];
 }
 
 static macro_exit exit_of(double flux, double entered)

@@ -24,6 +24,8 @@
 #include "core/base/checkpoint.h"
 #include "core/macro/macro_priv.h"
 
+#include <string.h>
+
 /// Carry the times of a row over a step whose fluxes are held, from `times` to `next`.
 typedef void entry_times_carry_fn(const macro_solver *s, ptrdiff_t row);
 
@@ -52,6 +54,17 @@ entry_times *entry_times_destroy(entry_times *e);
 
 /// All cargo entered at t = 0, and nothing has left.
 void entry_times_reset(const macro_solver *s);
+
+/// Set a row to 0 outside blocks.
+static inline void entry_times_clear(const macro_solver *s, double *row, block_span span)
+{
+    double *begin = row - s->margin, *end = begin + s->stride;
+    double *first = span.first < span.last ? row + span.first * BLOCK_CELLS : end;
+    double *last = span.first < span.last ? row + span.last * BLOCK_CELLS : end;
+
+    memset(begin, 0, (size_t)(first - begin) * sizeof *row);
+    memset(last, 0, (size_t)(end - last) * sizeof *row);
+}
 
 /// Hold a stage's fluxes of blocks in flux1 or flux2, in row `row` of it: `part` of the step's, which is dt/dx times the
 /// stage's weight. is_first: of the step; the row is 0 outside the blocks then.

@@ -3,8 +3,6 @@
 #include "core/base/simd.h"
 #include "core/macro/entry_times.h"
 
-#include <string.h>
-
 // A density and its times' integral.
 typedef struct content {
     simd rho;
@@ -35,7 +33,7 @@ void entry_times__carry(const macro_solver *s, ptrdiff_t row)
     const block_span span = s->now.span[row];
     double *next = macro__row(s, e->next, row);
 
-    memset(next - s->margin, 0, (size_t)s->stride * sizeof *next);
+    entry_times_clear(s, next, span);
     for (ptrdiff_t i = span.first * BLOCK_CELLS; i < span.last * BLOCK_CELLS; i += SIMD_LANES) {
         const simd from_west = simd_load_any(x1 + i - 1), to_east = simd_load(x1 + i);
         const simd from_south = simd_load(x2_south + i), to_north = simd_load(x2_north + i);

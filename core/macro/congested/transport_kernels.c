@@ -6,8 +6,6 @@
 #include "core/macro/flux.h"
 #include "core/macro/muscl.h"
 
-#include <string.h>
-
 void congested__transport_upwind(const macro_solver *s, ptrdiff_t row, ptrdiff_t i_min,
                                  ptrdiff_t i_max, double *ret_rho)
 {
@@ -33,7 +31,7 @@ void congested__transport_upwind(const macro_solver *s, ptrdiff_t row, ptrdiff_t
 static inline void hold_row(const macro_solver *s, const double *v, const double *near,
                             const double *far, block_span span, double part, double *ret_row)
 {
-    memset(ret_row - s->margin, 0, (size_t)s->stride * sizeof *ret_row);
+    entry_times_clear(s, ret_row, span);
     for (ptrdiff_t i = span.first * BLOCK_CELLS; i < span.last * BLOCK_CELLS; i += SIMD_LANES)
         simd_store(ret_row + i, part * flux_upwind_one(simd_load(v + i), simd_load_any(near + i),
                                                        simd_load_any(far + i)));
