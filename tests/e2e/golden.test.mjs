@@ -9,7 +9,7 @@ import path from "node:path";
 import test from "node:test";
 
 import { beltflow } from "./processes.mjs";
-import { isEmulated, isSanitized, root, temporaryFolder } from "./setup.mjs";
+import { isEmulated, isSanitized, patience, root, temporaryFolder } from "./setup.mjs";
 
 const goldenFile = path.join(root, "tests/golden/results.txt");
 const scenarios = path.join(root, "api/scenario/examples");
@@ -47,7 +47,7 @@ function digestOfFolder(folder) {
 async function digestOfResults(t, file, model, tunables) {
   const out = path.join(temporaryFolder(t), "out");
   const env = tunables === undefined ? {} : { GLIBC_TUNABLES: tunables };
-  const done = await beltflow(["solve", file, "--model", model, "--out", out], { env });
+  const done = await beltflow(["solve", file, "--model", model, "--out", out], { env, limit: 10 * patience });
   assert.equal(done.status, 0, done.stderr);
   return digestOfFolder(out);
 }

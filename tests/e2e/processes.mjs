@@ -45,12 +45,12 @@ export function runProgram(name, args, options) {
   return runTool(path.join(binaries, name), args, options);
 }
 
-// The same for any program.
-export function runTool(program, args, { input = "", env = {} } = {}) {
+// The same for any program; limit: when it is killed, ms.
+export function runTool(program, args, { input = "", env = {}, limit = patience } = {}) {
   return new Promise((resolve, reject) => {
     const child = spawn(program, args, {
       env: { ...process.env, ...env },
-      timeout: patience,
+      timeout: limit,
       killSignal: "SIGKILL",
     });
     const out = [];
