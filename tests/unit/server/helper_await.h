@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Nothing that a test waits for takes so long, be the machine ever so busy.
-enum { HELPER_PATIENCE_MS = 60000 };
+enum { HELPER_PATIENCE_MS = 300000 };
 
 /// Wait until an expression is true; it is evaluated again every few ms. Where it is not in time, the test fails.
 #define HELPER_AWAIT(fact)                                                                         \
