@@ -205,10 +205,7 @@ static const member drive_members[] = {
     MEMBER("run", string, AT(run), RUN, .type = "#Id"),
     MEMBER("t_s", number, AT(t), "When it was so", .unit = "s"),
     MEMBER("obstacle", string, AT(id), "Its id", .type = "#ScenarioId"),
-    MEMBER("state", enum, AT(state), "How it follows what it is told from then on",
-           .words = results__drive_states),
-    MEMBER("turn_deg", number, AT(turn_deg), "By which its path is turned, counter-clockwise",
-           .unit = "deg"),
+    RESULTS__DRIVE_MEMBERS,
 };
 const member_table events_drive_data = { MEMBER_TABLE("DriveEvent", drive_members) };
 #undef AT

@@ -152,10 +152,7 @@ const member_table results_action_members = { MEMBER_TABLE("PhotoEyeAction", act
 static const member drive_members[] = {
     MEMBER("t_s", number, AT(t), "When it was so", .unit = "s"),
     MEMBER("obstacle", text, AT(id), "Its id", .type = "#ScenarioId"),
-    MEMBER("state", enum, AT(state), "How it follows what it is told from then on",
-           .words = results__drive_states),
-    MEMBER("turn_deg", number, AT(turn_deg), "By which its path is turned, counter-clockwise",
-           .unit = "deg"),
+    RESULTS__DRIVE_MEMBERS,
 };
 const member_table results_drive_members = { MEMBER_TABLE("Drive", drive_members),
                                              .size = sizeof(results_drive) };

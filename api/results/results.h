@@ -104,7 +104,7 @@ typedef struct results_action {
 typedef struct results_drive {
     double t;               ///< s
     char id[SCENE_ID_SIZE]; ///< of the obstacle
-    uint32_t state;         ///< frame_drive_state
+    uint32_t state;         ///< plate_drive_state
     double turn_deg;        ///< of its path, counter-clockwise
 } results_drive;
 

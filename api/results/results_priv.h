@@ -8,8 +8,15 @@
 
 #include <stddef.h>
 
-/// Words of frame_drive_state.
+/// Words of plate_drive_state.
 extern const char *const results__drive_states[];
+
+/// Members of a drive in its event and in the list of all; AT() is the place of `state` and `turn_deg` in their structs.
+#define RESULTS__DRIVE_MEMBERS                                                                     \
+    MEMBER("state", enum, AT(state), "How it follows what it is told from then on",                \
+           .words = results__drive_states),                                                        \
+        MEMBER("turn_deg", number, AT(turn_deg), "By which its path is turned, counter-clockwise", \
+               .unit = "deg")
 
 /// End of a function that appends: on failure *out is again as it was, n bytes long.
 bf_status results__finish(bf_status status, bf_buffer *out, size_t n, bf_error *err);

@@ -17,7 +17,7 @@
 /// What was told last of the drive of an obstacle that moves.
 typedef struct control_drive {
     double turn;    ///< rad
-    uint64_t state; ///< frame_drive_state
+    uint64_t state; ///< plate_drive_state
 } control_drive;
 
 /// The state of a run's ticks. Make with control_of(), free with control_fini().

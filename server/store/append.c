@@ -274,8 +274,7 @@ static bf_status append_item(store__connection *writer, store__appending *contex
         return append_snapshot(writer, context, i, err);
     if (item->type == API_EVENT_FIGURES)
         return replace_figures(writer, &context->row, item, err);
-    if (item->type == API_EVENT_EYE || item->type == API_EVENT_ACTION ||
-        item->type == API_EVENT_DRIVE)
+    if (item->type >= API_EVENT_EYE)
         return append_change(writer, context, item, err);
     BF_CHECK(item->type == API_EVENT_PROGRESS);
     return store__insert_event(writer, &context->row, API_EVENT_PROGRESS, 0, &item->event, err);

@@ -34,8 +34,7 @@ void store_job_fini(store_job *job);
 
 /// One thing that a running run sent, ready for the store.
 typedef struct store_item {
-    api_event_type
-        type; ///< API_EVENT_PROGRESS, _CURVE, _SNAPSHOT, _FIGURES, _EYE, _ACTION or _DRIVE
+    api_event_type type; ///< API_EVENT_PROGRESS, _CURVE, _SNAPSHOT, _FIGURES, or from _EYE on
     bf_buffer
         event; ///< data of the event: a JSON object; of samples also empty: made of them when it is read
     uint64_t first;        ///< curve: index of the first sample; snapshot, change: its index

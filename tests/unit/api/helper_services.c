@@ -306,9 +306,7 @@ static bf_status do_read_changes(void *context, const char *id, api_event_fn *ta
 
     for (size_t i = 0; i < d->n_events && status == BF_OK; i++) {
         const api_event *event = &d->events[i];
-        if (strcmp(event->run, id) == 0 &&
-            (event->type == API_EVENT_EYE || event->type == API_EVENT_ACTION ||
-             event->type == API_EVENT_DRIVE))
+        if (strcmp(event->run, id) == 0 && event->type >= API_EVENT_EYE)
             status = take(take_context, event, err);
     }
     return status;
