@@ -68,15 +68,15 @@ void entry_times_reset(const macro_solver *s)
     memset(e->exits, 0, e->n_exits * sizeof *e->exits);
 }
 
-void entry_times_hold(const macro_solver *s, double *rows, ptrdiff_t row, const double *flux,
-                      block_span span, double part, bool is_first)
+void entry_times_record(const macro_solver *s, double *rows, ptrdiff_t row, const double *flux,
+                        block_span span, double part, bool is_first)
 {
-    double *held = macro__row(s, rows, row);
+    double *recorded = macro__row(s, rows, row);
 
     if (is_first)
-        entry_times_clear(s, held, span);
+        entry_times_clear(s, recorded, span);
     for (ptrdiff_t i = span.first * BLOCK_CELLS; i < span.last * BLOCK_CELLS; i++)
-        held[i] = is_first ? part * flux[i] : held[i] + part * flux[i];
+        recorded[i] = is_first ? part * flux[i] : recorded[i] + part * flux[i];
 }
 
 static macro_exit exit_of(double flux, double entered)

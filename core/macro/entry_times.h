@@ -26,7 +26,7 @@
 
 #include <string.h>
 
-/// Carry the times of a row over a step whose fluxes are held, from `times` to `next`.
+/// Carry the times of a row over a step whose fluxes are recorded, from `times` to `next`.
 typedef void entry_times_carry_fn(const macro_solver *s, ptrdiff_t row);
 
 /// The state. Fluxes are what a step moves towards rising x, in densities of a cell.
@@ -66,12 +66,12 @@ static inline void entry_times_clear(const macro_solver *s, double *row, block_s
     memset(last, 0, (size_t)(end - last) * sizeof *row);
 }
 
-/// Hold a stage's fluxes of blocks in flux1 or flux2, in row `row` of it: `part` of the step's, which is dt/dx times the
+/// Record a stage's fluxes of blocks in flux1 or flux2, in row `row` of it: `part` of the step's, which is dt/dx times the
 /// stage's weight. is_first: of the step; the row is 0 outside the blocks then.
-void entry_times_hold(const macro_solver *s, double *rows, ptrdiff_t row, const double *flux,
-                      block_span span, double part, bool is_first);
+void entry_times_record(const macro_solver *s, double *rows, ptrdiff_t row, const double *flux,
+                        block_span span, double part, bool is_first);
 
-/// A step was made, whose fluxes are held and whose density is `now`: carry the times, and note what left the grid.
+/// A step was made, whose fluxes are recorded and whose density is `now`: carry the times, and note what left the grid.
 void entry_times_follow(const macro_solver *s);
 
 /// Append the times to a checkpoint, n2 rows of n1, and take them from one.

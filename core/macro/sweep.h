@@ -96,24 +96,24 @@ static inline void sweep_find_special(macro_band *band, ptrdiff_t r, block_span 
         band->special[w] = block_set_span_word(span, w);
 }
 
-/// Where times of entry follow them, hold the fluxes of a row of the band whose cells in the span were updated by flux1.
-static inline void sweep_hold_flux_x1(const macro_band *band, ptrdiff_t r, block_span span)
+/// Where times of entry follow them, record the fluxes of a row of the band whose cells in the span were updated by flux1.
+static inline void sweep_record_flux_x1(const macro_band *band, ptrdiff_t r, block_span span)
 {
     const macro_solver *s = band->solver;
     const block_span faces = { span.first - 1, span.last }, none = { 0, 0 };
 
     if (s->entries != NULL && r >= band->first && r < band->last)
-        entry_times_hold(s, s->entries->flux1, r, band->flux1,
-                         span.first < span.last ? faces : none, s->lambda1 / s->n_stages,
-                         s->stage == 0);
+        entry_times_record(s, s->entries->flux1, r, band->flux1,
+                           span.first < span.last ? faces : none, s->lambda1 / s->n_stages,
+                           s->stage == 0);
 }
 
 /// The same of the x2 fluxes south of row r; the last ones of a band are those of the next one.
-static inline void sweep_hold_flux_x2(const macro_band *band, ptrdiff_t r)
+static inline void sweep_record_flux_x2(const macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
 
     if (s->entries != NULL && (r < band->last || r == s->n2))
-        entry_times_hold(s, s->entries->flux2, r, band->flux2[r & 1],
-                         (block_span){ 0, s->n_blocks }, s->lambda2 / s->n_stages, s->stage == 0);
+        entry_times_record(s, s->entries->flux2, r, band->flux2[r & 1],
+                           (block_span){ 0, s->n_blocks }, s->lambda2 / s->n_stages, s->stage == 0);
 }

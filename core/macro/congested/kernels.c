@@ -358,8 +358,8 @@ static void correct(const macro_solver *s, const congested *c, ptrdiff_t row, co
 }
 
 // Adds dt/dx1 times the fluxes of a side of the cells of a row, both colours, in their order: of cell 2 k at place 2 k.
-static inline void hold_side(const macro_solver *s, const row_fluxes *even, const row_fluxes *odd,
-                             congested_side side, congested_range cells, double *row)
+static inline void record_side(const macro_solver *s, const row_fluxes *even, const row_fluxes *odd,
+                               congested_side side, congested_range cells, double *row)
 {
     const ptrdiff_t end = last_in_row(s, cells);
 
@@ -372,8 +372,8 @@ static inline void hold_side(const macro_solver *s, const row_fluxes *even, cons
     }
 }
 
-static void hold_correction(const macro_solver *s, const congested *c, ptrdiff_t row,
-                            congested_range cells)
+static void record_correction(const macro_solver *s, const congested *c, ptrdiff_t row,
+                              congested_range cells)
 {
     const row_fluxes even = fluxes_of(c, row, (int)(row & 1));
     const row_fluxes odd = fluxes_of(c, row, 1 - (int)(row & 1));
@@ -381,10 +381,10 @@ static void hold_correction(const macro_solver *s, const congested *c, ptrdiff_t
     double *x1 = macro__row(s, e->flux1, row);
 
     x1[2 * cells.first - 1] += s->lambda1 * (double)even.side[CONGESTED_WEST][cells.first];
-    hold_side(s, &even, &odd, CONGESTED_EAST, cells, x1);
-    hold_side(s, &even, &odd, CONGESTED_SOUTH, cells, macro__row(s, e->flux2, row));
+    record_side(s, &even, &odd, CONGESTED_EAST, cells, x1);
+    record_side(s, &even, &odd, CONGESTED_SOUTH, cells, macro__row(s, e->flux2, row));
     if (row + 1 == s->n2)
-        hold_side(s, &even, &odd, CONGESTED_NORTH, cells, macro__row(s, e->flux2, row + 1));
+        record_side(s, &even, &odd, CONGESTED_NORTH, cells, macro__row(s, e->flux2, row + 1));
 }
 
 // By how much more cells k to k + SIMD_LANES - 1 of a half row lose through all their faces than they may.
@@ -427,7 +427,7 @@ const congested_kernels congested__kernels = { .relax = relax,
                                                .muscl_update = congested__muscl_update,
                                                .set_excess = set_excess,
                                                .correct = correct,
-                                               .hold_transport = congested__hold_transport,
-                                               .hold_correction = hold_correction,
+                                               .record_transport = congested__record_transport,
+                                               .record_correction = record_correction,
                                                .is_overdrawn = is_overdrawn,
                                                .make_thresholds = make_thresholds };

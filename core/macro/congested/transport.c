@@ -46,7 +46,7 @@ static void transport_upwind(macro_solver *s, const congested *c, ptrdiff_t firs
         if (span.first < span.last)
             c->kernels.transport(s, row, span.first * BLOCK_CELLS, span.last * BLOCK_CELLS, star);
         if (s->entries != NULL)
-            c->kernels.hold_transport(s, row, span);
+            c->kernels.record_transport(s, row, span);
         clear_behind(s, star);
         s->next.span[row] = span;
     }
@@ -63,9 +63,9 @@ static void make_flux_x2(const macro_solver *s, const congested *c, const conges
     c->kernels.muscl_flux_x2(s, stage, r, flux);
 }
 
-// Holds the fluxes of a row that was just made; each stage counts half.
-static void hold_stage(const macro_solver *s, const congested_stage *stage, ptrdiff_t row,
-                       block_span span)
+// Records the fluxes of a row that was just made; each stage counts half.
+static void record_stage(const macro_solver *s, const congested_stage *stage, ptrdiff_t row,
+                         block_span span)
 {
     const entry_times *e = s->entries;
     const congested_rows *rows = stage->rows;
@@ -73,11 +73,11 @@ static void hold_stage(const macro_solver *s, const congested_stage *stage, ptrd
     const block_span faces =
         span.first < span.last ? (block_span){ span.first - 1, span.last } : span;
 
-    entry_times_hold(s, e->flux1, row, rows->flux1, faces, 0.5 * s->lambda1, is_first);
-    entry_times_hold(s, e->flux2, row, rows->flux2[row & 1], span, 0.5 * s->lambda2, is_first);
+    entry_times_record(s, e->flux1, row, rows->flux1, faces, 0.5 * s->lambda1, is_first);
+    entry_times_record(s, e->flux2, row, rows->flux2[row & 1], span, 0.5 * s->lambda2, is_first);
     if (row + 1 == s->n2)
-        entry_times_hold(s, e->flux2, row + 1, rows->flux2[(row + 1) & 1], span, 0.5 * s->lambda2,
-                         is_first);
+        entry_times_record(s, e->flux2, row + 1, rows->flux2[(row + 1) & 1], span, 0.5 * s->lambda2,
+                           is_first);
 }
 
 static void transport_stage(const macro_solver *s, const congested *c, const congested_stage *stage,
@@ -99,7 +99,7 @@ static void transport_stage(const macro_solver *s, const congested *c, const con
         clear_behind(s, rho);
         stage->to->span[row] = span;
         if (s->entries != NULL)
-            hold_stage(s, stage, row, span);
+            record_stage(s, stage, row, span);
     }
 }
 
