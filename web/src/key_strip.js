@@ -69,7 +69,7 @@ const figures = [
     sentence: () => "100 % is close packing.",
   },
   {
-    name: () => "Parts left on the belt",
+    name: () => "Parts still on the belt",
     unit: "",
     value: ({ summary, snapshots }) => summary?.parts_end ?? snapshots.at(-1)?.mass ?? null,
     text: (value, data) => (value === null ? "–" : `${parts(value, 3)} of ${parts(entered(data), 6)}`),

@@ -24,7 +24,7 @@ function cargoFacts(s) {
     s.parts_entered === undefined ? null : ["Parts that entered", parts(s.parts_entered, 6)],
     ["Parts through", parts(s.parts_left)],
     s.parts_fallen === undefined ? null : ["Parts that fell off the belts", parts(s.parts_fallen)],
-    ["Parts left on the belt", parts(s.parts_end)],
+    ["Parts still on the belt", parts(s.parts_end)],
     s.end_reason === undefined ? null : ["Ended by", s.end_reason],
   ]);
 }
