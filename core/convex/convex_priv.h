@@ -1,4 +1,4 @@
-/// Points and simplices of the Minkowski difference a - b, used by gjk.c and epa.c.
+/// Points and simplices of the Minkowski difference a - b, used by gjk.c, epa.c and features.c.
 
 #pragma once
 
@@ -31,3 +31,7 @@ gjk_result minkowski__witnesses(const gjk_pair *pair, const minkowski__point *po
 /// Depth of two hulls that overlap or touch, from the simplex where the search for their distance
 /// ended.
 gjk_result epa__penetrate(const gjk_pair *pair, const gjk__simplex *start, vec3 axis);
+
+/// Replace a touch by one along the normal of a face or of two edges if the hulls are farther apart, or less
+/// deep in each other, along it. touch->distance is the gap along touch->normal.
+void features__search(const gjk_pair *pair, gjk_result *touch);

@@ -12,6 +12,9 @@ enum { ROUNDS_MAX = 128 };
 /// Relative to the size of the difference: a gain of less is rounding.
 #define ROUNDING 1e-14
 
+/// Relative to the same: a distance and the gap along its normal differ by less.
+#define AGREEMENT 1e-9
+
 /// How a search ended.
 typedef enum outcome {
     APART,
@@ -210,12 +213,21 @@ double gjk_find_gap(const gjk_pair *pair, vec3 *axis)
 gjk_result gjk_measure(const gjk_pair *pair, vec3 axis)
 {
     gjk__simplex simplex;
+    gjk_result touch;
     double gap;
 
-    if (search(pair, false, &axis, &simplex, &gap) == TOGETHER)
-        return epa__penetrate(pair, &simplex, axis);
-    gjk_result touch = minkowski__witnesses(pair, simplex.point, simplex.weight, simplex.n);
-    touch.distance = vec3_length(axis);
-    touch.normal = vec3_scale(axis, 1.0 / touch.distance);
+    if (search(pair, false, &axis, &simplex, &gap) == TOGETHER) {
+        touch = epa__penetrate(pair, &simplex, axis);
+        gap = -vec3_dot(minkowski__support(pair, touch.normal).at, touch.normal);
+    } else {
+        touch = minkowski__witnesses(pair, simplex.point, simplex.weight, simplex.n);
+        touch.distance = vec3_length(axis);
+        touch.normal = vec3_scale(axis, 1.0 / touch.distance);
+    }
+    // Hulls that touch flush but for rounding may leave a simplex without area, whose normal is any.
+    if (!(fabs(touch.distance - gap) <= AGREEMENT * minkowski__size(pair))) {
+        touch.distance = gap;
+        features__search(pair, &touch);
+    }
     return touch;
 }

@@ -1,5 +1,6 @@
 /// The distance of two convex hulls, by Gilbert, Johnson and Keerthi's algorithm, or the depth of
-/// their penetration, by the expanding polytope on their Minkowski difference.
+/// their penetration, by the expanding polytope on their Minkowski difference. Where rounding leaves
+/// these without a normal along which the hulls are as far apart as they say, all faces and edges are tried.
 ///
 /// All vectors are in the frame of hull a. The normal is the unit vector from a to b: the shortest
 /// move of b that brings them just into touch is (depth) * normal. Both algorithms end after

@@ -1,6 +1,7 @@
 // Unit tests of distance and depth of convex hulls: closed forms, and exhaustive search.
 
 #include "core/convex/gjk.h"
+#include "core/convex/manifold.h"
 
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
@@ -171,6 +172,51 @@ static void random_hulls_agree_with_everything_tried(void **state)
     assert_in_range(n_deep, 50, 250);
 }
 
+// Two pairs of boxes that touch flush, turned out of line by rounding, from which the simplex is left without area: the
+// normal is across the face, and the region is the common part of both sides.
+static void flush_boxes_tilted_by_rounding_touch_at_their_faces(void **state)
+{
+    (void)state;
+    const struct {
+        double a[3], b[3];
+        mat3 rotation;
+        vec3 at, axis, normal;
+    } poses[] = {
+        { { 0.35, 0.05, 0.3 },
+          { 0.35, 0.05, 0.3 },
+          { { { 1.0000000000000002, 0.0, 8.020929875194053e-14 },
+              { -2.5225252872510616e-27, 1.0000000000000002, 3.1449287383154364e-14 },
+              { -8.0209298751940505e-14, -3.1449287383154371e-14, 1.0 } } },
+          { -0.35000000000000009, -2.7755575615628914e-17, 1.5777218104420236e-30 },
+          { -1.0000000000000777, -6.3720568296828723e-14, -6.8853501558504117e-14 },
+          { -1.0, 0.0, 0.0 } },
+        { { 0.4, 0.05, 0.3 },
+          { 0.4, 0.05, 0.3 },
+          { { { 0.99999999999999978, 8.7985174701543656e-14, -3.181672304371073e-13 },
+              { -8.7985174701543656e-14, 0.99999999999999978, 2.7969852255516195e-26 },
+              { 3.181672304371074e-13, 0.0, 1.0 } } },
+          { -0.39999999934147756, 6.1449617616560204e-10, 0.0 },
+          { 0.24162181584590936, 0.1001000860872403, 0.056835979336045339 },
+          { -1.0, 0.0, 0.0 } },
+    };
+
+    for (size_t k = 0; k < sizeof poses / sizeof *poses; k++) {
+        const double *of_a = poses[k].a, *of_b = poses[k].b;
+        manifold m;
+        hull a, b;
+        helper_hull_box(of_a[0], of_a[1], of_a[2], &a);
+        helper_hull_box(of_b[0], of_b[1], of_b[2], &b);
+        gjk_pair pair = { &a, &b, poses[k].rotation, poses[k].at };
+        gjk_result t = gjk_measure(&pair, poses[k].axis);
+        assert_near(t.distance, helper_hull_distance(&pair), 1e-12);
+        assert_near(vec3_dot(t.normal, poses[k].normal), 1.0, 1e-12);
+        manifold_find(&pair, manifold_feature_of(&pair, &t), 1e-4, &m);
+        assert_true(m.n >= 4);
+        for (size_t point = 0; point < m.n; point++)
+            assert_near(m.point[point].depth, 0.0, 1e-7);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -180,6 +226,7 @@ int main(void)
         cmocka_unit_test(touching_is_neither_apart_nor_deep),
         cmocka_unit_test(thin_plates_are_no_harder),
         cmocka_unit_test(random_hulls_agree_with_everything_tried),
+        cmocka_unit_test(flush_boxes_tilted_by_rounding_touch_at_their_faces),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
