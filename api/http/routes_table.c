@@ -154,10 +154,11 @@ static const route table[] = {
            .params =
                PARAMS(&routes__run_id, &routes__format, &routes__if_match, &routes__if_none_match),
            .id = "getCurve", .summary = "The outflow curve so far",
-           .help =
-               "U(t) of the paper: how many parts are inside each counter at each time. As CSV the "
-               "header is `t_s`, the counters' ids, `left_domain` and, where some of the domain is "
-               "under no belt, `fallen`.",
+           .help = "U(t) of the paper: how many parts are inside each counter at each time. Each "
+                   "column of "
+                   "the run is a list in `columns`, under its name. As CSV the header is `t_s`, "
+                   "the counters' ids, `left_domain` and, where some of the domain is "
+                   "under no belt, `fallen`.",
            .refusals = "404 412", .answers = { { 200, "Curve", CACHED, "The curve" }, UNCHANGED }),
     RESULT(
         "photo_eyes", handlers_results_photo_eyes, .formats = "json csv",

@@ -291,8 +291,13 @@ static const openapi_schema table[] = {
     OBJECT(review_outside_members,
            "A figure of a scenario that is out of its range or was never compared"),
     OBJECT(review_warning_members, "A reason to doubt the results; it is no fault"),
-    { .help = "Outflow curve: one list for each counter, under its id, all of the same length",
-      .table = &results_curve_members,
+    OBJECT(results_curve_members, "Outflow curve"),
+    { .help =
+          "A list for each column under its name, each as long as that of the times: parts in each "
+          "counter, under its id; `left_domain`, that have left the domain; `fallen` off the "
+          "belts, where some of the domain is under no belt; of each feed `<feed>.offered`, "
+          "`.admitted`, `.waiting` and `.discarded`; of each photo eye `<eye>.blocked`",
+      .table = &results_columns_members,
       .others = "[number]" },
     OBJECT(results_changes_members, "What the photo eyes of a run saw and did"),
     OBJECT(results_eye_members, "A photo eye changed its state"),
@@ -383,9 +388,7 @@ static const openapi_schema table[] = {
                 "PhotoEyeEvent ActionEvent DriveEvent Trial Study" },
     OBJECT(events_status_data, "The run has changed its state; the whole run"),
     OBJECT(events_progress_data, "Progress of the run"),
-    { .help = "Samples of the outflow curve: one list for each counter, under its id",
-      .table = &events_curve_data,
-      .others = "[number]" },
+    OBJECT(events_curve_data, "Samples of the outflow curve"),
     OBJECT(events_snapshot_data, "A snapshot was taken"),
     OBJECT(events_end_data, "The run has ended; its last event"),
     OBJECT(events_figures_data, "Key figures so far"),

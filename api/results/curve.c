@@ -67,41 +67,47 @@ bf_status results_curve_csv(const api_curve *curve, bf_buffer *out, bf_error *er
     return results__finish(status, out, n_before, err);
 }
 
-typedef struct curve_times {
-    const double *t;
-    size_t n;
-} curve_times;
+static void write_columns(json_out *w, const member *m, const void *item)
+{
+    const results__samples *samples = item;
+    const char *names = samples->columns;
+    char name[COLUMN_NAME_SIZE];
 
-#define AT(place) offsetof(curve_times, place)
+    (void)m;
+    json_out_object(w);
+    for (size_t c = 0; c < samples->n_columns; c++) {
+        bool has_name = api_take_column(&names, name);
+        BF_CHECK(has_name);
+        json_out_key(w, name);
+        json_out_numbers(w, samples->values + c, samples->n, samples->n_columns);
+    }
+    BF_CHECK(names == NULL || *names == '\0');
+    json_out_object_end(w);
+}
+
+static const member_kind member_columns = { .type = "#CurveColumns", .write = write_columns };
+
+#define AT(place) offsetof(results__samples, place)
 static const member curve_members[] = {
     MEMBER("t_s", numbers, AT(t), "Times of the samples", .unit = "s", .offset_n = AT(n)),
-    MEMBER("left_domain", described, 0, "Parts that have left the domain at each time",
-           .type = "[number]"),
-    MEMBER("fallen", described, 0,
-           "Parts that have fallen off the belts at each time; where some of the domain is under "
-           "no belt",
-           .type = "[number]", .flags = MEMBER_OPTIONAL),
+    MEMBER("columns", columns, 0, "Their values"),
 };
 const member_table results_curve_members = { MEMBER_TABLE("Curve", curve_members) };
 #undef AT
 
+const member_table results_columns_members = { .title = "CurveColumns" };
+
 bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *err)
 {
-    const curve_times times = { .t = doubles_of(&curve->t), .n = curve->n };
-    const char *names = curve->columns.bytes;
+    const results__samples samples = { .columns = curve->columns.bytes,
+                                       .t = doubles_of(&curve->t),
+                                       .values = doubles_of(&curve->values),
+                                       .n = curve->n,
+                                       .n_columns = curve->n_columns };
     size_t n_before = out->n;
     json_out w = json_out_to(out);
 
-    json_out_object(&w);
-    members_write_into(&w, &results_curve_members, &times);
-    for (size_t c = 0; c < curve->n_columns; c++) {
-        char key[COLUMN_NAME_SIZE];
-        bool has_name = api_take_column(&names, key);
-        BF_CHECK(has_name);
-        json_out_key(&w, key);
-        json_out_numbers(&w, doubles_of(&curve->values) + c, curve->n, curve->n_columns);
-    }
-    json_out_object_end(&w);
+    members_write(&w, &results_curve_members, &samples);
     return results__finish(json_out_status(&w, err), out, n_before, err);
 }
 

@@ -1,6 +1,7 @@
 #include "api/results/events.h"
 
 #include "api/json/json_out.h"
+#include "api/results/results.h"
 #include "api/results/results_priv.h"
 #include "api/results/run_json.h"
 #include "core/base/check.h"
@@ -82,21 +83,14 @@ bf_status events_progress(const char *run_id, const frame_progress *p, double st
 typedef struct curve_event {
     const char *run;
     uint64_t first;
-    const double *t;
-    size_t n;
+    results__samples samples;
 } curve_event;
 
 #define AT(place) offsetof(curve_event, place)
 static const member curve_members[] = {
     MEMBER("run", string, AT(run), RUN, .type = "#Id"),
     MEMBER("first", size, AT(first), "Index of the first of these samples in the whole curve"),
-    MEMBER("t_s", numbers, AT(t), "Times of the samples", .unit = "s", .offset_n = AT(n)),
-    MEMBER("left_domain", described, 0, "Parts that have left the domain at each time",
-           .type = "[number]"),
-    MEMBER("fallen", described, 0,
-           "Parts that have fallen off the belts at each time; where some of the domain is under "
-           "no belt",
-           .type = "[number]", .flags = MEMBER_OPTIONAL),
+    MEMBER_INLINE(&results_curve_members, AT(samples)),
 };
 const member_table events_curve_data = { MEMBER_TABLE("CurveEvent", curve_members) };
 #undef AT
@@ -104,22 +98,15 @@ const member_table events_curve_data = { MEMBER_TABLE("CurveEvent", curve_member
 bf_status events_curve(const char *run_id, const frame_curve *c, const char *columns,
                        bf_buffer *out, bf_error *err)
 {
-    const curve_event event = { .run = run_id, .first = c->first, .t = c->t, .n = c->n };
-    size_t start = out->n;
-    char name[COLUMN_NAME_SIZE];
-    json_out w = json_out_to(out);
+    const curve_event event = { .run = run_id,
+                                .first = c->first,
+                                .samples = { .columns = columns,
+                                             .t = c->t,
+                                             .values = c->values,
+                                             .n = c->n,
+                                             .n_columns = c->n_columns } };
 
-    json_out_object(&w);
-    members_write_into(&w, &events_curve_data, &event);
-    for (size_t column = 0; column < c->n_columns; column++) {
-        bool has_name = api_take_column(&columns, name);
-        BF_CHECK(has_name);
-        json_out_key(&w, name);
-        json_out_numbers(&w, c->values + column, c->n, c->n_columns);
-    }
-    BF_CHECK(*columns == '\0');
-    json_out_object_end(&w);
-    return finish(&w, start, err);
+    return write_event(&events_curve_data, &event, out, err);
 }
 
 typedef struct snapshot_event {

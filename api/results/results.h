@@ -21,9 +21,9 @@ typedef struct results_timing {
     uint32_t n_threads; ///< threads used
 } results_timing;
 
-/// The objects below as tables, for the document of the API. Of a curve there is one more list for each
-/// counter, under its id.
+/// The objects below as tables, for the document of the API.
 extern const member_table results_curve_members;
+extern const member_table results_columns_members; ///< no members: names are those of the columns
 extern const member_table results_grid_members;
 extern const member_table results_snapshot_members;
 extern const member_table results_snapshot_item_members;
@@ -47,7 +47,7 @@ BF_MUST_CHECK bf_status results_curve_csv_rows(const double *t, const double *va
 /// Append the curve as curve.csv has it: header and rows.
 BF_MUST_CHECK bf_status results_curve_csv(const api_curve *curve, bf_buffer *out, bf_error *err);
 
-/// Append the curve as JSON: {"t_s": [...], "<id>": [...], ...}.
+/// Append the curve as JSON: {"t_s": [...], "columns": {"<id>": [...], ...}}.
 BF_MUST_CHECK bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *err);
 
 /// Append a grid of n2 rows of n1 floats as a NumPy file (.npy version 1.0, little-endian, C order).

@@ -18,6 +18,15 @@ extern const char *const results__drive_states[];
         MEMBER("turn_deg", number, AT(turn_deg), "By which its path is turned, counter-clockwise", \
                .unit = "deg")
 
+/// Samples of a curve, as results_curve_members writes them.
+typedef struct results__samples {
+    const char *columns;  ///< names, with commas between; NULL: there are none
+    const double *t;      ///< n times
+    const double *values; ///< n rows of n_columns
+    size_t n;
+    size_t n_columns;
+} results__samples;
+
 /// End of a function that appends: on failure *out is again as it was, n bytes long.
 bf_status results__finish(bf_status status, bf_buffer *out, size_t n, bf_error *err);
 

@@ -27,8 +27,8 @@ def drain_time(run):  # the first time with at most 1 % of the parts before the 
         time.sleep(0.2)
         run = call(run["links"]["self"])
     curve = call(run["links"]["curve"])
-    few = 0.01 * curve["upstream"][0]
-    return next((f"{t:.2f}" for t, n in zip(curve["t_s"], curve["upstream"]) if n <= few), "never")
+    parts = curve["columns"]["upstream"]
+    return next((f"{t:.2f}" for t, n in zip(curve["t_s"], parts) if n <= 0.01 * parts[0]), "never")
 
 
 example = call("/v1/examples/example-1")

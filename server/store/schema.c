@@ -393,11 +393,21 @@ static const char schema_20[] = "CREATE TABLE text_deltas ("
                                 "  PRIMARY KEY (run, kind)"
                                 ") STRICT;";
 
+// Curve events have the columns in a member of their own: the data of those from before are made of the samples, which
+// `snapshot` refers to, when they are read.
+static const char schema_21[] =
+    "UPDATE runs SET n_bytes = max(0, n_bytes - (SELECT coalesce(sum(length(CAST(data AS BLOB))), "
+    "0)"
+    "  FROM events WHERE run = runs.number AND type = 2)) WHERE n_bytes > 0;"
+    "UPDATE events SET snapshot = coalesce(json_extract(data, '$.first'), snapshot), data = ''"
+    "  WHERE type = 2 AND data <> '';";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
 const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
                                           schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
                                           schema_11, schema_12, schema_13, schema_14, schema_15,
-                                          schema_16, schema_17, schema_18, schema_19, schema_20 };
+                                          schema_16, schema_17, schema_18, schema_19, schema_20,
+                                          schema_21 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

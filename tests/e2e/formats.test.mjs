@@ -159,10 +159,10 @@ test("the curve and the events have their formats", async (t) => {
   const { links } = await d.run(run.id);
   const curve = (await d.get(links.curve)).json;
   const lines = (await d.get(links.curve, { accept: "text/csv" })).text.trimEnd().split("\n");
-  assert.equal(lines[0], Object.keys(curve).join(","));
+  assert.equal(lines[0], ["t_s", ...Object.keys(curve.columns)].join(","));
   assert.deepEqual(
     lines.slice(1).map((line) => line.split(",").map(Number)),
-    curve.t_s.map((t_s, k) => [t_s, curve.upstream[k], curve.left_domain[k]]),
+    curve.t_s.map((t_s, k) => [t_s, curve.columns.upstream[k], curve.columns.left_domain[k]]),
   );
   const answer = await d.get(links.events, { accept: "application/x-ndjson" });
   assert.equal(answer.headers["content-type"], "application/x-ndjson");

@@ -34,7 +34,7 @@ async function refused(d, status, body, headers = csv) {
 
 // What a camera would have seen of a computed curve: every third sample, later by a while.
 function seen(curve, later_s) {
-  const rows = curve.t_s.map((t, k) => [t + later_s, curve.upstream[k]]).filter((_, k) => k % 3 === 0);
+  const rows = curve.t_s.map((t, k) => [t + later_s, curve.columns.upstream[k]]).filter((_, k) => k % 3 === 0);
   return `t_s,count\r\n${rows.map((row) => row.join(",")).join("\r\n")}\r\n`;
 }
 
@@ -88,7 +88,7 @@ test("what a run counted, posted as measured, is at no distance from it", async 
   const text = (await d.get(`/v1/runs/${run.id}/curve?format=csv`)).text;
   const json = (await d.get(`/v1/runs/${run.id}/curve`)).json;
   const asCsv = await post(d, text);
-  const asJson = (await d.post("/v1/measurements", { counter: "left_domain", t_s: json.t_s, count: json.left_domain })).json;
+  const asJson = (await d.post("/v1/measurements", { counter: "left_domain", t_s: json.t_s, count: json.columns.left_domain })).json;
   const parts = ["curve", "key_figures", "photo_eyes"].map((part) => `/v1/runs/${run.id}/${part}`);
   const texts = [...parts.map((path) => [path, `${path}.csv`]),
     [`/v1/measurements/${asCsv.id}`, `/v1/measurements/${asCsv.id}/samples.csv`]];

@@ -135,7 +135,7 @@ test("what both models say of the best points, and how a fit agrees with the cou
   const file = page.getByLabel("Add counts from a file");
   const said = page.getByRole("alert");
   const comma = (number) => String(number).replace(".", ",");
-  const lines = ["Zeit;Teile", ...curve.t_s.map((time, k) => `${comma(time)};${comma(curve.upstream[k])}`)];
+  const lines = ["Zeit;Teile", ...curve.t_s.map((time, k) => `${comma(time)};${comma(curve.columns.upstream[k])}`)];
   const hall = (text) => ({ name: "hall.csv", mimeType: "text/csv", buffer: Buffer.from(text.join("\r\n")) });
   await page.getByText("No counts are stored yet.").waitFor();
   assert.equal(await counts.isVisible(), false);
@@ -151,7 +151,7 @@ test("what both models say of the best points, and how a fit agrees with the cou
   await start.click();
   await page.locator(".pill", { hasText: "succeeded" }).waitFor();
   const id = /studies\/([^?]*)/.exec(page.url())[1];
-  assert.deepEqual((await d.get(`/v1/studies/${id}/document`)).json.curves, [{ counter: "upstream", t_s: curve.t_s, count: curve.upstream }]);
+  assert.deepEqual((await d.get(`/v1/studies/${id}/document`)).json.curves, [{ counter: "upstream", t_s: curve.t_s, count: curve.columns.upstream }]);
   await page.locator(".fit .plot-legend", { hasText: "computed" }).waitFor();
   await page.getByRole("row", { name: /^belt speed .* m\/s/ }).waitFor();
 });

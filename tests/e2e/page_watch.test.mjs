@@ -163,7 +163,8 @@ test("Example 1 in both models from the form, live to its end, scrubbed, and com
   assert.ok(Math.abs(at - 1.5) < 0.02, `${at} s is not a quarter of 6 s`);
   const after = curve.t_s.findIndex((time) => time > at);
   const share = (at - curve.t_s[after - 1]) / (curve.t_s[after] - curve.t_s[after - 1]);
-  const value = curve.upstream[after - 1] + share * (curve.upstream[after] - curve.upstream[after - 1]);
+  const { upstream } = curve.columns;
+  const value = upstream[after - 1] + share * (upstream[after] - upstream[after - 1]);
   assert.ok(Math.abs((await numberIn(tip.locator("b").first())) - value) < 0.5);
 
   // The other run becomes the reference; the difference of both is the larger one's turned round.
@@ -177,7 +178,7 @@ test("Example 1 in both models from the form, live to its end, scrubbed, and com
 
   // Counts that were measured: 5 parts more than the first run has, at each time; as a spreadsheet writes them.
   const comma = (number) => String(number).replace(".", ",");
-  const csv = ["Zeit;Teile", ...curve.t_s.map((time, k) => `${comma(time)};${comma(curve.upstream[k] + 5)}`)].join("\n");
+  const csv = ["Zeit;Teile", ...curve.t_s.map((time, k) => `${comma(time)};${comma(curve.columns.upstream[k] + 5)}`)].join("\n");
   await page.locator(".card.curve").evaluate((card, text) => {
     const dataTransfer = new DataTransfer();
     dataTransfer.items.add(new File([text], "belt.csv", { type: "text/csv" }));

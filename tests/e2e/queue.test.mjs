@@ -63,7 +63,7 @@ test("a running run that is cancelled keeps what it has and frees its worker", a
   assert.equal((await cancel(d, run)).status, 202);
   assert.equal((await stream.rest()).at(-1).data.status, "cancelled");
   await d.reached(run.id, "cancelled");
-  const { t_s, upstream } = (await d.get(`/v1/runs/${run.id}/curve`)).json;
+  const { t_s, columns: { upstream } } = (await d.get(`/v1/runs/${run.id}/curve`)).json;
   assert.ok(t_s.length > 0 && t_s.length === upstream.length);
   assert.equal((await d.get(`/v1/runs/${run.id}/snapshots/0`)).status, 200);
   assert.equal((await d.get(`/v1/runs/${run.id}/summary`)).status, 200);

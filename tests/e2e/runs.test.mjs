@@ -44,10 +44,11 @@ test("the curve of the events is the stored curve, sample by sample", async (t) 
   const d = await daemon(t);
   const run = await d.submit(jam(2, { curve_every_s: 0.01, snapshot_every_s: 0.1 }));
   const events = await (await d.events(run.id)).rest();
-  const told = { t_s: [], upstream: [], left_domain: [] };
-  for (const { data } of events.filter((event) => event.event === "curve")) {
-    assert.equal(data.first, told.t_s.length);
-    for (const column of Object.keys(told)) told[column].push(...data[column]);
+  const told = { t_s: [], columns: { upstream: [], left_domain: [] } };
+  for (const { data: { first, t_s, columns } } of events.filter(({ event }) => event === "curve")) {
+    assert.equal(first, told.t_s.length);
+    told.t_s.push(...t_s);
+    for (const [name, values] of Object.entries(columns)) told.columns[name].push(...values);
   }
   assert.deepEqual(told, (await d.get(`/v1/runs/${run.id}/curve`)).json);
   assert.equal(told.t_s.length, 201);

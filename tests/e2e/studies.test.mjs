@@ -153,7 +153,7 @@ test("a calibration names counts that were measured by their id", async (t) => {
   const run = await d.submit(scenario);
   await d.reached(run.id, "succeeded");
   const curve = (await d.get(`/v1/runs/${run.id}/curve`)).json;
-  const measured = await d.post("/v1/measurements", { counter: "upstream", t_s: curve.t_s, count: curve.upstream });
+  const measured = await d.post("/v1/measurements", { counter: "upstream", t_s: curve.t_s, count: curve.columns.upstream });
   const calibration = (measurement) => ({
     base: { scenario },
     parameters: [{ pointer: "/obstacles/0/length_m", range: [0.4, 0.6] }],
@@ -163,7 +163,7 @@ test("a calibration names counts that were measured by their id", async (t) => {
   });
   const { id } = await begin(d, calibration(measured.json.id));
   const [stored] = (await d.get(`/v1/studies/${id}/document`)).json.curves;
-  assert.deepEqual(stored, { counter: "upstream", t_s: curve.t_s, count: curve.upstream });
+  assert.deepEqual(stored, { counter: "upstream", t_s: curve.t_s, count: curve.columns.upstream });
   assert.equal((await reached(d, id, "succeeded", "failed")).status, "succeeded");
   const { best, profiles } = (await d.get(`/v1/studies/${id}/best`)).json;
   assert.ok(best.values["mse:upstream"].mean >= 0);

@@ -83,10 +83,9 @@ export class RunData {
     this.parts = { ...parts, cargo: cargoOf(this.scenario, kinds) };
   }
 
-  takeCurve({ first, t_s: times, run, ...columns }) {
+  takeCurve({ first, t_s: times, columns }) {
     replaceFrom(this.curve.t, first, times);
     for (const [name, values] of Object.entries(columns)) {
-      if (!Array.isArray(values)) continue;
       if (!this.curve.columns.has(name)) this.curve.columns.set(name, []);
       replaceFrom(this.curve.columns.get(name), first, values);
     }

@@ -29,7 +29,7 @@ export class FitPanel {
   drawCounts(curve) {
     this.data.document.curves.forEach(({ counter, t_s: t, count: v }, k) => {
       const rows = [{ name: "counted", color: "text", points: true, t, v }];
-      if (curve) rows.push({ name: "computed", color: "run-1", dash: [], t: curve.t_s, v: curve[counter] });
+      if (curve) rows.push({ name: "computed", color: "run-1", dash: [], t: curve.t_s, v: curve.columns[counter] });
       this.plots[k].setCurves(rows, t.at(-1));
     });
   }

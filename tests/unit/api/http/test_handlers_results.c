@@ -95,8 +95,9 @@ static void the_curve_is_json_or_csv(void **state)
     ask_get(RUN_1 "/curve", NULL, NULL, 200);
     ask_assert_header("Content-Type", "application/json");
     ask_assert_header("Vary", "Accept");
-    assert_string_equal(ask_response.body.bytes,
-                        "{\"t_s\":[0,0.1],\"upstream\":[192,191.5],\"left_domain\":[0,0.5]}");
+    assert_string_equal(
+        ask_response.body.bytes,
+        "{\"t_s\":[0,0.1],\"columns\":{\"upstream\":[192,191.5],\"left_domain\":[0,0.5]}}");
     ask_get(RUN_1 "/curve", NULL, "Accept: text/csv\n", 200);
     ask_assert_header("Content-Type", "text/csv; charset=utf-8");
     assert_string_equal(ask_response.body.bytes, csv);
@@ -111,7 +112,8 @@ static void a_curve_without_samples_has_its_columns(void **state)
     ask_get(RUN_1 "/curve", "format=csv", NULL, 200);
     assert_string_equal(ask_response.body.bytes, "t_s,upstream,left_domain\n");
     ask_get(RUN_1 "/curve", NULL, NULL, 200);
-    assert_string_equal(ask_response.body.bytes, "{\"t_s\":[],\"upstream\":[],\"left_domain\":[]}");
+    assert_string_equal(ask_response.body.bytes,
+                        "{\"t_s\":[],\"columns\":{\"upstream\":[],\"left_domain\":[]}}");
 }
 
 static void the_tag_of_a_curve_tells_formats_apart(void **state)

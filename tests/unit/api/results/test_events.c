@@ -116,8 +116,9 @@ static void a_curve_event_has_an_array_for_every_column(void **state)
 
     (void)state;
     assert_int_equal(events_curve(id, &c, "upstream,left_domain", &out, NULL), BF_OK);
-    assert_text(&out, "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\",\"first\":10,"
-                      "\"t_s\":[0.1,0.2],\"upstream\":[192,191.5],\"left_domain\":[0,0.5]}");
+    assert_text(
+        &out, "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\",\"first\":10,"
+              "\"t_s\":[0.1,0.2],\"columns\":{\"upstream\":[192,191.5],\"left_domain\":[0,0.5]}}");
 }
 
 static void a_snapshot_event_says_where_its_grid_is(void **state)

@@ -149,8 +149,8 @@ static void a_curve_is_columns_in_json(void **unused)
     (void)unused;
     assert_int_equal(results_curve_json(&curve, &b, NULL), BF_OK);
     assert_string_equal(b.bytes, "{\"t_s\":[0,0.1,0.30000000000000004],"
-                                 "\"upstream\":[192,191.5,0.3333333333333333],"
-                                 "\"left_domain\":[0,0.5,1e-300]}");
+                                 "\"columns\":{\"upstream\":[192,191.5,0.3333333333333333],"
+                                 "\"left_domain\":[0,0.5,1e-300]}}");
     buffer_fini(&b);
     api_curve_fini(&curve);
 }

@@ -14,7 +14,8 @@
 enum { DIGEST_BYTES = 32, TEXT_SIZE = 2 * DIGEST_BYTES + 1 };
 
 // A run as its store has it. The digest is BLAKE2b-256 of scenario, summary and key figures, of times and values of the
-// curve, of density and parts of each snapshot, and of the data of the events; "": the run has none of them.
+// curve, of density and parts of each snapshot, and of the data of the events, in those of samples the lists of columns under
+// their member `columns`; "": the run has none of them.
 typedef struct golden_run {
     const char *id;
     run_state state; // after the store was opened
@@ -36,13 +37,13 @@ static const golden_store stores[] = {
     { .version = 8,
       .owner = "",
       .runs = { { "01a2053b-c1d3-7246-b170-14fd7345ff4a", RUN_SUCCEEDED, 10,
-                  "2c5e89bcd169d8b1ed98d9dee76b142997a24e6c218f26d4dc7019aa5a34b61f" },
+                  "e36c2d87193ef442d9b826d96858492fbb787ab294247e6daf5914c11ffc8183" },
                 { "01a2053b-c2ba-7313-9975-42b365701ed0", RUN_SUCCEEDED, 0,
                   "87f15b4758ff4e45965d657ae43f9a1fcc232e3eaf5dfb04d2f54cdc0351dddb" },
                 { "01a2053b-c2d5-775b-a22c-256ae3481cb5", RUN_SUCCEEDED, 31,
-                  "56d12dc005350eacbb00b350989bd5640a9450fb74fc89619c17911e88e83926" },
+                  "a2136640fb3381774c4bbff293d2f47e7ca67965f2e1d12cb6db74e3d6d8d729" },
                 { "01a2053b-c3af-7638-8058-0249c848beed", RUN_QUEUED, 139,
-                  "628ed23ea2c863b46b95d70e958aa28b95aeecf12ef63e3422de7dc04d398781" },
+                  "5cc573801eae88d86fd1d99971d18ec17e56f132f0480dc74870e889b24992f6" },
                 { "01a2053b-c3b3-70dc-bed7-a63d57fac30d", RUN_CANCELLED, 0, "" },
                 { "01a2053b-c3e4-74c9-a774-19345b8d0492", RUN_QUEUED, 0, "" } },
       .curve = "01a2053b-c393-779f-9b66-4673475d3325",
@@ -50,13 +51,13 @@ static const golden_store stores[] = {
     { .version = 9,
       .owner = "hall-3",
       .runs = { { "01a2053b-d1eb-74f4-b193-e14cf7dea40a", RUN_SUCCEEDED, 11,
-                  "61ab1d73b3ef7348cde26443eebd1c027bde6141d0edf3decb1f262477f7e4b4" },
+                  "2ba153a921841402e84810d31f8667be562f79846a780ff3525e5cf0b5324f8f" },
                 { "01a2053b-d283-729d-9fac-31eb8a23d34c", RUN_SUCCEEDED, 0,
                   "1d028eca70c17e7282f956c1dee7569a7acfd6e37ec0590d92b8ac2520168b41" },
                 { "01a2053b-d286-745c-a9ef-c8c4bf1eaac8", RUN_SUCCEEDED, 30,
-                  "7df2d6e33294e73edf1595c2fcd3b70e53d14771b076825da44838c7ea4e10c2" },
+                  "f5e08588893ec8e630b0a15f1803602c8420d27f71fb00e7701ea4380a3b72c5" },
                 { "01a2053b-d2f4-74e8-910d-22f06b4485c0", RUN_QUEUED, 132,
-                  "fe9b8715703f2cf83212414f4a2a83be09cccca19a3e8f66ae154f8e1e4c23a1" },
+                  "ca60a9d0c177ed904006bf23acfc4a51927294b1e24102c6c9fcded15c636e38" },
                 { "01a2053b-d2f7-76eb-8909-5d91c07190c4", RUN_CANCELLED, 0, "" },
                 { "01a2053b-d2fa-763a-9ddc-402be4b4dbda", RUN_QUEUED, 0, "" } },
       .curve = "01a2053b-d2f1-716a-8066-21b3183221d5",

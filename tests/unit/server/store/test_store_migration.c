@@ -17,26 +17,28 @@
 static const char run_a[] = "01900000-0000-7000-8000-00000000000a"; // has succeeded
 static const char run_b[] = "01900000-0000-7000-8000-00000000000b"; // was running
 
-// Rows that versions 1 and 2 have alike. Both runs have a sample of two columns and a snapshot of
-// 2 x 1 cells; run b has a checkpoint of step 1, too.
+// Rows that versions 1 and 2 have alike. Run a has two samples of two columns, run b has one; both have a snapshot of
+// 2 x 1 cells; run b has a checkpoint of step 1, too. Events of samples tell the first one in their data only.
 static const char rows[] =
     "INSERT INTO runs (number, id, state, model, priority, label, name, revision, created_ms,"
     "  finished_ms, n_samples, n_snapshots, last_event, has_summary, checkpoint_step, n1, n2, d1, "
     "d2)"
     "  VALUES (3, '01900000-0000-7000-8000-00000000000a', 2, 0, 5, 'old', 'a belt', 9, 1000, 2000,"
-    "          1, 1, 12, 1, 0, 2, 1, 0.5, 0.5),"
+    "          2, 1, 12, 1, 0, 2, 1, 0.5, 0.5),"
     "         (8, '01900000-0000-7000-8000-00000000000b', 1, 0, 0, '', '', 4, 1500, 0,"
     "          1, 1, 22, 0, 1, 2, 1, 0.5, 0.5);"
     "INSERT INTO texts (run, kind, data) VALUES (3, 0, '{\"a\":1}'), (3, 1, '{\"steps\":7}'),"
     "  (3, 2, 'upstream,left_domain'), (8, 0, '{\"b\":1}'), (8, 2, 'upstream,left_domain');"
     "INSERT INTO samples (run, first, n, t, parts) VALUES (3, 0, 1, zeroblob(8), zeroblob(16)),"
+    "  (3, 1, 1, zeroblob(8), zeroblob(16)),"
     "  (8, 0, 1, zeroblob(8), zeroblob(16));"
     "INSERT INTO snapshots (run, item, t, peak, mass) VALUES (3, 0, 0.0, 1.5, 2.0),"
     "  (8, 0, 0.0, 1.5, 2.0);"
     "INSERT INTO chunks (run, kind, item, part, data) VALUES (3, 0, 0, 0, ?1), (8, 0, 0, 0, ?1),"
     "  (8, 1, 0, 0, ?1);"
-    "INSERT INTO events (id, run, type, snapshot, data) VALUES (10, 3, 2, 0, '{\"first\":0}'),"
-    "  (11, 3, 3, 0, '{\"n\":0}'), (12, 3, 4, 0, '{\"status\":\"succeeded\"}'),"
+    "INSERT INTO events (id, run, type, snapshot, data) VALUES (9, 3, 2, 0, '{\"first\":0}'),"
+    "  (10, 3, 2, 0, '{\"first\":1}'), (11, 3, 3, 0, '{\"n\":0}'), (12, 3, 4, 0, "
+    "'{\"status\":\"succeeded\"}'),"
     "  (20, 8, 0, 0, '{\"status\":\"running\"}'), (21, 8, 2, 0, '{\"first\":0}'),"
     "  (22, 8, 3, 0, '{\"n\":0}');";
 
@@ -94,7 +96,33 @@ static void make_old(helper_store *h, int version)
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
 }
 
-static void check_results(store *s, const char *id)
+static bf_status take_curve_event(void *context, const api_event *event, bf_error *err)
+{
+    bf_buffer *curves = context;
+
+    (void)err;
+    return event->type == API_EVENT_CURVE ? buffer_printf(curves, "%s\n", event->data) : BF_OK;
+}
+
+// As the samples say, whatever stood in the events.
+static void check_curve_events(store *s)
+{
+    char ids[1][API_ID_SIZE];
+    bf_buffer curves = { 0 };
+
+    snprintf(ids[0], sizeof ids[0], "%s", run_a);
+    assert_int_equal(store_read_events(s, (const char(*)[API_ID_SIZE])ids, 1, 0, UINT16_MAX,
+                                       take_curve_event, &curves, NULL),
+                     BF_OK);
+    assert_string_equal(curves.bytes,
+                        "{\"run\":\"01900000-0000-7000-8000-00000000000a\",\"first\":0,\"t_s\":[0],"
+                        "\"columns\":{\"upstream\":[0],\"left_domain\":[0]}}\n"
+                        "{\"run\":\"01900000-0000-7000-8000-00000000000a\",\"first\":1,\"t_s\":[0],"
+                        "\"columns\":{\"upstream\":[0],\"left_domain\":[0]}}\n");
+    buffer_fini(&curves);
+}
+
+static void check_results(store *s, const char *id, size_t n_samples)
 {
     api_curve curve = { 0 };
     api_snapshot snapshot;
@@ -102,7 +130,7 @@ static void check_results(store *s, const char *id)
     bf_buffer rho = { 0 };
 
     assert_int_equal(store_read_curve(s, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
-    assert_int_equal(curve.n, 1);
+    assert_int_equal(curve.n, n_samples);
     assert_int_equal(curve.n_columns, 2);
     api_curve_fini(&curve);
     assert_int_equal(store_read_snapshot(s, id, 0, &snapshot, &grid, &rho, NULL), BF_OK);
@@ -135,11 +163,12 @@ static void an_older_store_is_brought_up_to_date_with_all_it_has(void **state)
         assert_int_equal(record.last_event, 12);
         assert_false(record.is_cached);
         assert_string_equal(record.owner, "");
-        check_results(h->store, run_a);
-        check_results(h->store, run_b);
+        check_results(h->store, run_a, 2);
+        check_results(h->store, run_b, 1);
         helper_events events = helper_read_events(h->store, run_a, 0);
-        assert_int_equal(events.n, 3);
+        assert_int_equal(events.n, 4);
         buffer_fini(&events.data);
+        check_curve_events(h->store);
         assert_int_equal(helper_find(h->store, run_b).state, RUN_QUEUED);
         // I6: the ids of events go on.
         assert_int_equal(helper_find(h->store, run_b).last_event, 23);
@@ -207,7 +236,7 @@ static void a_run_of_an_older_store_is_removed_with_all_it_has(void **state)
     make_old(h, 2);
     helper_store_open(h);
     assert_int_equal(store_remove(h->store, run_a, API_ANY_REVISION, NULL), BF_OK);
-    check_results(h->store, run_b);
+    check_results(h->store, run_b, 1);
     assert_int_equal(store_remove(h->store, run_b, API_ANY_REVISION, NULL), BF_OK);
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         assert_int_equal(helper_store_sql(h, counts[i]), 0);
@@ -228,10 +257,10 @@ static void a_store_that_cannot_be_brought_up_to_date_stays_as_it_was(void **sta
     assert_int_equal(helper_store_sql(h, "PRAGMA user_version"), 2);
     assert_int_equal(
         helper_store_sql(h, "SELECT count(*) FROM sqlite_schema WHERE name = 'results'"), 0);
-    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM samples WHERE run = 3"), 1);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM samples WHERE run = 3"), 2);
     helper_store_sql(h, "DROP TABLE answers");
     helper_store_open(h);
-    check_results(h->store, run_a);
+    check_results(h->store, run_a, 2);
 }
 
 static const char kept[] = "01a2013d-650d-7325-be90-1d7a80709949";
