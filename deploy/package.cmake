@@ -30,9 +30,7 @@ install(DIRECTORY ${pages}/ DESTINATION share/man/man1 FILES_MATCHING PATTERN *.
 install(DIRECTORY ${pages}/ DESTINATION share/man/man8 FILES_MATCHING PATTERN *.8.gz)
 install(FILES ${documents}/changelog.gz ${documents}/changelog.Debian.gz deploy/debian/copyright README.md
   DESTINATION share/doc/beltflow)
-foreach(manual deploy server api) # of operators, of the service and its limits, of the API
-  install(FILES ${manual}/README.md DESTINATION share/doc/beltflow RENAME ${manual}.md)
-endforeach()
+install(DIRECTORY api/docs/ DESTINATION share/doc/beltflow/manual)
 install(DIRECTORY deploy/nginx deploy/prometheus deploy/grafana DESTINATION share/doc/beltflow/examples)
 install(FILES deploy/debian/lintian-overrides DESTINATION share/lintian/overrides RENAME beltflow)
 

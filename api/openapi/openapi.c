@@ -6,7 +6,6 @@
 #include "api/results/colormap.h"
 #include "api/run_state.h"
 #include "api/scenario/examples.h"
-#include "api/scenario/goods_json.h"
 #include "api/studies.h"
 #include "api/study/study_document.h"
 #include "core/run/run.h"
@@ -28,31 +27,6 @@ static const char description[] =
     "by `?format=`, else by `Accept`; text is compressed for clients that accept it. Errors are "
     "problem documents (RFC 9457). Where the service has access tokens, a request needs one that "
     "has the operation's scope.";
-
-// Before the tables of goods and frictions.
-static const char goods[] =
-    "`\"cargo\": {\"goods\": \"can-330\"}` stands for a shape, a mass and a surface; each of them "
-    "that "
-    "stands beside it outranks it: `{\"goods\": \"can-330\", \"mass_kg\": 0.03}` are empty cans. "
-    "`surfaces` says what belts (`conveyor`, acetal if missing) and obstacles and walls "
-    "(`handling`, steel if missing) are made of. Where cargo has a surface, the frictions of "
-    "`contacts` that are not given follow from the table: the middle of the range that a source "
-    "gives. A cargo without a surface has the paper's, 0.15, 1 and 0.19.\n\n"
-    "The microscopic model has one friction for belts, one for obstacles and walls, and one for "
-    "parts "
-    "among each other. Where kinds of a mix differ in one, or a pair is not in the table, the "
-    "document must give it. Frictions are Coulomb's, dynamic and dry where no note says otherwise; "
-    "wet "
-    "and soaped ones are smaller, and it is best to measure one's own. The macroscopic model has "
-    "none. `material`, the elastic constants, are not those of goods: how hard parts are is a "
-    "matter of the solver (`micro.modulus_reduction`).";
-
-static const char problems[] =
-    "A refusal is a problem document (RFC 9457, `application/problem+json`): `type` is "
-    "`/problems/` and one of the words below, `detail` says what is wrong with this request, and "
-    "`errors` has the place of each fault of a document. GET of the `type` answers what stands "
-    "here. "
-    "The log has the request under its `X-Request-Id`.";
 
 static const struct {
     const char *name;
@@ -167,31 +141,11 @@ const char *openapi__text(const char *name)
     return text->text;
 }
 
-// A paragraph for each kind of problem, under the last segment of its type.
-static bf_status write_problems(bf_buffer *text)
-{
-    bf_status status = buffer_printf(text, "\n\n## Problems\n\n%s", problems);
-    size_t n;
-    const problem_kind *kinds = problem_kinds(&n);
-
-    for (size_t k = 0; k < n && status == BF_OK; k++)
-        status = buffer_printf(text, "\n\n### %d %s\n\n%s.\n\n%s.", kinds[k].status, kinds[k].word,
-                               kinds[k].when, kinds[k].remedy);
-    return status;
-}
-
 static void write_description(json_out *w)
 {
     bf_buffer text = { 0 };
 
-    if (buffer_printf(&text,
-                      "%s\n\n## First steps\n\n%s\n\n## From another origin\n\n%s\n\n"
-                      "## What stays, and what may change\n\n%s",
-                      description, openapi__text("first_steps"), openapi__text("other_origins"),
-                      openapi__text("stability")) == BF_OK &&
-        write_problems(&text) == BF_OK &&
-        buffer_printf(&text, "\n\n## Goods and materials\n\n%s\n\n", goods) == BF_OK &&
-        goods_json_write_text(&text, NULL) == BF_OK)
+    if (buffer_printf(&text, "%s", description) == BF_OK && openapi__write_manual(&text) == BF_OK)
         json_out_key_string(w, "description", text.bytes);
     else
         w->has_failed = true;

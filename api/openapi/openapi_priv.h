@@ -8,6 +8,7 @@
 #include "api/json/json_out.h"
 #include "api/json/members.h"
 #include "api/json/schema.h"
+#include "core/base/buffer.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -44,11 +45,15 @@ typedef struct openapi_text {
     size_t n;         ///< bytes
 } openapi_text;
 
-/// The files beside the code: sections of the description (.md), and samples.txt.
+/// The chapters of the manual (api/docs/), and samples.txt.
 extern const openapi_text openapi__texts[];
 
 /// The text of the file with this name, which is there.
 const char *openapi__text(const char *name);
+
+/// Append the manual: the chapters of api/docs/ as sections of the description, with their tables of members, goods
+/// and problems. Errors: BF_ENOMEM.
+BF_MUST_CHECK bf_status openapi__write_manual(bf_buffer *out);
 
 /// A row, or NULL if there is none. words is of n bytes where it need not end.
 const openapi_header *openapi__header(const char *name, size_t n);

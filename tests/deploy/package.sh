@@ -47,7 +47,7 @@ if [[ ${1:-} == --inside ]]; then
     for file in /usr/bin/beltflow /usr/bin/beltflow-worker /usr/bin/beltflowd /lib/systemd/system/beltflow.service \
         /lib/systemd/system/beltflow-backup.service /lib/systemd/system/beltflow-backup.timer \
         /etc/beltflow/beltflow.conf /usr/share/man/man8/beltflowd.8.gz /usr/share/man/man1/beltflow-solve.1.gz \
-        /usr/share/doc/beltflow/copyright /usr/share/doc/beltflow/deploy.md; do
+        /usr/share/doc/beltflow/copyright /usr/share/doc/beltflow/manual/operating.md; do
         grep -qx "$file" "$work/files" || fail "$file is not in the package"
     done
     setpriv --reuid=beltflow --regid=beltflow --clear-groups \

@@ -1,12 +1,14 @@
-"""Paths that a README names exist, every folder is named and explained, the diagram of a run's
-states is the table of api/run_state.h, and each limit names the tests that go beyond it."""
+"""Paths that a README or the manual names exist, the first README is short and names every folder, the diagram of a
+run's states is the table of api/run_state.h, and each limit and promise names the tests that go beyond it."""
 
 import re
 
 import tree
 
 ENDINGS = ("c", "h", "md", "json", "py", "mjs", "js", "css", "html", "txt", "cmake")
-TEST = re.compile(r"tests/(?:[\w-]+/)+(?:test_\w+\.c|\w+\.test\.mjs)")
+TEST = re.compile(r"tests/(?:[\w-]+/)+(?:test_\w+\.c|\w+\.test\.mjs|fuzz\.c)")
+CHAPTERS = ("api/docs/limits.md", "api/docs/guarantees.md")
+LONGEST = 150  # lines of the first README
 PATH = re.compile(r"[\w.*-]+(?:/[\w.*-]+)*/?")
 
 
@@ -35,8 +37,10 @@ def path_faults(root, path):
 
 
 def folder_faults(root):
-    """Top folders need a README, and a word in the first one."""
+    """Top folders need a README, and a word in the first one, which is short."""
     text = (root / "README.md").read_text(encoding="utf-8")
+    if text.count("\n") > LONGEST:
+        yield f"README.md: has more than {LONGEST} lines"
     for folder in sorted(path for path in root.iterdir() if path.is_dir()):
         if folder.name.startswith(".") or folder.name in tree.SKIPPED:
             continue
@@ -66,31 +70,31 @@ def state_faults(root):
     if not header.is_file():
         return ["api/run_state.h: is not there"]
     table = arrows_of_table(header.read_text(encoding="utf-8"))
-    diagram = arrows_of_diagram((root / "README.md").read_text(encoding="utf-8"))
-    found = [f"README.md: the diagram lacks {a} --> {b}" for a, b in sorted(table - diagram)]
-    found += [f"README.md: the diagram invents {a} --> {b}" for a, b in sorted(diagram - table)]
+    diagram = arrows_of_diagram((root / "server" / "README.md").read_text(encoding="utf-8"))
+    found = [f"server/README.md: the diagram lacks {a} --> {b}" for a, b in sorted(table - diagram)]
+    found += [f"server/README.md: the diagram invents {a} --> {b}" for a, b in sorted(diagram - table)]
     return found if table else ["api/run_state.h: no table of states found"]
 
 
-def limit_faults(root):
-    """Each row of the tables of limits names tests that exist, in its last cell."""
-    text = (root / "README.md").read_text(encoding="utf-8")
-    section = re.search(r"^## Limits\n(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL)
-    for table in re.findall(r"(?:^\|.*\n?)+", section.group(1) if section else "", re.MULTILINE):
+def test_faults(root, chapter):
+    """Each row of the tables of a chapter of the manual names tests that exist, in its last cell."""
+    text = (root / chapter).read_text(encoding="utf-8")
+    for table in re.findall(r"(?:^\|.*\n?)+", text, re.MULTILINE):
         for row in table.splitlines()[2:]:
             what, *_, tests = [cell.strip() for cell in row.strip("|").split("|")]
             named = re.findall(r"`([^`]+)`", tests)
-            if not named:
-                yield f"README.md: the limit of '{what}' names no test"
+            if not any(TEST.fullmatch(name) for name in named):
+                yield f"{chapter}: '{what}' names no test"
             for name in named:
-                if not (TEST.fullmatch(name) and (root / name).is_file()):
-                    yield f"README.md: the limit of '{what}' names `{name}`, which is no test"
+                if not (root / name).is_file():
+                    yield f"{chapter}: '{what}' names `{name}`, which is not there"
 
 
 def check(root):
-    found = [fault for path in tree.files(root, "README.md", "*/README.md", "deploy/*.md")
+    found = [fault for path in tree.files(root, "README.md", "*/README.md", "deploy/*.md", "api/docs/*.md")
              for fault in path_faults(root, path)]
-    return found + list(folder_faults(root)) + state_faults(root) + list(limit_faults(root))
+    found += list(folder_faults(root)) + state_faults(root)
+    return found + [fault for chapter in CHAPTERS for fault in test_faults(root, chapter)]
 
 
 if __name__ == "__main__":

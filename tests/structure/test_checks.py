@@ -22,7 +22,8 @@ STATES = '''#define RUN_STATE_LIST(X) \\
     X(RUN_RUNNING, "running", 0)
 
 '''
-README = "# A tree\n`api/` and `core/`\n```mermaid\nstateDiagram-v2\n    queued --> running\n```\n"
+README = "# A tree\n`api/`, `core/` and `server/`\n"
+DIAGRAM = "```mermaid\nstateDiagram-v2\n    queued --> running\n```\n"
 
 
 class Checks(unittest.TestCase):
@@ -103,39 +104,39 @@ class Checks(unittest.TestCase):
         self.put("tests/unit/server/store/test_store.c", "// I1\n")
         self.assertEqual(check_invariants.check(self.root), ["server/store/store.h: no test cites I2"])
 
+    def put_readmes(self, **others):
+        files = {"README.md": README, "api/README.md": "", "core/README.md": "", "server/README.md": DIAGRAM,
+                 "api/run_state.h": STATES, "api/docs/limits.md": "", "api/docs/guarantees.md": ""}
+        for name, text in (files | others).items():
+            self.put(name, text)
+
     def test_a_path_that_is_not_there_is_found(self):
-        self.put("api/run_state.h", STATES)
-        self.put("api/README.md", "`run_state.h`, `api/run_*.h`, `application/json`\n")
-        self.put("core/README.md", "[x](base/grid.h)\n")
-        self.put("README.md", README)
+        self.put_readmes(**{"api/README.md": "`run_state.h`, `api/run_*.h`, `application/json`\n",
+                            "core/README.md": "[x](base/grid.h)\n", "api/docs/limits.md": "`core/b.c`\n"})
         self.assertEqual(check_readmes.check(self.root),
-                         ["core/README.md: `base/grid.h` does not exist"])
+                         ["api/docs/limits.md: `core/b.c` does not exist", "core/README.md: `base/grid.h` does not exist"])
 
     def test_a_diagram_that_differs_from_the_table_is_found(self):
-        self.put("api/run_state.h", STATES)
-        self.put("api/README.md", "")
-        self.put("README.md", README.replace("queued --> running", "running --> queued")
-                 .replace("`core/`", ""))
+        self.put_readmes(**{"server/README.md": DIAGRAM.replace("queued --> running", "running --> queued")})
         self.assertEqual(len(check_readmes.check(self.root)), 2)
 
+    def test_a_folder_that_the_first_readme_lacks_and_a_long_one_are_found(self):
+        self.put_readmes(**{"README.md": README.replace("`core/`", "") + "\n" * 150})
+        self.assertEqual(check_readmes.check(self.root), ["README.md: has more than 150 lines",
+                                                          "README.md: does not name `core/`"])
+
     def test_a_limit_without_a_test_is_found(self):
-        self.put("api/run_state.h", STATES)
-        self.put("api/README.md", "")
-        self.put("core/README.md", "")
         self.put("tests/README.md", "")
         self.put("tests/unit/test_a.c", "")
-        self.put("tests/unit/helper.c", "")
-        table = ("`tests/`\n## Limits\n| what | limit | tests |\n|---|---|---|\n"
-                 "| belts | 256 | `tests/unit/test_a.c` |\n| kinds | 32 | %s |\n\n"
-                 "## Else\n| a | b |\n|---|---|\n| c | d |\n")
-        self.put("README.md", README + table % "`tests/unit/test_a.c`")
-        self.assertEqual(check_readmes.check(self.root), [])
-        self.put("README.md", README + table % "")
-        self.assertEqual(check_readmes.check(self.root),
-                         ["README.md: the limit of 'kinds' names no test"])
-        self.put("README.md", README + table % "`tests/unit/helper.c`")
-        self.assertEqual(check_readmes.check(self.root), ["README.md: the limit of 'kinds' names "
-                                                          "`tests/unit/helper.c`, which is no test"])
+        table = "| what | limit | tests |\n|---|---|---|\n| belts | 256 | `tests/unit/test_a.c` |\n| kinds | 32 | %s |\n"
+        def faults(tests):
+            self.put_readmes(**{"README.md": README + "`tests/`\n", "api/docs/limits.md": table % tests})
+            return check_readmes.check(self.root)
+        self.assertEqual(faults("`tests/unit/test_a.c`"), [])
+        self.assertEqual(faults(""), ["api/docs/limits.md: 'kinds' names no test"])
+        self.assertEqual(faults("`tests/unit/test_a.c`, `tests/unit/helper.c`"),
+                         ["api/docs/limits.md: `tests/unit/helper.c` does not exist",
+                          "api/docs/limits.md: 'kinds' names `tests/unit/helper.c`, which is not there"])
 
     def test_a_goal_at_fault_and_an_old_table_of_goals_are_found(self):
         goal = "{ what = 'time', unit = 's', find = '(?P<figure>.+) s', %s }"
