@@ -49,7 +49,8 @@ static bf_status write_row(bf_buffer *out, const member_table *table, const memb
 
     describe_kind(m, kind, sizeof kind);
     members_range_text(m->range, range);
-    members_default_text(table, m, standard);
+    if (!members_default_text(table, m, standard))
+        return BF_ENOMEM;
     if (!members_has_default(m) && (m->flags & MEMBER_FORM) == 0)
         snprintf(standard, sizeof standard, "%s",
                  is_of_a_form(table, m) ? "one of several" : "must be given");
