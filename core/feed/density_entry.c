@@ -1,6 +1,5 @@
 #include "core/feed/density_entry.h"
 
-#include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
 #include "core/feed/line_cells.h"
@@ -317,19 +316,14 @@ bool feed_density_is_exhausted(const feed_density *d)
     return is_exhausted;
 }
 
-size_t feed_density_state_size(const feed_density *d)
-{
-    return sizeof d->n_turns + d->n_feeds * sizeof *d->states;
-}
-
 void feed_density_save(const feed_density *d, checkpoint_writer *w)
 {
     checkpoint_write(w, &d->n_turns, sizeof d->n_turns);
     checkpoint_write(w, d->states, d->n_feeds * sizeof *d->states);
 }
 
-void feed_density_load(feed_density *d, checkpoint_reader *r)
+bool feed_density_load(feed_density *d, checkpoint_reader *r)
 {
-    BF_CHECK(checkpoint_read(r, &d->n_turns, sizeof d->n_turns) &&
-             checkpoint_read(r, d->states, d->n_feeds * sizeof *d->states));
+    return checkpoint_read(r, &d->n_turns, sizeof d->n_turns) &&
+           checkpoint_read(r, d->states, d->n_feeds * sizeof *d->states);
 }

@@ -71,9 +71,6 @@ double feed_density_admitted(const feed_density *d);
 /// True if less than a millionth of a part waits at each feed and as little will arrive.
 bool feed_density_is_exhausted(const feed_density *d);
 
-/// Bytes that the state takes in a checkpoint; the same for all states of a scene.
-size_t feed_density_state_size(const feed_density *d);
-
-/// Append the state to a checkpoint, and take it from one of the same scene that has as many bytes left.
+/// Append the state to a checkpoint, and take it from one of the same scene. False: it is damaged, and *d undefined.
 void feed_density_save(const feed_density *d, checkpoint_writer *w);
-void feed_density_load(feed_density *d, checkpoint_reader *r);
+BF_MUST_CHECK bool feed_density_load(feed_density *d, checkpoint_reader *r);

@@ -1,6 +1,5 @@
 #include "core/feed/parts_entry.h"
 
-#include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
 #include "core/scene/feed_line.h"
@@ -326,19 +325,14 @@ bool feed_parts_are_exhausted(const feed_parts *p)
     return are_exhausted;
 }
 
-size_t feed_parts_state_size(const feed_parts *p)
-{
-    return sizeof p->n_turns + p->n_feeds * sizeof *p->states;
-}
-
 void feed_parts_save(const feed_parts *p, checkpoint_writer *w)
 {
     checkpoint_write(w, &p->n_turns, sizeof p->n_turns);
     checkpoint_write(w, p->states, p->n_feeds * sizeof *p->states);
 }
 
-void feed_parts_load(feed_parts *p, checkpoint_reader *r)
+bool feed_parts_load(feed_parts *p, checkpoint_reader *r)
 {
-    BF_CHECK(checkpoint_read(r, &p->n_turns, sizeof p->n_turns) &&
-             checkpoint_read(r, p->states, p->n_feeds * sizeof *p->states));
+    return checkpoint_read(r, &p->n_turns, sizeof p->n_turns) &&
+           checkpoint_read(r, p->states, p->n_feeds * sizeof *p->states);
 }

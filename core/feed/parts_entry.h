@@ -85,9 +85,6 @@ feed_balance feed_parts_balance(const feed_parts *p, size_t feed);
 /// True if no part waits and none will arrive any more.
 bool feed_parts_are_exhausted(const feed_parts *p);
 
-/// Bytes that the state takes in a checkpoint; the same for all states of a scene.
-size_t feed_parts_state_size(const feed_parts *p);
-
-/// Append the state to a checkpoint, and take it from one of the same scene that has as many bytes left.
+/// Append the state to a checkpoint, and take it from one of the same scene. False: it is damaged, and *p undefined.
 void feed_parts_save(const feed_parts *p, checkpoint_writer *w);
-void feed_parts_load(feed_parts *p, checkpoint_reader *r);
+BF_MUST_CHECK bool feed_parts_load(feed_parts *p, checkpoint_reader *r);

@@ -68,7 +68,9 @@ void congested_update(macro_solver *s);
 /// Let the faces have the apertures, transverse velocities and belts of *def, after the solver's own were set.
 void congested_set_faces(macro_solver *s, const macro_def *def);
 
-/// Append the state beside the density, so many bytes, to a checkpoint, and take it from one that has them.
+/// Bytes of the state beside the density in a checkpoint.
 size_t congested_state_size(const macro_solver *s);
+
+/// Append it to a checkpoint, and take it from one before the first step. False: it is damaged, and the state undefined.
 void congested_save(const macro_solver *s, checkpoint_writer *w);
-void congested_load(macro_solver *s, checkpoint_reader *r);
+BF_MUST_CHECK bool congested_load(macro_solver *s, checkpoint_reader *r);

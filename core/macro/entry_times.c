@@ -124,11 +124,12 @@ void entry_times_save(const macro_solver *s, checkpoint_writer *w)
         checkpoint_write(w, macro__row(s, s->entries->times, j), (size_t)s->n1 * sizeof(double));
 }
 
-void entry_times_load(const macro_solver *s, const char *times)
+bool entry_times_load(const macro_solver *s, checkpoint_reader *r)
 {
-    const size_t row_bytes = (size_t)s->n1 * sizeof(double);
+    bool is_read = true;
 
-    entry_times_reset(s);
-    for (ptrdiff_t j = 0; j < s->n2; j++)
-        memcpy(macro__row(s, s->entries->times, j), times + (size_t)j * row_bytes, row_bytes);
+    for (ptrdiff_t j = 0; j < s->n2 && is_read; j++)
+        is_read =
+            checkpoint_read(r, macro__row(s, s->entries->times, j), (size_t)s->n1 * sizeof(double));
+    return is_read;
 }

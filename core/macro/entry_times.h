@@ -74,6 +74,6 @@ void entry_times_record(const macro_solver *s, double *rows, ptrdiff_t row, cons
 /// A step was made, whose fluxes are recorded and whose density is `now`: carry the times, and note what left the grid.
 void entry_times_follow(const macro_solver *s);
 
-/// Append the times to a checkpoint, n2 rows of n1, and take them from one.
+/// Append the times to a checkpoint, n2 rows of n1, and take them from one before the first step. False: it is too short.
 void entry_times_save(const macro_solver *s, checkpoint_writer *w);
-void entry_times_load(const macro_solver *s, const char *times);
+BF_MUST_CHECK bool entry_times_load(const macro_solver *s, checkpoint_reader *r);

@@ -281,18 +281,15 @@ void moving_plates_save(const moving_plates *p, checkpoint_writer *w)
     plate_motion_save(&p->motion, w);
 }
 
-const char *moving_plates_read(moving_plates *p, checkpoint_reader *r)
+bool moving_plates_load(moving_plates *p, macro_solver *s, checkpoint_reader *r)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
         if (!checkpoint_read(r, &p->after[k], sizeof p->after[k]) || !isfinite(p->after[k].angle) ||
             (p->after[k].presence != 0.0 && p->after[k].presence != 1.0))
-            return NULL;
-    return plate_motion_read(&p->motion, r);
-}
-
-void moving_plates_take(moving_plates *p, const char *commands, macro_solver *s)
-{
-    plate_motion_take(&p->motion, commands);
+            return false;
+    if (!plate_motion_load(&p->motion, r))
+        return false;
     set_places(p, p->after);
     macro_set_field(s, p->field);
+    return true;
 }

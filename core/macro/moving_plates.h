@@ -49,8 +49,5 @@ void moving_plates_command(moving_plates *p, const scene_action *action, double 
 /// Write places and commands.
 void moving_plates_save(const moving_plates *p, checkpoint_writer *w);
 
-/// Read what moving_plates_save() wrote for the same scene, for moving_plates_take(). NULL: it is damaged.
-const char *moving_plates_read(moving_plates *p, checkpoint_reader *r);
-
-/// Take the places and the commands that moving_plates_read() found, and let a solver have the field of these places.
-void moving_plates_take(moving_plates *p, const char *commands, macro_solver *s);
+/// Take those of the same scene, and let a solver have the field of these places. False: they are damaged, and *p undefined.
+BF_MUST_CHECK bool moving_plates_load(moving_plates *p, macro_solver *s, checkpoint_reader *r);

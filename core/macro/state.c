@@ -1,5 +1,6 @@
 // Access to the density: set, read, measure, checkpoint.
 
+#include "core/base/check.h"
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/macro/congested.h"
@@ -366,32 +367,20 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
 bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err)
 {
     checkpoint_reader r;
-    uint64_t steps;
 
+    BF_CHECK(s->steps == 0);
     bf_status status = checkpoint_open(&r, bytes, n, CHECKPOINT_MACRO, s->definition, err);
     if (status != BF_OK)
         return status;
     const size_t n_bytes = grid_cells(&s->def.grid) * sizeof(double);
-    const bool has_steps = checkpoint_read(&r, &steps, sizeof steps);
+    const bool has_steps = checkpoint_read(&r, &s->steps, sizeof s->steps);
     const char *rho = has_steps ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
-    const char *fallen =
-        rho != NULL && s->fallen != NULL ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
-    const char *entries =
-        rho != NULL && s->entries != NULL ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
-    checkpoint_reader closure = r;
-    const size_t n_closure = s->congested != NULL ? congested_state_size(s) : 0;
-    if (rho == NULL || (s->fallen != NULL && fallen == NULL) ||
-        (s->entries != NULL && entries == NULL) ||
-        (n_closure > 0 && checkpoint_read_items(&r, 1, n_closure) == NULL) ||
-        !belt_speeds_load(&s->speeds, &r) || r.n_left != 0)
+    if (rho != NULL)
+        take_density(s, rho);
+    if (rho == NULL || (s->fallen != NULL && !checkpoint_read(&r, s->fallen, n_bytes)) ||
+        (s->entries != NULL && !entry_times_load(s, &r)) ||
+        (s->congested != NULL && !congested_load(s, &r)) || !belt_speeds_load(&s->speeds, &r) ||
+        r.n_left != 0)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
-    if (s->congested != NULL)
-        congested_load(s, &closure);
-    take_density(s, rho);
-    if (fallen != NULL)
-        memcpy(s->fallen, fallen, n_bytes);
-    if (entries != NULL)
-        entry_times_load(s, entries);
-    s->steps = steps;
     return BF_OK;
 }

@@ -60,7 +60,7 @@ typedef struct micro_backend {
     plate_load (*load_on)(void *state, size_t obstacle);
     /// Write the state as the payload of a checkpoint.
     void (*save)(const void *state, checkpoint_writer *w);
-    /// Take a state with n handles that save() wrote, to the payload's end; else as micro_load().
+    /// Take a state with n handles that save() wrote, to the payload's end, before the first step; else as micro_load().
     bf_status (*load)(void *state, size_t n, checkpoint_reader *r, bf_error *err);
     checkpoint_kind kind; ///< of its checkpoints
 } micro_backend;

@@ -93,22 +93,13 @@ void drives_save(const drives *d, checkpoint_writer *w)
     checkpoint_write(w, d->recent, d->n * sizeof *d->recent);
 }
 
-const char *drives_read(const drives *d, checkpoint_reader *r)
+bool drives_load(drives *d, checkpoint_reader *r)
 {
-    const char *saved = checkpoint_read_items(r, d->n, sizeof *d->recent);
-    plate_load of[DRIVES_WINDOW];
+    bool is_sound = checkpoint_read(r, d->recent, d->n * sizeof *d->recent);
 
-    for (size_t k = 0; k < d->n && saved != NULL; k++) {
-        memcpy(of, saved + k * sizeof of, sizeof of);
+    for (size_t k = 0; k < d->n && is_sound; k++)
         for (size_t m = 0; m < DRIVES_WINDOW; m++)
-            if (!isfinite(of[m].torque) || !isfinite(of[m].force))
-                return NULL;
-    }
-    return saved;
-}
-
-void drives_take(drives *d, const char *saved)
-{
-    if (d->n > 0)
-        memcpy(d->recent, saved, d->n * sizeof *d->recent);
+            is_sound =
+                is_sound && isfinite(d->recent[k][m].torque) && isfinite(d->recent[k][m].force);
+    return is_sound;
 }

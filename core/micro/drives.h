@@ -42,11 +42,6 @@ uint64_t drives_steps_until(const drives *d, uint64_t steps, uint64_t n);
 /// Measure, if it is time, and let plates follow until the next time.
 void drives_follow(drives *d, const micro_backend *backend, micro_common *state);
 
-/// Write what was measured.
+/// Write what was measured, and take it into drives of the same definition. False: it is damaged, and *d undefined.
 void drives_save(const drives *d, checkpoint_writer *w);
-
-/// What drives_save() wrote for the same definition, in place, for drives_take(). NULL: it is damaged.
-const char *drives_read(const drives *d, checkpoint_reader *r);
-
-/// Take what drives_read() found.
-void drives_take(drives *d, const char *saved);
+BF_MUST_CHECK bool drives_load(drives *d, checkpoint_reader *r);

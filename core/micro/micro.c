@@ -1,5 +1,6 @@
 #include "core/micro/micro.h"
 
+#include "core/base/check.h"
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
@@ -591,68 +592,47 @@ static bool is_header_sound(const micro_solver *s, const saved_header *h)
            h->next_id >= h->n;
 }
 
-// Each id once, and less than the next one. Sorts them.
-static bool are_ids_sound(uint64_t *ids, const saved_header *h)
+// Each id once, and less than the next one.
+static bf_status check_ids(const micro_solver *s, bf_error *err)
 {
+    uint64_t *ids = memory_alloc(s->n + 1, sizeof *ids);
     bool are_sound = true;
 
-    qsort(ids, h->n, sizeof *ids, compare_ids);
-    for (size_t k = 0; k < h->n; k++)
-        are_sound = are_sound && ids[k] < h->next_id && (k == 0 || ids[k - 1] < ids[k]);
-    return are_sound;
-}
-
-// Reads the ids into new memory, ret_ids, and then the state.
-static bf_status load(micro_solver *s, checkpoint_reader *r, const saved_header *header,
-                      uint64_t **ret_ids, bf_error *err)
-{
-    belt_speeds *speeds = &s->state->speeds;
-    const size_t n = header->n;
-    const char *from = checkpoint_read_items(r, n, sizeof **ret_ids);
-    checkpoint_reader of_speeds = *r;
-
-    const char *loads = NULL;
-    if (from == NULL || checkpoint_read_items(r, belt_speeds_state_size(speeds), 1) == NULL ||
-        (loads = drives_read(&s->drives, r)) == NULL)
-        return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged, or too short");
-    if ((*ret_ids = memory_alloc(n + 1, sizeof **ret_ids)) == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
-    memcpy(*ret_ids, from, n * sizeof **ret_ids);
-    if (!are_ids_sound(*ret_ids, header))
-        return bf_fail(err, BF_ECORRUPT, "", "the ids of the saved parts are damaged");
-    memcpy(*ret_ids, from, n * sizeof **ret_ids);
-    const bf_status status = s->backend->load(s->state, n, r, err);
-    if (status == BF_OK && !belt_speeds_load(speeds, &of_speeds))
-        return bf_fail(err, BF_ECORRUPT, "", "the saved speeds of the belts are damaged");
-    if (status == BF_OK)
-        drives_take(&s->drives, loads);
-    return status;
+    if (ids == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", s->n);
+    memcpy(ids, s->ids, s->n * sizeof *ids);
+    qsort(ids, s->n, sizeof *ids, compare_ids);
+    for (size_t k = 0; k < s->n; k++)
+        are_sound = are_sound && ids[k] < s->next_id && (k == 0 || ids[k - 1] < ids[k]);
+    memory_free(ids);
+    return are_sound ? BF_OK : bf_fail(err, BF_ECORRUPT, "", "the saved ids are damaged");
 }
 
 bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err)
 {
     checkpoint_reader r;
     saved_header header;
-    uint64_t *ids = NULL;
 
+    BF_CHECK(micro_steps(s) == 0);
     bf_status status = checkpoint_open(&r, bytes, n, s->backend->kind, s->definition, err);
     if (status != BF_OK)
         return status;
     if (!checkpoint_read(&r, &header, sizeof header) || !is_header_sound(s, &header))
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
-    if ((status = load(s, &r, &header, &ids, err)) != BF_OK) {
-        memory_free(ids);
-        return status;
-    }
-    memory_free(s->ids);
-    s->ids = ids;
+    if (memory_reserve(&s->ids, &s->capacity, header.n, sizeof *s->ids) != 0)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", (size_t)header.n);
+    if (!checkpoint_read(&r, s->ids, header.n * sizeof *s->ids) ||
+        !belt_speeds_load(&s->state->speeds, &r) || !drives_load(&s->drives, &r))
+        return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged, or too short");
     s->n = header.n;
-    s->capacity = header.n + 1;
     s->next_id = header.next_id;
+    s->first_free = 0;
     s->n_reported_fallen = header.n_reported_fallen;
+    if ((status = check_ids(s, err)) == BF_OK)
+        status = s->backend->load(s->state, s->n, &r, err);
+    if (status != BF_OK)
+        return status;
     s->state->recent_overlap = header.recent_overlap;
     set_reduction(s, header.reduction);
-    s->first_free = 0;
-    s->places.is_sorted = false;
     return BF_OK;
 }

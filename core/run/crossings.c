@@ -303,13 +303,11 @@ void crossings_save(const crossings *c, checkpoint_writer *w)
         checkpoint_write(w, &c->eyes[k].state, sizeof c->eyes[k].state);
 }
 
-const char *crossings_read(const crossings *c, checkpoint_reader *r)
+bool crossings_load(crossings *c, checkpoint_reader *r)
 {
-    return checkpoint_read_items(r, c->n, sizeof(crossing_state));
-}
+    bool is_read = true;
 
-void crossings_take(crossings *c, const char *bytes)
-{
-    for (size_t k = 0; k < c->n; k++)
-        memcpy(&c->eyes[k].state, bytes + k * sizeof(crossing_state), sizeof(crossing_state));
+    for (size_t k = 0; k < c->n && is_read; k++)
+        is_read = checkpoint_read(r, &c->eyes[k].state, sizeof c->eyes[k].state);
+    return is_read;
 }

@@ -48,8 +48,6 @@ crossings *crossings_destroy(crossings *c);
 /// Let parts cross the beam of an eye for a step. True: one breaks it at the end.
 bool crossings_advance(crossings *c, size_t eye, const crossings_field *field);
 
-/// Append the state to a checkpoint. crossings_read() finds the bytes in one of the same scene, NULL: it is damaged, and
-/// crossings_take() takes them.
+/// Append the state to a checkpoint, and take it from one of the same scene. False: it is damaged, and *c undefined.
 void crossings_save(const crossings *c, checkpoint_writer *w);
-const char *crossings_read(const crossings *c, checkpoint_reader *r);
-void crossings_take(crossings *c, const char *bytes);
+BF_MUST_CHECK bool crossings_load(crossings *c, checkpoint_reader *r);

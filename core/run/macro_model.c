@@ -522,31 +522,18 @@ static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
 static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *err)
 {
     macro_run *run = solver;
-    checkpoint_reader r, feeds;
-    const char *commands = NULL, *crossed = NULL;
-    bf_status status;
+    checkpoint_reader r;
 
     if (is_plain(run))
         return macro_load(run->solver, bytes, n, err);
-    if ((status = checkpoint_open(&r, bytes, n, CHECKPOINT_FEED, 0, err)) != BF_OK)
+    bf_status status = checkpoint_open(&r, bytes, n, CHECKPOINT_FEED, 0, err);
+    if (status != BF_OK)
         return status;
-    if (run->plates != NULL && (commands = moving_plates_read(run->plates, &r)) == NULL)
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's obstacles are damaged");
-    if (run->crossings != NULL && (crossed = crossings_read(run->crossings, &r)) == NULL)
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
-    feeds = r;
-    if (run->is_fed && checkpoint_read_items(&r, 1, feed_density_state_size(run->feeds)) == NULL)
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
-    // Feeds, eyes and obstacles come last: until the solver has taken its state, everything is as before.
-    if ((status = macro_load(run->solver, r.at, r.n_left, err)) != BF_OK)
-        return status;
-    if (run->is_fed)
-        feed_density_load(run->feeds, &feeds);
-    if (run->crossings != NULL)
-        crossings_take(run->crossings, crossed);
-    if (run->plates != NULL)
-        moving_plates_take(run->plates, commands, run->solver);
-    return BF_OK;
+    if ((run->plates != NULL && !moving_plates_load(run->plates, run->solver, &r)) ||
+        (run->crossings != NULL && !crossings_load(run->crossings, &r)) ||
+        (run->is_fed && !feed_density_load(run->feeds, &r)))
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's feeds or obstacles are damaged");
+    return macro_load(run->solver, r.at, r.n_left, err);
 }
 
 static uint64_t digest_run(const void *solver)

@@ -190,28 +190,22 @@ bf_status micro_feeds_save(const micro_feeds *f, bf_buffer *out, bf_error *err)
 
 bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes, bf_error *err)
 {
-    checkpoint_reader r, entry;
-    const char *tags = NULL;
-    double part_steps = 0.0;
+    checkpoint_reader r;
     uint64_t n = 0;
 
     bf_status status = checkpoint_open(&r, bytes, n_bytes, CHECKPOINT_FEED, 0, err);
     if (status != BF_OK)
         return status;
-    entry = r;
-    if (checkpoint_read_items(&r, feed_parts_state_size(f->entry), 1) != NULL &&
-        checkpoint_read(&r, &part_steps, sizeof part_steps) && checkpoint_read(&r, &n, sizeof n))
-        tags = checkpoint_read_items(&r, n, sizeof *f->tags);
-    if (tags == NULL)
+    if (!feed_parts_load(f->entry, &r) ||
+        !checkpoint_read(&r, &f->part_steps, sizeof f->part_steps) ||
+        !checkpoint_read(&r, &n, sizeof n) || n > r.n_left / sizeof *f->tags)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
-    // The feeds come last: until the solver has taken its state, everything is as before.
-    if ((status = reserve_tags(f, n, err)) == BF_OK)
-        status = micro_load(f->solver, r.at, r.n_left, err);
-    if (status != BF_OK)
+    if ((status = reserve_tags(f, n, err)) != BF_OK)
         return status;
-    feed_parts_load(f->entry, &entry);
-    f->part_steps = part_steps;
-    if (n > 0)
-        memcpy(f->tags, tags, n * sizeof *f->tags);
-    return BF_OK;
+    if (!checkpoint_read(&r, f->tags, n * sizeof *f->tags))
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
+    status = micro_load(f->solver, r.at, r.n_left, err);
+    return status == BF_OK && micro_parts(f->solver) != n
+               ? bf_fail(err, BF_ECORRUPT, "", "the saved feeds are of other parts")
+               : status;
 }

@@ -184,29 +184,7 @@ static void restore_series(run *r, series *s, uint64_t n)
     s->step = schedule_next(&r->scene->output, s->of, r->step, r->plan.dt);
 }
 
-// Takes what follows the header; the run is as before if that fails.
-static bf_status load_state(run *r, checkpoint_reader *reader, bf_error *err)
-{
-    control loaded = control_of(r->scene, r->backend, &r->plan);
-    figures *loaded_figures = NULL;
-    bf_status status = control_load(&loaded, reader, err);
-
-    if (status == BF_OK)
-        status = figures_create(r->scene, r->backend->parts != NULL, &loaded_figures, err);
-    if (status == BF_OK && !figures_load(loaded_figures, reader))
-        status = bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
-    if (status == BF_OK)
-        status = r->backend->load(r->solver, reader->at, reader->n_left, err);
-    control_fini(status == BF_OK ? &r->control : &loaded);
-    figures_destroy(status == BF_OK ? r->figures : loaded_figures);
-    if (status == BF_OK) {
-        r->control = loaded;
-        r->figures = loaded_figures;
-    }
-    return status;
-}
-
-bf_status run_resume(run *r, const void *bytes, size_t n, bf_error *err)
+static bf_status load(run *r, const void *bytes, size_t n, bf_error *err)
 {
     checkpoint_reader reader;
     saved_header h;
@@ -216,14 +194,29 @@ bf_status run_resume(run *r, const void *bytes, size_t n, bf_error *err)
         return status;
     if (!checkpoint_read(&reader, &h, sizeof h) || h.step > r->plan.n_steps)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
-    if ((status = load_state(r, &reader, err)) != BF_OK)
+    if ((status = control_load(&r->control, &reader, err)) != BF_OK)
         return status;
+    if (!figures_load(r->figures, &reader))
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's figures are damaged");
     r->step = r->first_step = h.step;
     r->parts_start = h.parts_start;
     r->peak = h.peak;
     restore_series(r, &r->samples, h.n_samples);
     restore_series(r, &r->snapshots, h.n_snapshots);
-    return BF_OK;
+    return r->backend->load(r->solver, reader.at, reader.n_left, err);
+}
+
+bf_status run_resume(const scene *s, run_model model, int n_threads, const void *bytes, size_t n,
+                     run **ret_run, bf_error *err)
+{
+    run *r = NULL;
+    bf_status status = run_create(s, model, n_threads, &r, err);
+
+    if (status == BF_OK && (status = load(r, bytes, n, err)) != BF_OK)
+        r = run_destroy(r);
+    if (status == BF_OK)
+        *ret_run = r;
+    return status;
 }
 
 static double time_now(const run *r)

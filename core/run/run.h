@@ -90,10 +90,10 @@ uint64_t run_definition(const scene *s, run_model model);
 BF_MUST_CHECK bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_run,
                                    bf_error *err);
 
-/// Go on from a checkpoint's bytes instead of t = 0; before run_execute() only.
-/// BF_ECORRUPT: damaged, of another version, or of a scenario that differs in any number; the run is as
-/// before.
-BF_MUST_CHECK bf_status run_resume(run *r, const void *bytes, size_t n, bf_error *err);
+/// Prepare a run like run_create() that goes on from a checkpoint's bytes instead of t = 0. BF_ECORRUPT: damaged, of another
+/// version, or of a scenario that differs in any number; there is no run then.
+BF_MUST_CHECK bf_status run_resume(const scene *s, run_model model, int n_threads,
+                                   const void *bytes, size_t n, run **ret_run, bf_error *err);
 
 /// Step to the end. Emits begin first, and end last unless it fails. Failures of the solver and of
 /// sink->take are returned; emitting FRAME_ERROR for them is the caller's part.

@@ -91,6 +91,7 @@ typedef struct run_backend {
     /// Fill the figures of the end that only models with parts have. NULL: they are 0.
     void (*fill_end)(const void *solver, frame_end *end);
     bf_status (*save)(const void *solver, bf_buffer *out, bf_error *err);
+    /// Take a state that save() wrote, before the first step. BF_ECORRUPT, BF_ENOMEM: the solver can only be destroyed.
     bf_status (*load)(void *solver, const void *bytes, size_t n, bf_error *err);
     uint64_t (*digest)(const void *solver);
 

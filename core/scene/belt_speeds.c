@@ -86,43 +86,22 @@ void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w)
     }
 }
 
-static size_t count_commandable(const belt_speeds *speeds)
-{
-    size_t n = 0;
-
-    for (size_t k = 0; k < speeds->n_belts; k++)
-        n += speeds->curves[k].is_commandable;
-    return n;
-}
-
-size_t belt_speeds_state_size(const belt_speeds *speeds)
-{
-    return count_commandable(speeds) * sizeof(saved_curve);
-}
-
 bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r)
 {
-    const size_t n = count_commandable(speeds);
-    const char *at = checkpoint_read_items(r, n, sizeof(saved_curve));
     saved_curve saved;
-    bool is_sound = at != NULL;
 
-    for (size_t i = 0; i < n && is_sound; i++) {
-        memcpy(&saved, at + i * sizeof saved, sizeof saved);
-        is_sound = saved.n <= COMMAND_KNOTS;
-    }
-    for (size_t k = 0; k < speeds->n_belts && is_sound; k++) {
+    for (size_t k = 0; k < speeds->n_belts; k++) {
         belt_speeds_curve *c = &speeds->curves[k];
         if (!c->is_commandable)
             continue;
-        memcpy(&saved, at, sizeof saved);
-        at += sizeof saved;
+        if (!checkpoint_read(r, &saved, sizeof saved) || saved.n > COMMAND_KNOTS)
+            return false;
         c->was_commanded = saved.n > 0;
         if (c->was_commanded)
             memcpy(c->knots, saved.knots, sizeof saved.knots);
         c->n = c->was_commanded ? saved.n : c->n;
     }
-    return is_sound;
+    return true;
 }
 
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts)

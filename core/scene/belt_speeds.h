@@ -73,12 +73,9 @@ void belt_speeds_in_step(const belt_speeds *speeds, uint64_t step, double dt, do
 void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double factor);
 
 /// Write the commands to a checkpoint, nothing where no belt is commandable, and take them from one of the same
-/// belts into speeds without commands. False: it is damaged, and *speeds as before.
+/// belts into speeds without commands. False: it is damaged, and *speeds undefined.
 void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w);
 BF_MUST_CHECK bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r);
-
-/// Bytes that belt_speeds_save() writes.
-size_t belt_speeds_state_size(const belt_speeds *speeds);
 
 /// True if no belt has a speed schedule or can be commanded: every f is 1 at all times.
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts);

@@ -342,32 +342,17 @@ static bool is_sound(const saved_plate *s)
            c->came < INFINITY && is_piece_sound(&s->lag.angle) && is_piece_sound(&s->lag.extent);
 }
 
-const char *plate_motion_read(const plate_motion *motion, checkpoint_reader *r)
+bool plate_motion_load(plate_motion *motion, checkpoint_reader *r)
 {
     saved_plate saved;
-    size_t n = 0;
-
-    for (size_t k = 0; k < motion->n; k++)
-        n += motion->plates[k].moves ? 1 : 0;
-    const char *bytes = checkpoint_read_items(r, n, sizeof saved);
-    for (size_t k = 0; bytes != NULL && k < n; k++) {
-        memcpy(&saved, bytes + k * sizeof saved, sizeof saved);
-        if (!is_sound(&saved))
-            return NULL;
-    }
-    return bytes;
-}
-
-void plate_motion_take(plate_motion *motion, const char *saved)
-{
-    saved_plate of;
 
     for (size_t k = 0; k < motion->n; k++) {
         if (!motion->plates[k].moves)
             continue;
-        memcpy(&of, saved, sizeof of);
-        motion->plates[k].command = of.command;
-        motion->plates[k].lag = of.lag;
-        saved += sizeof of;
+        if (!checkpoint_read(r, &saved, sizeof saved) || !is_sound(&saved))
+            return false;
+        motion->plates[k].command = saved.command;
+        motion->plates[k].lag = saved.lag;
     }
+    return true;
 }

@@ -159,11 +159,7 @@ double plate_motion_radius(const scene_obstacle *obstacle);
 double plate_motion_largest_speed(const scene_obstacle *obstacles, size_t k, size_t n_actions,
                                   const scene_action *actions);
 
-/// Write what was commanded, and how drives lag; nothing if no obstacle moves.
+/// Write what was commanded, and how drives lag; nothing if no obstacle moves. Take it into the motion of the same
+/// obstacles; false: it is damaged, and the motion undefined.
 void plate_motion_save(const plate_motion *motion, checkpoint_writer *w);
-
-/// What plate_motion_save() wrote for the same obstacles, in place, for plate_motion_take(). NULL: it is damaged.
-const char *plate_motion_read(const plate_motion *motion, checkpoint_reader *r);
-
-/// Take what plate_motion_read() found.
-void plate_motion_take(plate_motion *motion, const char *saved);
+BF_MUST_CHECK bool plate_motion_load(plate_motion *motion, checkpoint_reader *r);

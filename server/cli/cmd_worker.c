@@ -110,24 +110,26 @@ static bf_status next_frame(const bf_buffer *in, frame_type type, frame *ret_fra
     return BF_OK;
 }
 
-// Resume from the checkpoint in *in, if there is one. One that does not fit (of another version) is
-// ignored: the run then starts from t = 0.
-static bf_status resume(run *r, bf_buffer *in, bf_error *err)
+// A run that goes on from the checkpoint in *in. Without one, or from one that does not fit (of another version), it starts
+// from t = 0.
+static bf_status begin(const scene *s, const frame_job *job, const bf_buffer *in, run **ret_run,
+                       bf_error *err)
 {
+    const run_model model = (run_model)job->model;
+    const int n_threads = (int)job->n_threads;
     frame f = { .type = FRAME_RESUME };
     size_t used = 0;
-    bf_error why = { 0 };
 
     if (in->n == 0)
-        return BF_OK;
+        return run_create(s, model, n_threads, ret_run, err);
     bf_status status = next_frame(in, FRAME_RESUME, &f, &used, err);
     if (status != BF_OK)
         return status;
-    status = run_resume(r, f.bytes.bytes, f.bytes.n, &why);
+    status = run_resume(s, model, n_threads, f.bytes.bytes, f.bytes.n, ret_run, err);
     if (status != BF_ECORRUPT)
-        return status == BF_OK ? BF_OK : bf_fail(err, status, why.pointer, "%s", why.text);
-    fprintf(stderr, "starting again from t = 0: %s\n", why.text);
-    return BF_OK;
+        return status;
+    fprintf(stderr, "starting again from t = 0: %s\n", err->text);
+    return run_create(s, model, n_threads, ret_run, err);
 }
 
 static bf_status solve(working *w, const scene *s, const frame_job *job, bf_buffer *rest,
@@ -139,9 +141,7 @@ static bf_status solve(working *w, const scene *s, const frame_job *job, bf_buff
     if (job->model >= RUN_MODEL_COUNT || job->n_threads < 1 || job->n_threads > INT16_MAX)
         return bf_fail(err, BF_ECORRUPT, "", "the job names no model or no threads");
     w->is_without_snapshots = job->is_without_snapshots != 0;
-    bf_status status = run_create(s, (run_model)job->model, (int)job->n_threads, &r, err);
-    if (status == BF_OK)
-        status = resume(r, rest, err);
+    bf_status status = begin(s, job, rest, &r, err);
     buffer_fini(rest);
     if (status == BF_OK)
         status = run_execute(r, &sink, err);

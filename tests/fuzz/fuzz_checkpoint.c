@@ -52,26 +52,25 @@ static unsigned request_checkpoint(void *context)
     return RUN_CHECKPOINT;
 }
 
-static run *begin(const fuzz_solver *solver, scene *s)
+static void read_scene(const fuzz_solver *solver, scene *ret_scene)
 {
-    run *r = NULL;
     bf_faults faults = { 0 };
     bf_error err;
-    const bf_status status =
-        scenario_read(solver->scenario, strlen(solver->scenario), s, &faults, &err);
 
-    fuzz_require(status == BF_OK, "the scenario of the solver");
-    fuzz_require(run_create(s, solver->model, 1, &r, &err) == BF_OK, "a run of it");
-    return r;
+    fuzz_require(scenario_read(solver->scenario, strlen(solver->scenario), ret_scene, &faults,
+                               &err) == BF_OK,
+                 "the scenario of the solver");
 }
 
 static void make_checkpoint(fuzz_solver *solver)
 {
     const run_sink sink = { &solver->checkpoint, take_checkpoint, request_checkpoint };
+    run *r = NULL;
     scene s;
     bf_error err;
-    run *r = begin(solver, &s);
 
+    read_scene(solver, &s);
+    fuzz_require(run_create(&s, solver->model, 1, &r, &err) == BF_OK, "a run of it");
     fuzz_require(run_execute(r, &sink, &err) == BF_OK && solver->checkpoint.n > 0, "a checkpoint");
     run_destroy(r);
     scene_fini(&s);
@@ -106,8 +105,10 @@ static void resume(const fuzz_solver *solver, const uint8_t *bytes, size_t n)
 {
     scene s;
     bf_error err;
-    run *r = begin(solver, &s);
-    const bf_status status = run_resume(r, bytes, n, &err);
+    run *r = NULL;
+
+    read_scene(solver, &s);
+    const bf_status status = run_resume(&s, solver->model, 1, bytes, n, &r, &err);
 
     fuzz_require(status == BF_OK || status == BF_ECORRUPT, "a checkpoint is taken or damaged");
     run_destroy(r);

@@ -1,6 +1,5 @@
 // The congested closure's memory and state; step.c makes the steps.
 
-#include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/macro/congested/congested_priv.h"
 
@@ -272,17 +271,15 @@ size_t congested_state_size(const macro_solver *s)
            (size_t)n * array_bytes(s, c);
 }
 
-void congested_load(macro_solver *s, checkpoint_reader *r)
+bool congested_load(macro_solver *s, checkpoint_reader *r)
 {
     congested *c = s->congested;
     float *arrays[STATE_ARRAYS];
     const int n = state_of(c, arrays);
-    bool is_read;
+    bool is_read = checkpoint_read(r, &c->density_limit, sizeof c->density_limit) &&
+                   checkpoint_read(r, c->range, (size_t)s->n2 * sizeof *c->range);
 
-    congested_reset(s);
-    is_read = checkpoint_read(r, &c->density_limit, sizeof c->density_limit) &&
-              checkpoint_read(r, c->range, (size_t)s->n2 * sizeof *c->range);
     for (int k = 0; k < n; k++)
         is_read = is_read && checkpoint_read(r, arrays[k], array_bytes(s, c));
-    BF_CHECK(is_read);
+    return is_read;
 }

@@ -246,27 +246,6 @@ void body__save(const void *state, checkpoint_writer *w)
     checkpoint_rewrite(w, start, &header, sizeof header);
 }
 
-/// A loaded state, until all of it is validated.
-typedef struct loaded_state {
-    size_t n; // parts
-    saved_header header;
-    const char *commands;
-    body_body *bodies;
-    uint8_t *presence;
-    body_pair *pairs;
-    body_plate_memory (*plate_memories)[BODY_PLATE_MEMORIES];
-    body_warm_start (*warm_starts)[BODY_WARM_STARTS];
-} loaded_state;
-
-static void free_loaded_state(loaded_state *a)
-{
-    memory_free(a->bodies);
-    memory_free(a->presence);
-    memory_free(a->pairs);
-    memory_free(a->plate_memories);
-    memory_free(a->warm_starts);
-}
-
 static body_body load_part(const saved_part *saved)
 {
     body_body body = { .x = { saved->x[0], saved->x[1], saved->x[2] },
@@ -304,24 +283,40 @@ static bool load_memory(const saved_pair *saved, sizes n, body_memory *ret_memor
     }
 }
 
-static const hull *hull_of(const body_state *s, const loaded_state *a, size_t k)
+static const hull *hull_of(const body_state *s, size_t k)
 {
-    return &s->kinds[a->bodies[k].kind].shape;
+    return &s->kinds[s->bodies[k].kind].shape;
 }
 
-static bool load_pairs(const body_state *s, checkpoint_reader *r, loaded_state *a)
+static bool load_parts(body_state *s, checkpoint_reader *r)
+{
+    saved_part saved;
+
+    for (size_t k = 0; k < s->n; k++) {
+        if (!checkpoint_read(r, &saved, sizeof saved) || saved.presence >= MICRO_PRESENCE_COUNT ||
+            saved.kind >= s->n_kinds)
+            return false;
+        s->bodies[k] = load_part(&saved);
+        s->common.presence[k] = (uint8_t)saved.presence;
+        s->belt_cache[k].clearance = -1.0;
+        s->bounding_radius[k] = s->kinds[saved.kind].shape.radius;
+    }
+    return true;
+}
+
+static bool load_pairs(body_state *s, checkpoint_reader *r)
 {
     saved_pair saved;
 
-    for (size_t k = 0; k < a->header.n_pairs; k++) {
-        body_pair *pair = &a->pairs[k];
+    for (size_t k = 0; k < s->n_pairs; k++) {
+        body_pair *pair = &s->pairs[k];
         if (!checkpoint_read(r, &saved, sizeof saved))
             return false;
         bool is_after =
             k == 0 || pair[-1].a < saved.a || (pair[-1].a == saved.a && pair[-1].b < saved.b);
-        if (saved.a >= saved.b || saved.b >= a->n || !is_after)
+        if (saved.a >= saved.b || saved.b >= s->n || !is_after)
             return false;
-        const hull *hull_a = hull_of(s, a, saved.a), *hull_b = hull_of(s, a, saved.b);
+        const hull *hull_a = hull_of(s, saved.a), *hull_b = hull_of(s, saved.b);
         const sizes n = { hull_a->n_faces, hull_a->n_edges, hull_b->n_faces, hull_b->n_edges };
         *pair = (body_pair){ .a = saved.a, .b = saved.b };
         if (!load_memory(&saved, n, &pair->memory))
@@ -330,17 +325,19 @@ static bool load_pairs(const body_state *s, checkpoint_reader *r, loaded_state *
     return true;
 }
 
-static bool load_plate_memories(const body_state *s, checkpoint_reader *r, loaded_state *a)
+static bool load_plate_memories(body_state *s, uint64_t n_memories, checkpoint_reader *r)
 {
     saved_plate_memory saved;
 
-    for (size_t k = 0; k < a->header.n_plate_memories; k++) {
-        if (!checkpoint_read(r, &saved, sizeof saved) || saved.pair.a >= a->n ||
+    if (n_memories > 0 && s->plate_memories == NULL)
+        return false;
+    for (uint64_t k = 0; k < n_memories; k++) {
+        if (!checkpoint_read(r, &saved, sizeof saved) || saved.pair.a >= s->n ||
             saved.pair.b >= s->n_plates || saved.slot >= BODY_PLATE_MEMORIES)
             return false;
-        const hull *shape = hull_of(s, a, saved.pair.a);
+        const hull *shape = hull_of(s, saved.pair.a);
         const sizes n = { 6, 12, shape->n_faces, shape->n_edges };
-        body_plate_memory *slot = &a->plate_memories[saved.pair.a][saved.slot];
+        body_plate_memory *slot = &s->plate_memories[saved.pair.a][saved.slot];
         slot->plate = saved.pair.b + 1;
         if (!load_memory(&saved.pair, n, &slot->memory))
             return false;
@@ -358,29 +355,27 @@ static body_warm_start *find_free_warm_start(body_warm_start *warm_starts)
 }
 
 /// Where a saved warm start is loaded to; *cursor advances along the pairs. NULL: the pair is unknown.
-static body_warm_start *locate(const loaded_state *a, const saved_warm_start *saved, size_t *cursor)
+static body_warm_start *locate(const body_state *s, const saved_warm_start *saved, size_t *cursor)
 {
-    const size_t n_pairs = a->header.n_pairs;
-
-    if (saved->key == 0 || saved->a >= a->n)
+    if (saved->key == 0 || saved->a >= s->n)
         return NULL;
     if (saved->b == BODY_STATIC)
-        return find_free_warm_start(a->warm_starts[saved->a]);
-    while (*cursor < n_pairs &&
-           (a->pairs[*cursor].a != saved->a || a->pairs[*cursor].b != saved->b))
+        return find_free_warm_start(s->implicit->warm_starts[saved->a]);
+    while (*cursor < s->n_pairs &&
+           (s->pairs[*cursor].a != saved->a || s->pairs[*cursor].b != saved->b))
         (*cursor)++;
-    return *cursor < n_pairs ? &a->pairs[*cursor].warm_start : NULL;
+    return *cursor < s->n_pairs ? &s->pairs[*cursor].warm_start : NULL;
 }
 
-static bool load_warm_starts(checkpoint_reader *r, const loaded_state *a)
+static bool load_warm_starts(const body_state *s, uint64_t n_warm_starts, checkpoint_reader *r)
 {
     size_t cursor = 0;
     saved_warm_start saved;
 
-    for (uint64_t k = 0; k < a->header.n_warm_starts; k++) {
+    for (uint64_t k = 0; k < n_warm_starts; k++) {
         if (!checkpoint_read(r, &saved, sizeof saved))
             return false;
-        body_warm_start *warm_start = locate(a, &saved, &cursor);
+        body_warm_start *warm_start = locate(s, &saved, &cursor);
         if (warm_start == NULL)
             return false;
         *warm_start = (body_warm_start){ saved.key,
@@ -391,84 +386,27 @@ static bool load_warm_starts(checkpoint_reader *r, const loaded_state *a)
     return true;
 }
 
-static bool load_items(const body_state *s, checkpoint_reader *r, loaded_state *a)
-{
-    saved_part saved;
-
-    for (size_t k = 0; k < a->n; k++) {
-        if (!checkpoint_read(r, &saved, sizeof saved) || saved.presence >= MICRO_PRESENCE_COUNT ||
-            saved.kind >= s->n_kinds)
-            return false;
-        a->bodies[k] = load_part(&saved);
-        a->presence[k] = (uint8_t)saved.presence;
-    }
-    return load_pairs(s, r, a) && load_plate_memories(s, r, a) &&
-           (s->implicit == NULL || load_warm_starts(r, a)) && r->n_left == 0;
-}
-
-/// Exchange the loaded state with that of the solver.
-static void move_in(body_state *s, loaded_state *a)
-{
-    loaded_state old = { .bodies = s->bodies,
-                         .presence = s->common.presence,
-                         .pairs = s->pairs,
-                         .plate_memories = s->plate_memories };
-
-    if (s->implicit != NULL) {
-        old.warm_starts = s->implicit->warm_starts;
-        s->implicit->warm_starts = a->warm_starts;
-    }
-    s->bodies = a->bodies;
-    s->common.presence = a->presence;
-    s->pairs = a->pairs;
-    s->plate_memories = a->plate_memories;
-    s->n_pairs = s->pairs_capacity = a->header.n_pairs;
-    s->common.steps = a->header.steps;
-    s->n_contacts = a->header.n_contacts;
-    s->largest_overlap = a->header.largest_overlap;
-    s->overlap_share = a->header.overlap_share;
-    s->is_listed = false;
-    plate_motion_take(&s->common.motion, a->commands);
-    body__pose_plates(s, s->common.steps);
-    body__set_parts(s, a->n);
-    for (size_t k = 0; k < s->n; k++) {
-        s->belt_cache[k].clearance = -1.0;
-        s->bounding_radius[k] = s->kinds[s->bodies[k].kind].shape.radius;
-    }
-    *a = old;
-}
-
-static bf_status alloc_loaded_state(const body_state *s, loaded_state *a)
-{
-    const size_t n = s->capacity, n_memories = s->plate_memories != NULL ? n : 0;
-    const memory_array arrays[] = {
-        { &a->bodies, sizeof *a->bodies, 0, n },
-        { &a->presence, sizeof *a->presence, 0, n },
-        { &a->pairs, sizeof *a->pairs, 0, a->header.n_pairs },
-        { &a->plate_memories, sizeof *a->plate_memories, 0, n_memories },
-        { &a->warm_starts, sizeof *a->warm_starts, 0, s->implicit != NULL ? n : 0 },
-    };
-
-    return memory_resize(arrays, sizeof arrays / sizeof *arrays) == 0 ? BF_OK : BF_ENOMEM;
-}
-
 bf_status body__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
 {
     body_state *s = state;
-    bf_status status = BF_OK;
-    loaded_state a = { .n = n };
+    saved_header header;
 
-    if (!checkpoint_read(r, &a.header, sizeof a.header) ||
-        (a.commands = plate_motion_read(&s->common.motion, r)) == NULL ||
-        n > r->n_left / sizeof(saved_part) || a.header.n_pairs > r->n_left / sizeof(saved_pair) ||
-        (a.header.n_plate_memories > 0 && s->plate_memories == NULL))
+    if (!checkpoint_read(r, &header, sizeof header) || !plate_motion_load(&s->common.motion, r) ||
+        n > r->n_left / sizeof(saved_part) || header.n_pairs > r->n_left / sizeof(saved_pair))
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
-    if ((n > s->capacity && body__resize(s, n) != BF_OK) || alloc_loaded_state(s, &a) != BF_OK)
-        status = bf_fail(err, BF_ENOMEM, "", "no memory to load a state");
-    else if (!load_items(s, r, &a))
-        status = bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
-    else
-        move_in(s, &a);
-    free_loaded_state(&a);
-    return status;
+    if ((n > s->capacity && body__resize(s, n) != BF_OK) ||
+        memory_reserve(&s->pairs, &s->pairs_capacity, header.n_pairs, sizeof *s->pairs) != 0)
+        return bf_fail(err, BF_ENOMEM, "", "no memory to load a state");
+    body__set_parts(s, n);
+    s->n_pairs = header.n_pairs;
+    if (!load_parts(s, r) || !load_pairs(s, r) ||
+        !load_plate_memories(s, header.n_plate_memories, r) ||
+        (s->implicit != NULL && !load_warm_starts(s, header.n_warm_starts, r)) || r->n_left != 0)
+        return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
+    s->common.steps = header.steps;
+    s->n_contacts = header.n_contacts;
+    s->largest_overlap = header.largest_overlap;
+    s->overlap_share = header.overlap_share;
+    body__pose_plates(s, s->common.steps);
+    return BF_OK;
 }

@@ -156,8 +156,6 @@ void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_
 /// pairs are selected; nothing if s->implicit is NULL.
 void disk_implicit__save(const disk_state *s, checkpoint_writer *w);
 
-/// Load that, to the end of the payload; if there is nothing, s->implicit is reset to its initial state. Reads
-/// nothing in s that changes with time, but for its capacity; n is the number of parts. BF_ECORRUPT or BF_ENOMEM: s is
-/// as before.
-BF_MUST_CHECK bf_status disk_implicit__load(disk_state *s, size_t n, checkpoint_reader *r,
-                                            bf_error *err);
+/// Load that, to the end of the payload, for the parts of a state without s->implicit. BF_ECORRUPT, BF_ENOMEM: the state
+/// can only be destroyed.
+BF_MUST_CHECK bf_status disk_implicit__load(disk_state *s, checkpoint_reader *r, bf_error *err);

@@ -230,10 +230,10 @@ static bool is_header_sound(const state_header *h)
 
 // Contacts with the boundary and pairs of parts must be in their groups, and no part twice in any but the last:
 // registers and threads rely on it. last_group has, by id, the last group that a part was found in.
-static bool is_pair_sound(const disk_state *s, size_t n, const implicit_pair *p, uint32_t group,
+static bool is_pair_sound(const disk_state *s, const implicit_pair *p, uint32_t group,
                           uint32_t *last_group)
 {
-    size_t n_features = s->n_faces + s->n_arcs;
+    const size_t n = s->n, n_features = s->n_faces + s->n_arcs;
     bool is_boundary = implicit_is_at_boundary(p);
 
     if (p->id[0] >= n || !isfinite(p->normal) || !isfinite(p->sliding))
@@ -252,63 +252,49 @@ static bool is_pair_sound(const disk_state *s, size_t n, const implicit_pair *p,
 }
 
 // The pairs, group by group; last_group as above.
-static bool take_pairs(const disk_state *s, size_t n, implicit_state *z, const char *bytes,
+static bool load_pairs(const disk_state *s, implicit_state *z, checkpoint_reader *r,
                        uint32_t *last_group)
 {
-    memset(last_group, 0xff, n * sizeof *last_group);
+    memset(last_group, 0xff, s->n * sizeof *last_group);
     for (uint32_t group = 0; group < IMPLICIT_GROUPS; group++)
         for (size_t piece = z->group_piece[group]; piece < z->group_piece[group + 1]; piece++)
-            for (size_t k = 0; k < z->pieces[piece].n; k++, bytes += sizeof(implicit_pair)) {
+            for (size_t k = 0; k < z->pieces[piece].n; k++) {
                 implicit_pair pair;
-                memcpy(&pair, bytes, sizeof pair);
-                if (!is_pair_sound(s, n, &pair, group, last_group))
+                if (!checkpoint_read(r, &pair, sizeof pair) ||
+                    !is_pair_sound(s, &pair, group, last_group))
                     return false;
                 disk_implicit__set_pair(z, &z->pieces[piece], k, &pair);
             }
-    return true;
+    return r->n_left == 0;
 }
 
-static bf_status take_state(const disk_state *s, size_t n, implicit_state *z,
-                            const state_header *header, const char *bytes, bf_error *err)
-{
-    size_t group[IMPLICIT_GROUPS + 1];
-    uint32_t *last_group = memory_alloc(n, sizeof *last_group);
-
-    z->is_chosen = header->is_chosen != 0;
-    z->displacement_bound = header->displacement_bound;
-    z->last_bound = header->last_bound;
-    for (size_t g = 0; g <= IMPLICIT_GROUPS; g++)
-        group[g] = header->group[g];
-    bf_status status = last_group != NULL ? disk_implicit__cut(s, z, group, err)
-                                          : bf_fail(err, BF_ENOMEM, "", "no memory for pairs");
-    if (status == BF_OK && !take_pairs(s, n, z, bytes, last_group))
-        status = bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are not of these parts");
-    memory_free(last_group);
-    return status;
-}
-
-bf_status disk_implicit__load(disk_state *s, size_t n, checkpoint_reader *r, bf_error *err)
+bf_status disk_implicit__load(disk_state *s, checkpoint_reader *r, bf_error *err)
 {
     state_header header;
-    implicit_state *z = NULL;
-    bf_status status = BF_OK;
+    size_t group[IMPLICIT_GROUPS + 1];
 
-    if (r->n_left > 0) {
-        const char *pairs = NULL;
-        if (checkpoint_read(r, &header, sizeof header) && is_header_sound(&header))
-            pairs = checkpoint_read_items(r, header.n_pairs, sizeof(implicit_pair));
-        if (pairs == NULL || r->n_left > 0)
-            return bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are damaged");
-        z = disk_implicit__create(s);
-        status = z ? take_state(s, n, z, &header, pairs, err)
-                   : bf_fail(err, BF_ENOMEM, "", "no memory for the solver");
-    }
-    if (status != BF_OK) {
-        disk_implicit__destroy(z);
+    if (r->n_left == 0)
+        return BF_OK;
+    if (s->def.integrator != MICRO_IMPLICIT || !checkpoint_read(r, &header, sizeof header) ||
+        !is_header_sound(&header) || header.n_pairs > r->n_left / sizeof(implicit_pair))
+        return bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are damaged");
+    implicit_state *z = s->implicit = disk_implicit__create(s);
+    uint32_t *last_group = memory_alloc(s->n + 1, sizeof *last_group);
+    bf_status status = z != NULL && last_group != NULL
+                           ? BF_OK
+                           : bf_fail(err, BF_ENOMEM, "", "no memory for pairs of parts");
+    for (size_t g = 0; g <= IMPLICIT_GROUPS; g++)
+        group[g] = header.group[g];
+    if (status == BF_OK)
+        status = disk_implicit__cut(s, z, group, err);
+    if (status == BF_OK && !load_pairs(s, z, r, last_group))
+        status = bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are not of these parts");
+    memory_free(last_group);
+    if (status != BF_OK)
         return status;
-    }
-    disk__implicit_fini(s);
-    s->implicit = z;
+    z->is_chosen = header.is_chosen != 0;
+    z->displacement_bound = header.displacement_bound;
+    z->last_bound = header.last_bound;
     return BF_OK;
 }
 
@@ -326,31 +312,22 @@ void disk__save(const void *state, checkpoint_writer *w)
     disk_implicit__save(s, w);
 }
 
-// Whether saved parts can be those of a solver.
-static bool are_parts_sound(const disk_state *s, const char *parts, size_t n)
+// Takes n saved parts, for which there is room. False: they cannot be of this solver.
+static bool take_parts(disk_state *s, const char *parts, size_t n)
 {
+    saved_part part;
+
+    s->n = n;
     for (size_t k = 0; k < n; k++) {
-        saved_part part;
         memcpy(&part, parts + k * sizeof part, sizeof part);
         if (part.presence >= MICRO_PRESENCE_COUNT || part.kind >= s->n_kinds)
             return false;
-    }
-    return true;
-}
-
-static void take_parts(disk_state *s, const char *parts, size_t n)
-{
-    s->n = n;
-    for (size_t k = 0; k < n; k++) {
-        saved_part part;
-        memcpy(&part, parts + k * sizeof part, sizeof part);
         s->common.presence[k] = (uint8_t)part.presence;
         if (s->kind_of != NULL)
             s->kind_of[k] = part.kind;
     }
     disk__fill_slots(s);
     for (size_t k = 0; k < n; k++) {
-        saved_part part;
         memcpy(&part, parts + k * sizeof part, sizeof part);
         s->now[k].x = part.x;
         s->now[k].y = part.y;
@@ -359,30 +336,27 @@ static void take_parts(disk_state *s, const char *parts, size_t n)
         s->now[k].spin = part.spin;
         s->heading[k] = part.heading;
     }
+    return true;
 }
 
 bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
 {
     disk_state *s = state;
     saved_header header;
-    const char *parts = NULL, *commands = NULL;
+    const char *parts = NULL;
 
     if (checkpoint_read(r, &header, sizeof header))
         parts = checkpoint_read_items(r, n, sizeof(saved_part));
-    if (parts != NULL)
-        commands = plate_motion_read(&s->common.motion, r);
-    if (commands == NULL || !are_parts_sound(s, parts, n))
+    if (parts == NULL || !plate_motion_load(&s->common.motion, r))
         return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
     if (n > s->capacity && disk__resize(s, n) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
-    bf_status status = disk_implicit__load(s, n, r, err);
-    if (status != BF_OK)
-        return status;
-    take_parts(s, parts, n);
-    plate_motion_take(&s->common.motion, commands);
+    if (!take_parts(s, parts, n))
+        return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
     s->common.steps = header.steps;
     s->largest_overlap = header.largest_overlap;
     s->overlap_share = header.overlap_share;
     disk__pose_plates(s, s->common.steps);
-    return disk__rebuild(s, err);
+    const bf_status status = disk_implicit__load(s, r, err);
+    return status == BF_OK ? disk__rebuild(s, err) : status;
 }

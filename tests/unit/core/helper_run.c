@@ -97,10 +97,10 @@ bf_status helper_run(const scene *s, int n_threads, int resume, helper_run_log *
 {
     const run_sink sink = { log, take, requested };
     run *r = NULL;
-    bf_status status = run_create(s, log->model, n_threads, &r, NULL);
+    bf_status status = resume == 0 ? run_create(s, log->model, n_threads, &r, NULL)
+                                   : run_resume(s, log->model, n_threads, log->checkpoint.bytes,
+                                                log->checkpoint.n, &r, NULL);
 
-    if (status == BF_OK && resume != 0)
-        status = run_resume(r, log->checkpoint.bytes, log->checkpoint.n, NULL);
     if (status == BF_OK)
         status = run_execute(r, &sink, NULL);
     // What every run that is done says of itself is what its scenario lets expect.

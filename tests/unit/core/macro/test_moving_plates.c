@@ -400,10 +400,8 @@ static void load(const model *m, const bf_buffer *saved)
     checkpoint_reader r;
 
     assert_int_equal(checkpoint_open(&r, saved->bytes, saved->n, CHECKPOINT_RUN, 0, NULL), BF_OK);
-    const char *commands = moving_plates_read(m->plates, &r);
-    assert_non_null(commands);
+    assert_true(moving_plates_load(m->plates, m->solver, &r));
     assert_int_equal(macro_load(m->solver, r.at, r.n_left, NULL), BF_OK);
-    moving_plates_take(m->plates, commands, m->solver);
 }
 
 static void turn_to(const model *m, double angle, double over)
@@ -467,11 +465,11 @@ static void damaged_places_are_refused(void **state)
     for (size_t n = 0; n < 2; n++) {
         double places[2] = { n == 0 ? NAN : 0.0, n == 1 ? 0.5 : 1.0 };
         checkpoint_reader damaged = { (const char *)places, sizeof places };
-        assert_null(moving_plates_read(m.plates, &damaged));
+        assert_false(moving_plates_load(m.plates, m.solver, &damaged));
     }
     for (size_t n = 0; n < 2 * sizeof(double) + 1; n++) {
         checkpoint_reader cut = { r.at, n };
-        assert_null(moving_plates_read(m.plates, &cut));
+        assert_false(moving_plates_load(m.plates, m.solver, &cut));
     }
     buffer_fini(&saved);
     stop(&m);

@@ -157,31 +157,38 @@ static void an_interrupted_run_ends_with_the_same_bits(void **state)
     free(w);
 }
 
-static void damaged_states_are_refused_and_change_nothing(void **state)
+// What a new solver makes of a state; it has then made ret_steps.
+static bf_status load(helper_disk_state *w, const char *bytes, size_t n, uint64_t *ret_steps)
+{
+    micro_solver *s = start(w, 1);
+    const bf_status status = micro_load(s, bytes, n, NULL);
+
+    *ret_steps = micro_steps(s);
+    micro_destroy(s);
+    return status;
+}
+
+static void damaged_states_are_refused(void **state)
 {
     helper_disk_state *w = make_crowd(false);
     bf_buffer saved = { 0 };
+    uint64_t steps;
 
     (void)state;
     w->def.n_parts = 20;
     micro_solver *s = start(w, 1);
     assert_int_equal(micro_advance(s, 5, NULL), BF_OK);
     assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
-    assert_int_equal(micro_advance(s, 5, NULL), BF_OK);
-    uint64_t before = micro_digest(s);
     for (size_t k = 0; k < saved.n; k++) {
         saved.bytes[k] ^= 4;
-        assert_int_equal(micro_load(s, saved.bytes, saved.n, NULL), BF_ECORRUPT);
+        assert_int_equal(load(w, saved.bytes, saved.n, &steps), BF_ECORRUPT);
         saved.bytes[k] ^= 4;
-        assert_int_equal(micro_load(s, saved.bytes, k, NULL), BF_ECORRUPT);
+        assert_int_equal(load(w, saved.bytes, k, &steps), BF_ECORRUPT);
     }
-    assert_true(micro_digest(s) == before);
+    assert_int_equal(load(w, saved.bytes, saved.n, &steps), BF_OK);
+    assert_int_equal(steps, 5);
     w->def.gravity = 9.8;
-    micro_solver *other = start(w, 1);
-    assert_int_equal(micro_load(other, saved.bytes, saved.n, NULL), BF_ECORRUPT);
-    assert_int_equal(micro_load(s, saved.bytes, saved.n, NULL), BF_OK);
-    assert_int_equal(micro_steps(s), 5);
-    micro_destroy(other);
+    assert_int_equal(load(w, saved.bytes, saved.n, &steps), BF_ECORRUPT);
     micro_destroy(s);
     buffer_fini(&saved);
     free(w);
@@ -292,7 +299,7 @@ int main(void)
         cmocka_unit_test(one_and_two_threads_give_the_same_bits),
         cmocka_unit_test(all_instruction_sets_give_the_same_bits),
         cmocka_unit_test(an_interrupted_run_ends_with_the_same_bits),
-        cmocka_unit_test(damaged_states_are_refused_and_change_nothing),
+        cmocka_unit_test(damaged_states_are_refused),
         cmocka_unit_test(without_memory_nothing_is_lost),
         cmocka_unit_test(bad_definitions_are_refused_where_they_are_bad),
         cmocka_unit_test(an_impossible_state_is_reported_with_step_time_and_part),

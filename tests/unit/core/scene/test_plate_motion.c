@@ -262,8 +262,8 @@ static void what_was_commanded_is_saved_and_loaded(void **state)
     assert_int_equal(checkpoint_open(&r, bytes.bytes, bytes.n, CHECKPOINT_DISK, 1, NULL), BF_OK);
     checkpoint_reader cut = r;
     cut.n_left--;
-    assert_null(plate_motion_read(&to, &cut));
-    plate_motion_take(&to, plate_motion_read(&to, &r));
+    assert_false(plate_motion_load(&to, &cut));
+    assert_true(plate_motion_load(&to, &r));
     assert_int_equal(r.n_left, 0);
     assert_true(plate_motion_angle(&to, 1, 3.0) == 0.5);
     assert_false(plate_motion_is_present(&to, 1, 3.0));
@@ -287,7 +287,7 @@ static void a_state_that_is_not_one_is_refused(void **state)
     plate_motion motion = motion_of(&o);
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         checkpoint_reader r = { (const char *)&bad[k], sizeof *bad };
-        assert_null(plate_motion_read(&motion, &r));
+        assert_false(plate_motion_load(&motion, &r));
     }
     plate_motion_fini(&motion);
 }
