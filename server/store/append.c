@@ -8,7 +8,6 @@
 #include "server/base/metrics.h"
 
 #include <math.h>
-#include <sqlite3.h>
 #include <string.h>
 
 /// A batch on its way into the store.
@@ -147,13 +146,10 @@ static bf_status check_curve(const store__appending *context, const store_item *
 static bf_status insert_samples(store__connection *writer, store__appending *context,
                                 const frame_curve *c, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_INSERT_SAMPLES);
-    store__bind_integer(&q, context->row.results);
-    store__bind_integer(&q, (int64_t)c->first);
-    store__bind_integer(&q, c->n);
-    store__bind_blob(&q, c->t, c->n * sizeof(double));
-    store__bind_blob(&q, c->values, (size_t)c->n * c->n_columns * sizeof(double));
-    bf_status status = store__run(&q, err);
+    bf_status status =
+        store__exec(writer, STORE__SQL_INSERT_SAMPLES, err, INTEGER(context->row.results),
+                    INTEGER(c->first), INTEGER(c->n), BLOB(c->t, c->n * sizeof(double)),
+                    BLOB(c->values, (size_t)c->n * c->n_columns * sizeof(double)));
     if (status == BF_OK) {
         context->row.run.n_samples += c->n;
         context->n_bytes += (size_t)c->n * (c->n_columns + 1) * sizeof(double);
@@ -224,16 +220,13 @@ static bf_status replace_figures(store__connection *writer, store__row *row, con
 // How many changes the run has.
 static bf_status count_changes(store__connection *writer, store__appending *context, bf_error *err)
 {
-    bool has_row = false;
+    int64_t n = 0;
 
     if (context->has_changes)
         return BF_OK;
-    store__query q = store__begin(writer, STORE__SQL_COUNT_CHANGES);
-    store__bind_integer(&q, context->row.rowid);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK)
-        context->n_changes = (uint64_t)sqlite3_column_int64(q.statement, 0);
-    store__end(&q);
+    bf_status status =
+        store__find_number(writer, STORE__SQL_COUNT_CHANGES, &n, err, INTEGER(context->row.rowid));
+    context->n_changes = (uint64_t)n;
     context->has_changes = status == BF_OK;
     return status;
 }
@@ -251,11 +244,8 @@ static bf_status append_change(store__connection *writer, store__appending *cont
                        "the changes of photo eyes and drives have a gap: number %llu "
                        "came after %llu",
                        (unsigned long long)item->first, (unsigned long long)context->n_changes);
-    store__query q = store__begin(writer, STORE__SQL_INSERT_CHANGE);
-    store__bind_integer(&q, context->row.results);
-    store__bind_integer(&q, (int64_t)item->first);
-    store__bind_text(&q, item->event.bytes, item->event.n);
-    status = store__run(&q, err);
+    status = store__exec(writer, STORE__SQL_INSERT_CHANGE, err, INTEGER(context->row.results),
+                         INTEGER(item->first), TEXT_OF(item->event.bytes, item->event.n));
     if (status != BF_OK)
         return status;
     context->n_changes++;
@@ -302,10 +292,8 @@ static bf_status grow_results(store__connection *writer, const store__appending 
 {
     if (context->n_bytes == 0)
         return BF_OK;
-    store__query q = store__begin(writer, STORE__SQL_GROW_RESULTS);
-    store__bind_integer(&q, context->row.results);
-    store__bind_integer(&q, (int64_t)context->n_bytes);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_GROW_RESULTS, err, INTEGER(context->row.results),
+                       INTEGER(context->n_bytes));
 }
 
 // Whether the batch brought the run further than any attempt before.

@@ -126,21 +126,8 @@ static bf_status fail_missing(bf_error *err)
 static bf_status insert_chunk(store__connection *writer, const int64_t key[4], const char *bytes,
                               size_t n, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_INSERT_CHUNK);
-    for (int i = 0; i < 4; i++)
-        store__bind_integer(&q, key[i]);
-    store__bind_blob(&q, bytes, n);
-    return store__run(&q, err);
-}
-
-static store__query begin_blob(store__connection *c, store__sql sql, int64_t results,
-                               store__blob kind, uint64_t item)
-{
-    store__query q = store__begin(c, sql);
-    store__bind_integer(&q, results);
-    store__bind_integer(&q, kind);
-    store__bind_integer(&q, (int64_t)item);
-    return q;
+    return store__exec(writer, STORE__SQL_INSERT_CHUNK, err, INTEGER(key[0]), INTEGER(key[1]),
+                       INTEGER(key[2]), INTEGER(key[3]), BLOB(bytes, n));
 }
 
 // A blob begins in the place of what is there of it; what follows must follow it.
@@ -182,7 +169,8 @@ bf_status store__get_chunks(store__connection *c, int64_t results, store__blob k
     bool has_row = true;
     bf_status status = BF_OK;
 
-    store__query q = begin_blob(c, STORE__SQL_LIST_CHUNKS, results, kind, item);
+    store__query q =
+        store__start(c, STORE__SQL_LIST_CHUNKS, INTEGER(results), INTEGER(kind), INTEGER(item));
     for (int64_t part = 0; status == BF_OK && has_row; part++) {
         status = store__next(&q, &has_row, err);
         if (status == BF_OK && has_row && sqlite3_column_int64(q.statement, 1) != part)
@@ -201,8 +189,8 @@ bf_status store__get_chunk(store__connection *c, int64_t results, store__blob ki
 {
     bool has_row = false;
 
-    store__query q = begin_blob(c, STORE__SQL_GET_CHUNK, results, kind, item);
-    store__bind_integer(&q, (int64_t)part);
+    store__query q = store__start(c, STORE__SQL_GET_CHUNK, INTEGER(results), INTEGER(kind),
+                                  INTEGER(item), INTEGER(part));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row)
         status = store__column_bytes(&q, 0, out, err);
@@ -215,30 +203,25 @@ bf_status store__get_chunk(store__connection *c, int64_t results, store__blob ki
 bf_status store__count_chunks(store__connection *c, int64_t results, store__blob kind,
                               uint64_t item, uint64_t *ret_n, bf_error *err)
 {
-    bool has_row = false;
+    int64_t n = 0;
 
-    store__query q = begin_blob(c, STORE__SQL_COUNT_CHUNKS, results, kind, item);
-    bf_status status = store__next(&q, &has_row, err);
+    bf_status status = store__find_number(c, STORE__SQL_COUNT_CHUNKS, &n, err, INTEGER(results),
+                                          INTEGER(kind), INTEGER(item));
     if (status == BF_OK)
-        *ret_n = (uint64_t)sqlite3_column_int64(q.statement, 0);
-    store__end(&q);
+        *ret_n = (uint64_t)n;
     return status;
 }
 
 bf_status store__delete_chunks(store__connection *writer, int64_t results, store__blob kind,
                                uint64_t item, bf_error *err)
 {
-    store__query q = begin_blob(writer, STORE__SQL_DELETE_CHUNKS, results, kind, item);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_DELETE_CHUNKS, err, INTEGER(results), INTEGER(kind),
+                       INTEGER(item));
 }
 
 bf_status store__delete_open_snapshots(store__connection *writer, int64_t results, uint64_t first,
                                        bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_DELETE_OPEN_SNAPSHOTS);
-    store__bind_integer(&q, results);
-    store__bind_integer(&q, STORE__BLOB_SNAPSHOT);
-    store__bind_integer(&q, STORE__BLOB_PARTS);
-    store__bind_integer(&q, (int64_t)first);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_DELETE_OPEN_SNAPSHOTS, err, INTEGER(results),
+                       INTEGER(STORE__BLOB_SNAPSHOT), INTEGER(STORE__BLOB_PARTS), INTEGER(first));
 }

@@ -153,10 +153,8 @@ static bf_status apply_external_id(store__connection *writer, store__operation *
 {
     const external_id_context *context = operation->context;
 
-    store__query q = store__begin(writer, STORE__SQL_SET_EXTERNAL_ID);
-    store__bind_text(&q, context->id, strlen(context->id));
-    store__bind_text(&q, context->external_id, strlen(context->external_id));
-    bf_status status = store__run(&q, err);
+    bf_status status = store__exec(writer, STORE__SQL_SET_EXTERNAL_ID, err, TEXT(context->id),
+                                   TEXT(context->external_id));
     if (status == BF_OK && sqlite3_changes(writer->db) == 0)
         return bf_fail(err, BF_ECONFLICT, "", "the run is not running");
     return status;
@@ -256,10 +254,7 @@ static bf_status request_stop(store__connection *writer, store__operation *opera
         return BF_OK;
     memcpy(operation->changed, row->run.id, API_ID_SIZE);
     operation->asks_stop = true;
-    store__query q = store__begin(writer, STORE__SQL_REQUEST_STOP);
-    store__bind_integer(&q, row->rowid);
-    store__bind_integer(&q, how);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_REQUEST_STOP, err, INTEGER(row->rowid), INTEGER(how));
 }
 
 static bf_status apply_cancel(store__connection *writer, store__operation *operation, bf_error *err)
@@ -363,9 +358,8 @@ static bf_status list_runs_of_study(store *s, const char *study_id, size_t n_mos
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(reader, STORE__SQL_LIST_RUNS_OF_STUDY);
-    store__bind_text(&q, study_id, strlen(study_id));
-    store__bind_integer(&q, (int64_t)n_most);
+    store__query q =
+        store__start(reader, STORE__SQL_LIST_RUNS_OF_STUDY, TEXT(study_id), INTEGER(n_most));
     while (status == BF_OK && *ret_n < n_most) {
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)

@@ -16,11 +16,9 @@ bf_status store__column_code(const store__query *q, int column)
     return find_code(word);
 }
 
-void store__bind_code(store__query *q, bf_status code)
+const char *store__code_word(bf_status code)
 {
-    const char *word = code == BF_OK ? "" : bf_status_word(code);
-
-    store__bind_text(q, word, strlen(word));
+    return code == BF_OK ? "" : bf_status_word(code);
 }
 
 bool store__column_id(const store__query *q, int column, char ret_id[API_ID_SIZE])

@@ -15,15 +15,12 @@
 #define READ_TEXT(member)    store__column_text(q, i, member, sizeof member)
 #define READ_ID(member)      is_whole = store__column_id(q, i, member)
 #define READ_CODE(member)    member = store__column_code(q, i)
-#define BIND_INTEGER(member) store__bind_integer(q, (int64_t)member)
-#define BIND_REAL(member)    store__bind_real(q, member)
-#define BIND_TEXT(member)    store__bind_text(q, member, strlen(member))
-#define BIND_ID(member)      BIND_TEXT(member)
-#define BIND_CODE(member)    store__bind_code(q, member)
+#define ID(text)             TEXT(text)
+#define CODE(code)           TEXT(store__code_word(code))
 
 /// A code; codes are stored by their words, so that the list of codes may grow anywhere. An unknown word is BF_OK.
 bf_status store__column_code(const store__query *q, int column);
-void store__bind_code(store__query *q, bf_status code);
+const char *store__code_word(bf_status code);
 
 /// Read an id. False: it is longer or shorter than one.
 bool store__column_id(const store__query *q, int column, char ret_id[API_ID_SIZE]);

@@ -152,34 +152,40 @@ store__query store__begin(store__connection *c, store__sql sql)
     return q;
 }
 
-void store__bind_integer(store__query *q, int64_t value)
+void store__bind_value(store__query *q, const store__value *value)
 {
-    if (q->code == SQLITE_OK)
-        q->code = sqlite3_bind_int64(q->statement, ++q->n_bound, value);
-}
+    // A NULL pointer would bind NULL, which is not the empty text or blob.
+    const void *bytes = value->n == 0 ? "" : value->bytes;
 
-void store__bind_real(store__query *q, double value)
-{
     if (q->code != SQLITE_OK)
         return;
-    q->n_bound++;
-    q->code = isfinite(value) ? sqlite3_bind_double(q->statement, q->n_bound, value)
-                              : sqlite3_bind_null(q->statement, q->n_bound);
-}
-
-void store__bind_text(store__query *q, const char *text, size_t n)
-{
-    // A NULL pointer would bind NULL, which is not the empty text.
-    if (q->code == SQLITE_OK)
-        q->code = sqlite3_bind_text64(q->statement, ++q->n_bound, n == 0 ? "" : text, n,
-                                      SQLITE_STATIC, SQLITE_UTF8);
-}
-
-void store__bind_blob(store__query *q, const void *bytes, size_t n)
-{
-    if (q->code == SQLITE_OK)
+    const int at = ++q->n_bound;
+    switch (value->kind) {
+    case STORE__INTEGER:
+        q->code = sqlite3_bind_int64(q->statement, at, value->integer);
+        break;
+    case STORE__REAL:
+        q->code = isfinite(value->real) ? sqlite3_bind_double(q->statement, at, value->real)
+                                        : sqlite3_bind_null(q->statement, at);
+        break;
+    case STORE__TEXT:
         q->code =
-            sqlite3_bind_blob64(q->statement, ++q->n_bound, n == 0 ? "" : bytes, n, SQLITE_STATIC);
+            sqlite3_bind_text64(q->statement, at, bytes, value->n, SQLITE_STATIC, SQLITE_UTF8);
+        break;
+    case STORE__BLOB:
+        q->code = sqlite3_bind_blob64(q->statement, at, bytes, value->n, SQLITE_STATIC);
+        break;
+    }
+}
+
+store__query store__start_with(store__connection *c, store__sql sql, const store__value *values,
+                               size_t n)
+{
+    store__query q = store__begin(c, sql);
+
+    for (size_t k = 0; k < n; k++)
+        store__bind_value(&q, &values[k]);
+    return q;
 }
 
 bf_status store__next(store__query *q, bool *ret_has_row, bf_error *err)
@@ -213,23 +219,35 @@ bf_status store__run(store__query *q, bf_error *err)
     return status;
 }
 
-bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err)
+bf_status store__exec_with(store__connection *c, store__sql sql, bf_error *err,
+                           const store__value *values, size_t n)
 {
-    store__query q = store__begin(c, sql);
+    store__query q = store__start_with(c, sql, values, n);
     return store__run(&q, err);
 }
 
-bf_status store__read_number(store__connection *c, store__sql sql, int64_t *ret_number,
-                             bf_error *err)
+bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err)
+{
+    return store__exec_with(c, sql, err, NULL, 0);
+}
+
+bf_status store__find_number_with(store__connection *c, store__sql sql, int64_t *ret_number,
+                                  bf_error *err, const store__value *values, size_t n)
 {
     bool has_row = false;
 
-    store__query q = store__begin(c, sql);
+    store__query q = store__start_with(c, sql, values, n);
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
         *ret_number = has_row ? sqlite3_column_int64(q.statement, 0) : 0;
     store__end(&q);
     return status;
+}
+
+bf_status store__read_number(store__connection *c, store__sql sql, int64_t *ret_number,
+                             bf_error *err)
+{
+    return store__find_number_with(c, sql, ret_number, err, NULL, 0);
 }
 
 double store__column_real(const store__query *q, int column)

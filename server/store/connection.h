@@ -65,14 +65,52 @@ void store__disconnect(store__connection *c);
 /// Turn a result code of SQLite into an error, with SQLite's own text where there is one.
 bf_status store__fail(struct sqlite3 *db, int code, bf_error *err);
 
+/// A parameter of a statement, made by the macros below.
+typedef struct store__value {
+    enum { STORE__INTEGER, STORE__REAL, STORE__TEXT, STORE__BLOB } kind; ///< which members count
+    int64_t integer;                                                     ///< of STORE__INTEGER
+    double real;       ///< of STORE__REAL; not finite: NULL
+    const void *bytes; ///< of text and blob; the caller's until store__end()
+    size_t n;          ///< bytes
+} store__value;
+
+#define INTEGER(value)                                                                             \
+    {                                                                                              \
+        .kind = STORE__INTEGER, .integer = (int64_t)(value)                                        \
+    }
+#define REAL(value)                                                                                \
+    {                                                                                              \
+        .kind = STORE__REAL, .real = (value)                                                       \
+    }
+#define TEXT(text)                                                                                 \
+    {                                                                                              \
+        .kind = STORE__TEXT, .bytes = (text), .n = strlen(text)                                    \
+    }
+#define TEXT_OF(bytes_, n_)                                                                        \
+    {                                                                                              \
+        .kind = STORE__TEXT, .bytes = (bytes_), .n = (n_)                                          \
+    }
+#define BLOB(bytes_, n_)                                                                           \
+    {                                                                                              \
+        .kind = STORE__BLOB, .bytes = (bytes_), .n = (n_)                                          \
+    }
+
+/// An array of the values, and how many they are.
+#define STORE__VALUES(...)                                                                         \
+    (const store__value[]){ __VA_ARGS__ },                                                         \
+        sizeof((const store__value[]){ __VA_ARGS__ }) / sizeof(store__value)
+
 /// Begin to use a statement. End with store__end(), whatever happens between.
 store__query store__begin(store__connection *c, store__sql sql);
 
-/// Bind the next parameter. Texts and blobs are the caller's and must stay until store__end().
-void store__bind_integer(store__query *q, int64_t value);
-void store__bind_real(store__query *q, double value); ///< not finite: NULL
-void store__bind_text(store__query *q, const char *text, size_t n);
-void store__bind_blob(store__query *q, const void *bytes, size_t n);
+/// Bind the next parameter: store__bind(&q, TEXT(id)).
+#define store__bind(q, ...) store__bind_value(q, &(const store__value)__VA_ARGS__)
+void store__bind_value(store__query *q, const store__value *value);
+
+/// Begin to use a statement with values for its parameters: store__start(c, sql, INTEGER(number), TEXT(id)).
+#define store__start(c, sql, ...) store__start_with(c, sql, STORE__VALUES(__VA_ARGS__))
+store__query store__start_with(store__connection *c, store__sql sql, const store__value *values,
+                               size_t n);
 
 /// Step to the next row, or to the end.
 BF_MUST_CHECK bf_status store__next(store__query *q, bool *ret_has_row, bf_error *err);
@@ -83,10 +121,20 @@ void store__end(store__query *q);
 /// Step a statement without rows to its end, and end it.
 BF_MUST_CHECK bf_status store__run(store__query *q, bf_error *err);
 
+/// The same with values for its parameters: store__exec(c, sql, err, INTEGER(number)).
+#define store__exec(c, sql, err, ...) store__exec_with(c, sql, err, STORE__VALUES(__VA_ARGS__))
+BF_MUST_CHECK bf_status store__exec_with(store__connection *c, store__sql sql, bf_error *err,
+                                         const store__value *values, size_t n);
+
 /// Run a statement that has neither parameters nor rows.
 BF_MUST_CHECK bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err);
 
-/// The number that a statement without parameters gives in its first row; 0: no row.
+/// The number in the first row of a statement; 0: no row. That without parameters is store__read_number().
+#define store__find_number(c, sql, ret_number, err, ...)                                           \
+    store__find_number_with(c, sql, ret_number, err, STORE__VALUES(__VA_ARGS__))
+BF_MUST_CHECK bf_status store__find_number_with(store__connection *c, store__sql sql,
+                                                int64_t *ret_number, bf_error *err,
+                                                const store__value *values, size_t n);
 BF_MUST_CHECK bf_status store__read_number(store__connection *c, store__sql sql,
                                            int64_t *ret_number, bf_error *err);
 

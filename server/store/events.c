@@ -16,12 +16,9 @@
 bf_status store__insert_event(store__connection *writer, store__row *row, api_event_type type,
                               uint64_t item, const bf_buffer *data, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_INSERT_EVENT);
-    store__bind_integer(&q, row->rowid);
-    store__bind_integer(&q, type);
-    store__bind_integer(&q, (int64_t)item);
-    store__bind_text(&q, data->n > 0 ? data->bytes : "", data->n);
-    bf_status status = store__run(&q, err);
+    bf_status status =
+        store__exec(writer, STORE__SQL_INSERT_EVENT, err, INTEGER(row->rowid), INTEGER(type),
+                    INTEGER(item), TEXT_OF(data->n > 0 ? data->bytes : "", data->n));
     if (status == BF_OK) {
         row->run.last_event = (uint64_t)sqlite3_last_insert_rowid(writer->db);
         row->n_bytes += data->n;
@@ -59,9 +56,8 @@ static bf_status get_samples(store__connection *reader, const store__row *row, u
 {
     bool has_row = false;
 
-    store__query q = store__begin(reader, STORE__SQL_GET_SAMPLES);
-    store__bind_integer(&q, row->results);
-    store__bind_integer(&q, (int64_t)first);
+    store__query q =
+        store__start(reader, STORE__SQL_GET_SAMPLES, INTEGER(row->results), INTEGER(first));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row) {
         got->n = (size_t)sqlite3_column_int64(q.statement, 0);
@@ -129,9 +125,8 @@ static bf_status describe_change(store__connection *reader, const store__row *ro
     bf_buffer data = { 0 };
     bool has_row = false;
 
-    store__query q = store__begin(reader, STORE__SQL_GET_CHANGE);
-    store__bind_integer(&q, row->results);
-    store__bind_integer(&q, (int64_t)index);
+    store__query q =
+        store__start(reader, STORE__SQL_GET_CHANGE, INTEGER(row->results), INTEGER(index));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row)
         status = store__column_bytes(&q, 0, &data, err);
@@ -174,15 +169,12 @@ typedef struct event_merge {
 static bf_status find_head(store__connection *reader, event_merge *merge, size_t which,
                            uint64_t after, bf_error *err)
 {
-    bool has_row = false;
+    int64_t event = 0;
 
-    store__query q = store__begin(reader, STORE__SQL_NEXT_EVENT);
-    store__bind_integer(&q, merge->rows[which].rowid);
-    store__bind_integer(&q, (int64_t)after);
-    bf_status status = store__next(&q, &has_row, err);
+    bf_status status = store__find_number(reader, STORE__SQL_NEXT_EVENT, &event, err,
+                                          INTEGER(merge->rows[which].rowid), INTEGER(after));
     if (status == BF_OK)
-        merge->heads[which] = has_row ? (uint64_t)sqlite3_column_int64(q.statement, 0) : 0;
-    store__end(&q);
+        merge->heads[which] = (uint64_t)event;
     return status;
 }
 
@@ -220,8 +212,7 @@ static bf_status copy_head(store__connection *reader, event_merge *merge, size_t
 {
     bool has_row = false;
 
-    store__query q = store__begin(reader, STORE__SQL_GET_EVENT);
-    store__bind_integer(&q, (int64_t)merge->heads[which]);
+    store__query q = store__start(reader, STORE__SQL_GET_EVENT, INTEGER(merge->heads[which]));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
         status = has_row ? copy_event(&q, 0, merge, which, err)
@@ -328,8 +319,7 @@ static bf_status copy_changes(store__connection *reader, const char *id, event_m
     bf_status status = store__find_row(reader, id, &merge->rows[0], err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(reader, STORE__SQL_LIST_CHANGES);
-    store__bind_integer(&q, merge->rows[0].rowid);
+    store__query q = store__start(reader, STORE__SQL_LIST_CHANGES, INTEGER(merge->rows[0].rowid));
     while (status == BF_OK && (status = store__next(&q, &has_row, err)) == BF_OK && has_row) {
         merge->heads[0] = (uint64_t)sqlite3_column_int64(q.statement, 0);
         status = copy_event(&q, 1, merge, 0, err);

@@ -53,9 +53,7 @@ void store__free_key(store *s, store__key *key)
 
 bf_status store__expire_keys(store__connection *writer, int64_t before_ms, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_EXPIRE_KEYS);
-    store__bind_integer(&q, before_ms);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_EXPIRE_KEYS, err, INTEGER(before_ms));
 }
 
 static bf_status read_answer(const store__query *q, const store__key *key, api_acceptance *accepted,
@@ -84,9 +82,7 @@ bf_status store__find_answer(store__connection *writer, const store *s, const st
     bf_status status = store__expire_keys(writer, now_ms - s->idempotency_ms, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(writer, STORE__SQL_FIND_KEY);
-    store__bind_text(&q, key->route, strlen(key->route));
-    store__bind_text(&q, key->text, strlen(key->text));
+    store__query q = store__start(writer, STORE__SQL_FIND_KEY, TEXT(key->route), TEXT(key->text));
     status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row)
         status = read_answer(&q, key, accepted, err);
@@ -99,22 +95,14 @@ bf_status store__find_answer(store__connection *writer, const store *s, const st
 static bf_status trim_keys(store__connection *writer, const store__key *key, bf_error *err)
 {
     const int64_t last = sqlite3_last_insert_rowid(writer->db);
-    int64_t n_most = 0;
-    bool has_row = false;
+    int64_t first = 0;
 
-    store__query q = store__begin(writer, STORE__SQL_OLDEST_KEY);
-    store__bind_text(&q, key->route, strlen(key->route));
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK)
-        n_most = last - sqlite3_column_int64(q.statement, 0) + 1;
-    store__end(&q);
-    const int64_t n_beyond = n_most - KEYS_MAX;
+    bf_status status =
+        store__find_number(writer, STORE__SQL_OLDEST_KEY, &first, err, TEXT(key->route));
+    const int64_t n_beyond = last - first + 1 - KEYS_MAX;
     if (status != BF_OK || n_beyond <= 0 || (n_beyond >= TRIM_EVERY && n_beyond % TRIM_EVERY != 0))
         return status;
-    q = store__begin(writer, STORE__SQL_TRIM_KEYS);
-    store__bind_text(&q, key->route, strlen(key->route));
-    store__bind_integer(&q, KEYS_MAX);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_TRIM_KEYS, err, TEXT(key->route), INTEGER(KEYS_MAX));
 }
 
 bf_status store__insert_answer(store__connection *writer, const store__key *key, int64_t at_ms,
@@ -122,14 +110,9 @@ bf_status store__insert_answer(store__connection *writer, const store__key *key,
 {
     if (key->text[0] == '\0')
         return BF_OK;
-    store__query q = store__begin(writer, STORE__SQL_INSERT_KEY);
-    store__bind_text(&q, key->route, strlen(key->route));
-    store__bind_text(&q, key->text, strlen(key->text));
-    store__bind_blob(&q, key->digest, sizeof key->digest);
-    store__bind_text(&q, accepted->id, strlen(accepted->id));
-    store__bind_integer(&q, (int64_t)accepted->revision);
-    store__bind_integer(&q, at_ms);
-    store__bind_text(&q, accepted->answer.bytes, accepted->answer.n);
-    bf_status status = store__run(&q, err);
+    bf_status status = store__exec(writer, STORE__SQL_INSERT_KEY, err, TEXT(key->route),
+                                   TEXT(key->text), BLOB(key->digest, sizeof key->digest),
+                                   TEXT(accepted->id), INTEGER(accepted->revision), INTEGER(at_ms),
+                                   TEXT_OF(accepted->answer.bytes, accepted->answer.n));
     return status == BF_OK ? trim_keys(writer, key, err) : status;
 }

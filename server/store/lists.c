@@ -42,27 +42,24 @@ static list_way choose_list(const api_list_query *query)
     return (list_way){ STORE__SQL_LIST_ALL, STORE__SQL_LAST_ALL, has_model };
 }
 
-static void bind_text(store__query *q, const char *text)
-{
-    store__bind_text(q, text, strlen(text));
-}
-
 static void bind_filters(store__query *q, const api_list_query *query, int64_t n)
 {
     // Every id is less than "~".
-    bind_text(q, query->before[0] == '\0' ? "~" : query->before);
-    store__bind_integer(q, n);
-    store__bind_integer(q, query->model);
-    store__bind_integer(q, query->state);
-    bind_text(q, query->label);
-    bind_text(q, query->owner);
-    bind_text(q, query->study);
+    const char *before = query->before[0] == '\0' ? "~" : query->before;
+
+    store__bind(q, TEXT(before));
+    store__bind(q, INTEGER(n));
+    store__bind(q, INTEGER(query->model));
+    store__bind(q, INTEGER(query->state));
+    store__bind(q, TEXT(query->label));
+    store__bind(q, TEXT(query->owner));
+    store__bind(q, TEXT(query->study));
 }
 
 static void bind_search(store__query *q, const api_list_query *query)
 {
-    bind_text(q, query->search);
-    store__bind_integer(q, API_LIST_NEWEST - 1);
+    store__bind(q, TEXT(query->search));
+    store__bind(q, INTEGER(API_LIST_NEWEST - 1));
 }
 
 // The path of the key in the figures, and the key behind which the page begins. path is used until the statement ends.
@@ -72,16 +69,16 @@ static void bind_order(store__query *q, const api_list_query *query,
     const char *key = query->before_key;
 
     (void)snprintf(path, API_SORT_FIGURE_SIZE + 2, "$.%s", query->sort.figure);
-    store__bind_integer(q, query->sort.by);
-    bind_text(q, path);
+    store__bind(q, INTEGER(query->sort.by));
+    store__bind(q, TEXT(path));
     if (query->sort.by == API_SORT_CREATED)
-        bind_text(q, query->before);
+        store__bind(q, TEXT(query->before));
     else if (*key == '\0')
-        store__bind_real(q, (double)NAN);
+        store__bind(q, REAL((double)NAN));
     else if (query->sort.by == API_SORT_NAME || query->sort.by == API_SORT_LABEL)
-        store__bind_blob(q, key, strlen(key));
+        store__bind(q, BLOB(key, strlen(key)));
     else
-        store__bind_real(q, strtod(key, NULL));
+        store__bind(q, REAL(strtod(key, NULL)));
 }
 
 // The key of the present row, as text.
@@ -162,7 +159,7 @@ static bf_status read_page(store__connection *reader, const api_list_query *quer
     if (is_found)
         bind_search(&q, query);
     else
-        bind_text(&q, oldest);
+        store__bind(&q, TEXT(oldest));
     if (is_sorted(query))
         bind_order(&q, query, path);
     status = take_rows(&q, query, list, err);
@@ -184,8 +181,8 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
     store__query q =
         store__begin(reader, is_whole ? STORE__SQL_COUNT_LISTED : STORE__SQL_COUNT_FOUND);
     if (is_whole) {
-        bind_text(&q, query->study);
-        store__bind_integer(&q, API_LIST_NEWEST);
+        store__bind(&q, TEXT(query->study));
+        store__bind(&q, INTEGER(API_LIST_NEWEST));
     } else {
         bind_filters(&q, query, 0);
         bind_search(&q, query);

@@ -23,14 +23,9 @@ static bf_status fail_absent(const char *id, bf_error *err)
 
 static bf_status check_count(store__connection *writer, bf_error *err)
 {
-    bool has_row = false;
     int64_t n = 0;
 
-    store__query q = store__begin(writer, STORE__SQL_COUNT_MEASUREMENTS);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK)
-        n = sqlite3_column_int64(q.statement, 0);
-    store__end(&q);
+    bf_status status = store__read_number(writer, STORE__SQL_COUNT_MEASUREMENTS, &n, err);
     if (status == BF_OK && n >= API_MEASUREMENTS_MAX)
         return bf_fail(err, BF_ECONFLICT, "",
                        "%lld measurements are stored, the limit is %d: remove some first",
@@ -50,20 +45,13 @@ static bf_status apply_add(store__connection *writer, store__operation *operatio
         status = store__check_bytes(writer, context->store, about->owner, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(writer, STORE__SQL_INSERT_MEASUREMENT);
-    store__bind_text(&q, about->id, strlen(about->id));
-    store__bind_text(&q, about->label, strlen(about->label));
-    store__bind_text(&q, about->counter, strlen(about->counter));
-    store__bind_integer(&q, about->created_ms);
-    store__bind_integer(&q, (int64_t)about->n_samples);
-    store__bind_real(&q, about->t_start);
-    store__bind_real(&q, about->t_end);
-    store__bind_integer(&q, about->kind);
-    store__bind_text(&q, about->owner, strlen(about->owner));
-    store__bind_blob(&q, context->curve->t.bytes, context->curve->t.n);
-    store__bind_blob(&q, context->curve->values.bytes, context->curve->values.n);
-    store__bind_text(&q, context->csv->bytes, context->csv->n);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_INSERT_MEASUREMENT, err, TEXT(about->id),
+                       TEXT(about->label), TEXT(about->counter), INTEGER(about->created_ms),
+                       INTEGER(about->n_samples), REAL(about->t_start), REAL(about->t_end),
+                       INTEGER(about->kind), TEXT(about->owner),
+                       BLOB(context->curve->t.bytes, context->curve->t.n),
+                       BLOB(context->curve->values.bytes, context->curve->values.n),
+                       TEXT_OF(context->csv->bytes, context->csv->n));
 }
 
 bf_status store_add_measurement(store *s, const api_measurement *measurement,
@@ -92,9 +80,7 @@ static bf_status apply_remove(store__connection *writer, store__operation *opera
     const measure_context *context = operation->context;
     const char *id = context->about.id;
 
-    store__query q = store__begin(writer, STORE__SQL_DELETE_MEASUREMENT);
-    store__bind_text(&q, id, strlen(id));
-    bf_status status = store__run(&q, err);
+    bf_status status = store__exec(writer, STORE__SQL_DELETE_MEASUREMENT, err, TEXT(id));
     if (status == BF_OK && sqlite3_changes(writer->db) == 0)
         return fail_absent(id, err);
     return status;
@@ -150,8 +136,7 @@ static bf_status read_measurement(store__connection *reader, const char *id, api
 {
     bool has_row = false;
 
-    store__query q = store__begin(reader, STORE__SQL_FIND_MEASUREMENT);
-    store__bind_text(&q, id, strlen(id));
+    store__query q = store__start(reader, STORE__SQL_FIND_MEASUREMENT, TEXT(id));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK && !has_row)
         status = fail_absent(id, err);
@@ -204,8 +189,7 @@ static bf_status read_csv(store__connection *reader, const char *id, bf_buffer *
 {
     bool has_row = false;
 
-    store__query q = store__begin(reader, STORE__SQL_GET_MEASUREMENT_CSV);
-    store__bind_text(&q, id, strlen(id));
+    store__query q = store__start(reader, STORE__SQL_GET_MEASUREMENT_CSV, TEXT(id));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
         status = has_row ? store__column_bytes(&q, 0, out, err) : fail_absent(id, err);
@@ -234,12 +218,9 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
     bool has_label = query->label[0] != '\0', has_row = true;
     bf_status status = BF_OK;
 
-    store__query q = store__begin(reader, has_label ? STORE__SQL_LIST_MEASUREMENTS_LABEL
-                                                    : STORE__SQL_LIST_MEASUREMENTS);
-    store__bind_text(&q, before, strlen(before));
-    store__bind_integer(&q, (int64_t)query->limit + 1);
-    store__bind_text(&q, query->label, strlen(query->label));
-    store__bind_text(&q, query->owner, strlen(query->owner));
+    store__query q = store__start(
+        reader, has_label ? STORE__SQL_LIST_MEASUREMENTS_LABEL : STORE__SQL_LIST_MEASUREMENTS,
+        TEXT(before), INTEGER(query->limit + 1), TEXT(query->label), TEXT(query->owner));
     while (status == BF_OK && has_row && !list->has_more) {
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)

@@ -37,11 +37,8 @@ void store_set_quotas(store *s, const store_quotas *quotas)
 bf_status store__charge_owner(store__connection *writer, const char *owner, double cpu_s,
                               bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_CHARGE);
-    store__bind_text(&q, owner, strlen(owner));
-    store__bind_integer(&q, clock_unix_ms() / HOUR_MS);
-    store__bind_real(&q, cpu_s);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_CHARGE, err, TEXT(owner),
+                       INTEGER(clock_unix_ms() / HOUR_MS), REAL(cpu_s));
 }
 
 bf_status store__charge(store__connection *writer, store__row *row, double cpu_s, bf_error *err)
@@ -60,14 +57,11 @@ bf_status store__charge(store__connection *writer, store__row *row, double cpu_s
 static bf_status read_for(store__connection *c, store__sql sql, const char *owner,
                           uint64_t *ret_value, bf_error *err)
 {
-    bool has_row = false;
+    int64_t value = 0;
 
-    store__query q = store__begin(c, sql);
-    store__bind_text(&q, owner, strlen(owner));
-    bf_status status = store__next(&q, &has_row, err);
+    bf_status status = store__find_number(c, sql, &value, err, TEXT(owner));
     if (status == BF_OK)
-        *ret_value = has_row ? (uint64_t)sqlite3_column_int64(q.statement, 0) : 0;
-    store__end(&q);
+        *ret_value = (uint64_t)value;
     return status;
 }
 
@@ -96,10 +90,8 @@ static bf_status read_cpu(store__connection *c, const char *owner, int64_t now_m
     bool has_row = true;
 
     find_hours(now_ms, &since, &until);
-    store__query q = store__begin(c, STORE__SQL_LIST_CPU_SUMS);
-    store__bind_text(&q, owner, strlen(owner));
-    store__bind_integer(&q, since);
-    store__bind_integer(&q, until);
+    store__query q =
+        store__start(c, STORE__SQL_LIST_CPU_SUMS, TEXT(owner), INTEGER(since), INTEGER(until));
     bf_status status = store__next(&q, &has_row, err);
     while (status == BF_OK && has_row) {
         double sum_s = sqlite3_column_double(q.statement, 1);
@@ -267,9 +259,7 @@ bf_status store__forget_use(store__connection *writer, bf_error *err)
     int64_t since, until;
 
     find_hours(clock_unix_ms(), &since, &until);
-    store__query q = store__begin(writer, STORE__SQL_EXPIRE_CPU_SUMS);
-    store__bind_integer(&q, since);
-    store__bind_integer(&q, until);
-    bf_status status = store__run(&q, err);
+    bf_status status =
+        store__exec(writer, STORE__SQL_EXPIRE_CPU_SUMS, err, INTEGER(since), INTEGER(until));
     return status == BF_OK ? store__run_plain(writer, STORE__SQL_FORGET_OWNERS, err) : status;
 }

@@ -84,9 +84,8 @@ static bf_status read_samples(store__connection *reader, int64_t results, uint64
     bool has_row = true;
     bf_status status = BF_OK;
 
-    store__query q = store__begin(reader, STORE__SQL_LIST_SAMPLES);
-    store__bind_integer(&q, results);
-    store__bind_integer(&q, (int64_t)first);
+    store__query q =
+        store__start(reader, STORE__SQL_LIST_SAMPLES, INTEGER(results), INTEGER(first));
     while (status == BF_OK && has_row && curve->n < n_most) {
         status = store__next(&q, &has_row, err);
         if (status == BF_OK && has_row)
@@ -146,8 +145,7 @@ static bf_status read_items(store__connection *reader, int64_t results, api_snap
     bool has_row = true;
     bf_status status = BF_OK;
 
-    store__query q = store__begin(reader, STORE__SQL_LIST_SNAPSHOTS);
-    store__bind_integer(&q, results);
+    store__query q = store__start(reader, STORE__SQL_LIST_SNAPSHOTS, INTEGER(results));
     while (status == BF_OK && has_row) {
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)
@@ -197,9 +195,8 @@ bf_status store__find_snapshot(store__connection *reader, int64_t results, uint6
 {
     bool has_row = false;
 
-    store__query q = store__begin(reader, STORE__SQL_GET_SNAPSHOT);
-    store__bind_integer(&q, results);
-    store__bind_integer(&q, (int64_t)index);
+    store__query q =
+        store__start(reader, STORE__SQL_GET_SNAPSHOT, INTEGER(results), INTEGER(index));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row)
         *ret_snapshot = read_snapshot_row(&q);

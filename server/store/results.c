@@ -27,10 +27,9 @@ bf_status store__insert_results(store__connection *writer, const unsigned char *
     char solver[SOLVER_NAME_SIZE];
 
     (void)solver_name(solver);
-    store__query q = store__begin(writer, STORE__SQL_INSERT_RESULTS);
-    store__bind_blob(&q, digest, digest == NULL ? 0 : STORE__DIGEST_SIZE);
-    store__bind_text(&q, solver, strlen(solver));
-    bf_status status = store__run(&q, err);
+    bf_status status =
+        store__exec(writer, STORE__SQL_INSERT_RESULTS, err,
+                    BLOB(digest, digest == NULL ? 0 : STORE__DIGEST_SIZE), TEXT(solver));
     if (status == BF_OK)
         row->results = sqlite3_last_insert_rowid(writer->db);
     return status;
@@ -39,10 +38,7 @@ bf_status store__insert_results(store__connection *writer, const unsigned char *
 bf_status store__mark_results(store__connection *writer, int64_t results, store__results state,
                               bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_MARK_RESULTS);
-    store__bind_integer(&q, results);
-    store__bind_integer(&q, state);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_MARK_RESULTS, err, INTEGER(results), INTEGER(state));
 }
 
 bf_status store__invalidate_results(store__connection *writer, bf_error *err)
@@ -50,24 +46,19 @@ bf_status store__invalidate_results(store__connection *writer, bf_error *err)
     char solver[SOLVER_NAME_SIZE];
 
     (void)solver_name(solver);
-    store__query q = store__begin(writer, STORE__SQL_INVALIDATE_RESULTS);
-    store__bind_text(&q, solver, strlen(solver));
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_INVALIDATE_RESULTS, err, TEXT(solver));
 }
 
 // Whether the results are so dear to copy that the same work is rather done again, at the cost of who asks.
 static bf_status is_dear(store__connection *c, const store__row *solved, bool *ret_is_dear,
                          bf_error *err)
 {
-    bool has_row = false;
+    int64_t n = 0;
 
-    store__query q = store__begin(c, STORE__SQL_COUNT_SOME_CHANGES);
-    store__bind_integer(&q, solved->rowid);
-    store__bind_integer(&q, REUSED_CHANGES_MAX + 1);
-    bf_status status = store__next(&q, &has_row, err);
+    bf_status status = store__find_number(c, STORE__SQL_COUNT_SOME_CHANGES, &n, err,
+                                          INTEGER(solved->rowid), INTEGER(REUSED_CHANGES_MAX + 1));
     if (status == BF_OK)
-        *ret_is_dear = sqlite3_column_int64(q.statement, 0) > REUSED_CHANGES_MAX;
-    store__end(&q);
+        *ret_is_dear = n > REUSED_CHANGES_MAX;
     return status;
 }
 
@@ -78,9 +69,8 @@ bf_status store__find_solved(store__connection *c, const unsigned char digest[ST
     bool has_too_many = false;
 
     (void)solver_name(solver);
-    store__query q = store__begin(c, STORE__SQL_FIND_SOLVED);
-    store__bind_blob(&q, digest, STORE__DIGEST_SIZE);
-    store__bind_text(&q, solver, strlen(solver));
+    store__query q =
+        store__start(c, STORE__SQL_FIND_SOLVED, BLOB(digest, STORE__DIGEST_SIZE), TEXT(solver));
     bf_status status = store__next(&q, ret_is_solved, err);
     if (status == BF_OK && *ret_is_solved)
         status = store__read_row(&q, ret_row, err);
@@ -123,24 +113,17 @@ static bf_status copy_texts(store__connection *writer, const store__row *solved,
 static bf_status copy_events(store__connection *writer, const store__row *solved,
                              const store__row *row, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_COPY_EVENTS);
-    store__bind_integer(&q, row->rowid);
-    store__bind_integer(&q, solved->rowid);
-    store__bind_text(&q, row->run.id, strlen(row->run.id));
-    store__bind_text(&q, solved->run.id, strlen(solved->run.id));
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_COPY_EVENTS, err, INTEGER(row->rowid),
+                       INTEGER(solved->rowid), TEXT(row->run.id), TEXT(solved->run.id));
 }
 
 static bf_status count_events(store__connection *writer, store__row *row, bf_error *err)
 {
-    bool has_row = false;
+    int64_t n = 0;
 
-    store__query q = store__begin(writer, STORE__SQL_SUM_EVENTS);
-    store__bind_integer(&q, row->rowid);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK)
-        row->n_bytes += (uint64_t)sqlite3_column_int64(q.statement, 0);
-    store__end(&q);
+    bf_status status =
+        store__find_number(writer, STORE__SQL_SUM_EVENTS, &n, err, INTEGER(row->rowid));
+    row->n_bytes += (uint64_t)n;
     return status;
 }
 
@@ -172,8 +155,7 @@ bf_status store__reuse_results(store__connection *writer, const store__row *solv
 static bf_status are_used(store__connection *writer, int64_t results, bool *ret_are_used,
                           bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_ARE_USED);
-    store__bind_integer(&q, results);
+    store__query q = store__start(writer, STORE__SQL_ARE_USED, INTEGER(results));
     bf_status status = store__next(&q, ret_are_used, err);
     store__end(&q);
     return status;
@@ -182,18 +164,14 @@ static bf_status are_used(store__connection *writer, int64_t results, bool *ret_
 // Foreign keys delete with the set the samples and snapshots that refer to it (I9).
 static bf_status delete_results(store__connection *writer, int64_t results, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_DELETE_RESULTS);
-    store__bind_integer(&q, results);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_DELETE_RESULTS, err, INTEGER(results));
 }
 
 static bf_status collect(store__connection *writer, int64_t results, bool *ret_is_over,
                          bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_COLLECT_CHUNKS);
-    store__bind_integer(&q, results);
-    store__bind_integer(&q, COLLECT_CHUNKS);
-    bf_status status = store__run(&q, err);
+    bf_status status = store__exec(writer, STORE__SQL_COLLECT_CHUNKS, err, INTEGER(results),
+                                   INTEGER(COLLECT_CHUNKS));
     if (status != BF_OK)
         return status;
     *ret_is_over = sqlite3_changes(writer->db) < COLLECT_CHUNKS;
@@ -218,9 +196,7 @@ bf_status store__collect_results(store__connection *writer, int64_t results, boo
 bf_status store__remove_row(store__connection *writer, const store__row *row, bool *ret_is_over,
                             bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_DELETE_RUN);
-    store__bind_integer(&q, row->rowid);
-    bf_status status = store__run(&q, err);
+    bf_status status = store__exec(writer, STORE__SQL_DELETE_RUN, err, INTEGER(row->rowid));
     return status == BF_OK ? store__collect_results(writer, row->results, ret_is_over, err)
                            : status;
 }

@@ -14,7 +14,6 @@
 #include "server/base/log.h"
 
 #include <inttypes.h>
-#include <sqlite3.h>
 #include <string.h>
 
 /// One step.

@@ -39,7 +39,7 @@ bf_status store__find_first(store__connection *c, store__sql sql, const char *te
 {
     store__query q = store__begin(c, sql);
     if (text != NULL)
-        store__bind_text(&q, text, strlen(text));
+        store__bind(&q, TEXT(text));
     bf_status status = store__next(&q, ret_has_row, err);
     if (status == BF_OK && *ret_has_row)
         status = store__read_row(&q, ret_row, err);
@@ -57,14 +57,11 @@ bf_status store__find_row(store__connection *c, const char *id, store__row *ret_
     return status;
 }
 
-#define X(kind, column, member) BIND_##kind(row->member);
+#define X(kind, column, member) kind(row->member),
 
 bf_status store__insert_row(store__connection *writer, store__row *row, bf_error *err)
 {
-    store__query used = store__begin(writer, STORE__SQL_INSERT_RUN), *q = &used;
-
-    STORE__RUN_LIST(X)
-    bf_status status = store__run(q, err);
+    bf_status status = store__exec(writer, STORE__SQL_INSERT_RUN, err, STORE__RUN_LIST(X));
     if (status == BF_OK)
         row->rowid = sqlite3_last_insert_rowid(writer->db);
     return status;
@@ -72,24 +69,17 @@ bf_status store__insert_row(store__connection *writer, store__row *row, bf_error
 
 bf_status store__save_row(store__connection *writer, store__row *row, bf_error *err)
 {
-    store__query used = store__begin(writer, STORE__SQL_UPDATE_RUN), *q = &used;
-
     row->run.revision++;
-    BIND_INTEGER(row->run.revision);
-    STORE__RUN_CHANGING(X)
-    BIND_INTEGER(row->rowid);
-    return store__run(q, err);
+    return store__exec(writer, STORE__SQL_UPDATE_RUN, err, INTEGER(row->run.revision),
+                       STORE__RUN_CHANGING(X) INTEGER(row->rowid));
 }
 
 #undef X
 
 static bf_status move_row(store__connection *writer, const store__row *row, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_MOVE_RUN);
-    store__bind_integer(&q, row->run.state);
-    store__bind_integer(&q, row->run.finished_ms);
-    store__bind_integer(&q, row->rowid);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_MOVE_RUN, err, INTEGER(row->run.state),
+                       INTEGER(row->run.finished_ms), INTEGER(row->rowid));
 }
 
 static bf_status close_row(store__connection *writer, store__row *row, bf_error *err)

@@ -39,13 +39,9 @@ static bf_status check_density(const api_run *record, uint64_t n, bf_error *err)
 static bf_status insert_snapshot(store__connection *writer, int64_t results,
                                  const api_snapshot *snapshot, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_INSERT_SNAPSHOT);
-    store__bind_integer(&q, results);
-    store__bind_integer(&q, (int64_t)snapshot->index);
-    store__bind_real(&q, snapshot->t);
-    store__bind_real(&q, snapshot->peak);
-    store__bind_real(&q, snapshot->mass);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_INSERT_SNAPSHOT, err, INTEGER(results),
+                       INTEGER(snapshot->index), REAL(snapshot->t), REAL(snapshot->peak),
+                       REAL(snapshot->mass));
 }
 
 // Whether all of an array of n bytes is stored.
@@ -65,12 +61,8 @@ static bf_status check_stored(store__connection *writer, const store__row *row, 
 static bf_status count_bytes(store__connection *writer, const store__row *row, uint64_t index,
                              bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_COUNT_SNAPSHOT);
-    store__bind_integer(&q, row->results);
-    store__bind_integer(&q, (int64_t)index);
-    store__bind_integer(&q, STORE__BLOB_SNAPSHOT);
-    store__bind_integer(&q, STORE__BLOB_PARTS);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_COUNT_SNAPSHOT, err, INTEGER(row->results),
+                       INTEGER(index), INTEGER(STORE__BLOB_SNAPSHOT), INTEGER(STORE__BLOB_PARTS));
 }
 
 static bf_status complete(store__connection *writer, store__row *row, const store_item *item,

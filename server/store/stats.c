@@ -29,14 +29,7 @@ static bf_status count_states(store__connection *writer, store_stats *stats, bf_
 
 static bf_status find_oldest(store__connection *writer, store_stats *stats, bf_error *err)
 {
-    bool has_row = false;
-
-    store__query q = store__begin(writer, STORE__SQL_OLDEST_QUEUED);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
-        stats->oldest_queued_ms = sqlite3_column_int64(q.statement, 0);
-    store__end(&q);
-    return status;
+    return store__read_number(writer, STORE__SQL_OLDEST_QUEUED, &stats->oldest_queued_ms, err);
 }
 
 // Opening the database's files would do harm, looking at them does none.
@@ -86,9 +79,8 @@ bf_status store_list_measured(store *s, int64_t after_ms, store_measured *runs, 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(reader, STORE__SQL_LIST_MEASURED);
-    store__bind_integer(&q, after_ms);
-    store__bind_integer(&q, (int64_t)n_most);
+    store__query q =
+        store__start(reader, STORE__SQL_LIST_MEASURED, INTEGER(after_ms), INTEGER(n_most));
     status = store__next(&q, &has_row, err);
     for (; status == BF_OK && has_row; status = store__next(&q, &has_row, err)) {
         store_measured *ended = &runs[(*ret_n)++];
@@ -112,8 +104,7 @@ bf_status store_list_queued(store *s, store_queued *runs, size_t n_most, size_t 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(reader, STORE__SQL_LIST_QUEUED);
-    store__bind_integer(&q, (int64_t)n_most);
+    store__query q = store__start(reader, STORE__SQL_LIST_QUEUED, INTEGER(n_most));
     status = store__next(&q, &has_row, err);
     for (; status == BF_OK && has_row; status = store__next(&q, &has_row, err)) {
         store__column_text(&q, 0, runs[*ret_n].id, API_ID_SIZE);
@@ -148,9 +139,7 @@ bool store_is_alive(store *s)
 static bf_status apply_probe(store__connection *writer, store__operation *operation, bf_error *err)
 {
     (void)operation;
-    store__query q = store__begin(writer, STORE__SQL_PROBE);
-    store__bind_integer(&q, clock_unix_ms());
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_PROBE, err, INTEGER(clock_unix_ms()));
 }
 
 static bf_status probe(store *s, bf_error *err)

@@ -44,8 +44,7 @@ bf_status store__find_study(store__connection *c, const char *id, store__study *
 {
     bool has_row = false;
 
-    store__query q = store__begin(c, STORE__SQL_FIND_STUDY);
-    store__bind_text(&q, id, strlen(id));
+    store__query q = store__start(c, STORE__SQL_FIND_STUDY, TEXT(id));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row)
         status = store__read_study(&q, ret_row, err);
@@ -65,14 +64,11 @@ bf_status store__find_visible_study(store__connection *c, const char *id, store_
     return status;
 }
 
-#define X(kind, column, member) BIND_##kind(row->member);
+#define X(kind, column, member) kind(row->member),
 
 static bf_status insert_study(store__connection *writer, store__study *row, bf_error *err)
 {
-    store__query used = store__begin(writer, STORE__SQL_INSERT_STUDY), *q = &used;
-
-    STORE__STUDY_LIST(X)
-    bf_status status = store__run(q, err);
+    bf_status status = store__exec(writer, STORE__SQL_INSERT_STUDY, err, STORE__STUDY_LIST(X));
     if (status == BF_OK)
         row->rowid = sqlite3_last_insert_rowid(writer->db);
     return status;
@@ -80,13 +76,9 @@ static bf_status insert_study(store__connection *writer, store__study *row, bf_e
 
 bf_status store__save_study(store__connection *writer, store__study *row, bf_error *err)
 {
-    store__query used = store__begin(writer, STORE__SQL_UPDATE_STUDY), *q = &used;
-
     row->study.revision++;
-    BIND_INTEGER(row->study.state);
-    STORE__STUDY_CHANGING(X)
-    BIND_INTEGER(row->rowid);
-    return store__run(q, err);
+    return store__exec(writer, STORE__SQL_UPDATE_STUDY, err, INTEGER(row->study.state),
+                       STORE__STUDY_CHANGING(X) INTEGER(row->rowid));
 }
 
 #undef X
@@ -94,11 +86,8 @@ bf_status store__save_study(store__connection *writer, store__study *row, bf_err
 bf_status store__put_study_text(store__connection *writer, const store__study *row,
                                 api_study_text kind, const bf_buffer *text, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_PUT_STUDY_TEXT);
-    store__bind_integer(&q, row->rowid);
-    store__bind_integer(&q, kind);
-    store__bind_text(&q, text->bytes, text->n);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_PUT_STUDY_TEXT, err, INTEGER(row->rowid), INTEGER(kind),
+                       TEXT_OF(text->bytes, text->n));
 }
 
 bf_status store__move_study(store__study *row, api_study_state to, bf_error *err)
@@ -245,11 +234,9 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
     bf_status status = BF_OK;
     store__study row;
 
-    store__query q = store__begin(reader, STORE__SQL_LIST_STUDIES);
-    store__bind_text(&q, before, strlen(before));
-    store__bind_integer(&q, (int64_t)query->limit + 1);
-    store__bind_integer(&q, query->state);
-    store__bind_text(&q, query->owner, strlen(query->owner));
+    store__query q =
+        store__start(reader, STORE__SQL_LIST_STUDIES, TEXT(before), INTEGER(query->limit + 1),
+                     INTEGER(query->state), TEXT(query->owner));
     while (status == BF_OK && !list->has_more) {
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)
@@ -290,10 +277,9 @@ bf_status store_list_work(store *s, store_studies which, size_t size, store_stud
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(reader, works[which].sql);
-    store__bind_integer(&q, (int64_t)size);
+    store__query q = store__start(reader, works[which].sql, INTEGER(size));
     if (works[which].state >= 0)
-        store__bind_integer(&q, works[which].state);
+        store__bind(&q, INTEGER(works[which].state));
     while (status == BF_OK) {
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)
@@ -396,9 +382,8 @@ static bf_status read_text(store__connection *reader, const char *id, api_study_
     bf_status status = store__find_study(reader, id, &row, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(reader, STORE__SQL_GET_STUDY_TEXT);
-    store__bind_integer(&q, row.rowid);
-    store__bind_integer(&q, which);
+    store__query q =
+        store__start(reader, STORE__SQL_GET_STUDY_TEXT, INTEGER(row.rowid), INTEGER(which));
     status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row)
         status = store__column_bytes(&q, 0, out, err);
@@ -430,8 +415,7 @@ bf_status store_find_old_study(store *s, int64_t before_ms, char ret_id[API_ID_S
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(reader, STORE__SQL_OLDEST_ENDED_STUDY);
-    store__bind_integer(&q, before_ms);
+    store__query q = store__start(reader, STORE__SQL_OLDEST_ENDED_STUDY, INTEGER(before_ms));
     status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row)
         status = store__read_study(&q, &row, err);

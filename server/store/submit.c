@@ -50,8 +50,7 @@ static bf_status check_quota(store__connection *writer, const char *client, size
 
     if (quota == 0 || client[0] == '\0')
         return BF_OK;
-    store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED_OF);
-    store__bind_text(&q, client, strlen(client));
+    store__query q = store__start(writer, STORE__SQL_COUNT_QUEUED_OF, TEXT(client));
     bf_status status = read_count(&q, &n, err);
     if (status == BF_OK && n >= quota) {
         metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_CLIENT, 1);

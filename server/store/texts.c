@@ -5,7 +5,6 @@
 
 #include "server/store/studies_priv.h"
 
-#include <sqlite3.h>
 #include <zstd.h>
 
 // Of compression: level 1 finds long matches as fast as others. What a decoder takes without being asked to (zstd's manual).
@@ -19,19 +18,14 @@ static bf_status fail_memory(bf_error *err)
 bf_status store__put_text(store__connection *writer, int64_t number, store__text kind,
                           const char *text, size_t n, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_PUT_TEXT);
-    store__bind_integer(&q, number);
-    store__bind_integer(&q, kind);
-    store__bind_text(&q, text, n);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_PUT_TEXT, err, INTEGER(number), INTEGER(kind),
+                       TEXT_OF(text, n));
 }
 
 static bf_status get_bytes(store__connection *c, store__sql sql, int64_t number, int64_t kind,
                            bf_buffer *out, bool *ret_has_row, bf_error *err)
 {
-    store__query q = store__begin(c, sql);
-    store__bind_integer(&q, number);
-    store__bind_integer(&q, kind);
+    store__query q = store__start(c, sql, INTEGER(number), INTEGER(kind));
     bf_status status = store__next(&q, ret_has_row, err);
     if (status == BF_OK && *ret_has_row)
         status = store__column_bytes(&q, 0, out, err);
@@ -126,11 +120,8 @@ static bf_status decompress(const bf_buffer *base, const bf_buffer *delta, bf_bu
 static bf_status put_delta(store__connection *writer, const store__row *row, store__text kind,
                            const bf_buffer *delta, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_PUT_TEXT_DELTA);
-    store__bind_integer(&q, row->rowid);
-    store__bind_integer(&q, kind);
-    store__bind_blob(&q, delta->bytes, delta->n);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_PUT_TEXT_DELTA, err, INTEGER(row->rowid), INTEGER(kind),
+                       BLOB(delta->bytes, delta->n));
 }
 
 // The first scenario of a study is what others are stored against.

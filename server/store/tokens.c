@@ -224,10 +224,7 @@ static uint64_t take_unsaved(tokens *t, int64_t *ret_used_ms)
 
 static bf_status save_use(store__connection *c, uint64_t id, int64_t used_ms, bf_error *err)
 {
-    store__query q = store__begin(c, STORE__SQL_USE_TOKEN);
-    store__bind_integer(&q, (int64_t)id);
-    store__bind_integer(&q, used_ms);
-    return store__run(&q, err);
+    return store__exec(c, STORE__SQL_USE_TOKEN, err, INTEGER(id), INTEGER(used_ms));
 }
 
 void tokens_save_uses(tokens *t)

@@ -43,9 +43,7 @@ static bf_status make_room(store__connection *c, int64_t now_ms, bf_error *err)
     bf_status status = store__read_number(c, STORE__SQL_COUNT_TOKENS, &n, err);
     if (status != BF_OK || n < TOKENS_MAX)
         return status;
-    store__query q = store__begin(c, STORE__SQL_FORGET_TOKEN);
-    store__bind_integer(&q, now_ms);
-    status = store__run(&q, err);
+    status = store__exec(c, STORE__SQL_FORGET_TOKEN, err, INTEGER(now_ms));
     if (status == BF_OK && sqlite3_changes(c->db) == 0)
         return bf_fail(err, BF_ELIMIT, "", "%d tokens are stored, the limit: revoke some first",
                        TOKENS_MAX);
@@ -62,14 +60,9 @@ static bf_status insert(store__connection *c, tokens_record *token, const char *
     bf_status status = make_room(c, token->created_ms, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(c, STORE__SQL_INSERT_TOKEN);
-    store__bind_text(&q, token->name, strlen(token->name));
-    store__bind_text(&q, token->owner, strlen(token->owner));
-    store__bind_blob(&q, hash, sizeof hash);
-    store__bind_text(&q, scopes, strlen(scopes));
-    store__bind_integer(&q, token->created_ms);
-    store__bind_integer(&q, token->expires_ms);
-    status = store__run(&q, err);
+    status = store__exec(c, STORE__SQL_INSERT_TOKEN, err, TEXT(token->name), TEXT(token->owner),
+                         BLOB(hash, sizeof hash), TEXT(scopes), INTEGER(token->created_ms),
+                         INTEGER(token->expires_ms));
     if (status == BF_OK)
         token->id = (uint64_t)sqlite3_last_insert_rowid(c->db);
     return status;
@@ -133,10 +126,7 @@ static bf_status replace(store__connection *c, uint64_t id, int64_t overlap_ms,
     status = insert(c, &token, text, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(c, STORE__SQL_END_TOKEN);
-    store__bind_integer(&q, (int64_t)id);
-    store__bind_integer(&q, now_ms + overlap_ms);
-    status = store__run(&q, err);
+    status = store__exec(c, STORE__SQL_END_TOKEN, err, INTEGER(id), INTEGER(now_ms + overlap_ms));
     *ret_token = token;
     return status;
 }
@@ -165,10 +155,7 @@ bf_status tokens_revoke(const char *directory, uint64_t id, bf_error *err)
     bf_status status = store__open_tokens(directory, false, &c, err);
     if (status != BF_OK)
         return status;
-    store__query q = store__begin(&c, STORE__SQL_REVOKE_TOKEN);
-    store__bind_integer(&q, (int64_t)id);
-    store__bind_integer(&q, clock_unix_ms());
-    status = store__run(&q, err);
+    status = store__exec(&c, STORE__SQL_REVOKE_TOKEN, err, INTEGER(id), INTEGER(clock_unix_ms()));
     if (status == BF_OK && sqlite3_changes(c.db) == 0)
         status = bf_fail(err, BF_ENOTFOUND, "", "there is no token %" PRIu64 " that counts", id);
     store__disconnect(&c);

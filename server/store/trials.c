@@ -22,29 +22,15 @@ static uint64_t count_ended(const api_study *about)
     return n;
 }
 
-static void bind_end(store__query *q, const api_trial *trial, uint64_t ended)
-{
-    store__bind_integer(q, trial->state);
-    store__bind_integer(q, (int64_t)ended);
-}
-
-static void bind_outcome(store__query *q, const api_trial *trial)
-{
-    store__bind_blob(q, trial->values, trial->n_values * sizeof *trial->values);
-    store__bind_code(q, trial->fault.code);
-    store__bind_text(q, trial->fault.pointer, strlen(trial->fault.pointer));
-    store__bind_text(q, trial->fault.text, strlen(trial->fault.text));
-}
-
 static bf_status end_trial(store__connection *writer, store__study *row, const api_trial *trial,
                            bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_END_TRIAL);
-    store__bind_integer(&q, row->rowid);
-    store__bind_integer(&q, (int64_t)trial->number);
-    bind_end(&q, trial, count_ended(&row->study) + 1);
-    bind_outcome(&q, trial);
-    bf_status status = store__run(&q, err);
+    bf_status status =
+        store__exec(writer, STORE__SQL_END_TRIAL, err, INTEGER(row->rowid), INTEGER(trial->number),
+                    INTEGER(trial->state), INTEGER(count_ended(&row->study) + 1),
+                    BLOB(trial->values, trial->n_values * sizeof *trial->values),
+                    CODE(trial->fault.code), TEXT(trial->fault.pointer), TEXT(trial->fault.text));
+
     if (status == BF_OK && sqlite3_changes(writer->db) == 1)
         row->study.n_ended[trial->state]++;
     return status;
@@ -55,18 +41,15 @@ static bf_status insert_trial(store__connection *writer, store__study *row,
 {
     const api_trial *trial = &begin->trial;
     const bool has_ended = api_trial_state_is_end(trial->state);
+    const uint64_t ended = has_ended ? count_ended(&row->study) + 1 : 0;
 
-    store__query q = store__begin(writer, STORE__SQL_INSERT_TRIAL);
-    store__bind_integer(&q, row->rowid);
-    store__bind_integer(&q, (int64_t)trial->number);
-    store__bind_integer(&q, (int64_t)trial->point);
-    store__bind_integer(&q, trial->model);
-    store__bind_integer(&q, (int64_t)trial->substream);
-    bind_end(&q, trial, has_ended ? count_ended(&row->study) + 1 : 0);
-    store__bind_text(&q, begin->run, strlen(begin->run));
-    store__bind_blob(&q, trial->parameters, trial->n_parameters * sizeof *trial->parameters);
-    bind_outcome(&q, trial);
-    bf_status status = store__run(&q, err);
+    bf_status status = store__exec(
+        writer, STORE__SQL_INSERT_TRIAL, err, INTEGER(row->rowid), INTEGER(trial->number),
+        INTEGER(trial->point), INTEGER(trial->model), INTEGER(trial->substream),
+        INTEGER(trial->state), INTEGER(ended), TEXT(begin->run),
+        BLOB(trial->parameters, trial->n_parameters * sizeof *trial->parameters),
+        BLOB(trial->values, trial->n_values * sizeof *trial->values), CODE(trial->fault.code),
+        TEXT(trial->fault.pointer), TEXT(trial->fault.text));
     if (status == BF_OK) {
         row->study.n_trials++;
         row->study.n_ended[trial->state] += has_ended;
@@ -211,10 +194,8 @@ static bf_status read_page(store *s, const char *id, const api_trial_query *quer
     if (status != BF_OK)
         return status;
     status = store__find_study(reader, id, &row, err);
-    store__query q = store__begin(reader, orders[query->order]);
-    store__bind_integer(&q, row.rowid);
-    store__bind_integer(&q, (int64_t)query->from);
-    store__bind_integer(&q, (int64_t)query->limit);
+    store__query q = store__start(reader, orders[query->order], INTEGER(row.rowid),
+                                  INTEGER(query->from), INTEGER(query->limit));
     while (status == BF_OK) {
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)
@@ -255,16 +236,12 @@ typedef struct forget_context {
 static bf_status delete_rows(store__connection *writer, const store__study *row, bool *ret_is_over,
                              bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_DELETE_TRIALS);
-    store__bind_integer(&q, row->rowid);
-    store__bind_integer(&q, TRIALS_A_STEP);
-    bf_status status = store__run(&q, err);
+    bf_status status = store__exec(writer, STORE__SQL_DELETE_TRIALS, err, INTEGER(row->rowid),
+                                   INTEGER(TRIALS_A_STEP));
     if (status != BF_OK || sqlite3_changes(writer->db) == TRIALS_A_STEP)
         return status;
     *ret_is_over = true;
-    q = store__begin(writer, STORE__SQL_DELETE_STUDY);
-    store__bind_integer(&q, row->rowid);
-    return store__run(&q, err);
+    return store__exec(writer, STORE__SQL_DELETE_STUDY, err, INTEGER(row->rowid));
 }
 
 static bf_status apply_forget(store__connection *writer, store__operation *operation, bf_error *err)

@@ -29,8 +29,7 @@ static bf_status find_turn(store__connection *reader, const char *owner, int64_t
 {
     bool has_row = false;
 
-    store__query q = store__begin(reader, STORE__SQL_GET_OWNER);
-    store__bind_text(&q, owner, strlen(owner));
+    store__query q = store__start(reader, STORE__SQL_GET_OWNER, TEXT(owner));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
         *ret_turn = has_row ? sqlite3_column_int64(q.statement, 1) : 0;
@@ -112,8 +111,8 @@ static bf_status list_running(store__connection *reader, running *ret_running, s
     size_t n = 0;
     bf_status status = BF_OK;
 
-    store__query q = store__begin(reader, STORE__SQL_LIST_STUDY_TURNS);
-    store__bind_integer(&q, STORE_STUDIES_RUNNING_MAX);
+    store__query q =
+        store__start(reader, STORE__SQL_LIST_STUDY_TURNS, INTEGER(STORE_STUDIES_RUNNING_MAX));
     while (status == BF_OK) {
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)
@@ -181,10 +180,8 @@ bf_status store__end_turn(store__connection *writer, const store__row *row, bf_e
     const bool is_trial = row->run.study[0] != '\0';
     const char *whose = is_trial ? row->run.study : row->run.owner;
 
-    store__query q =
-        store__begin(writer, is_trial ? STORE__SQL_END_STUDY_TURN : STORE__SQL_END_TURN);
-    store__bind_text(&q, whose, strlen(whose));
-    return store__run(&q, err);
+    return store__exec(writer, is_trial ? STORE__SQL_END_STUDY_TURN : STORE__SQL_END_TURN, err,
+                       TEXT(whose));
 }
 
 bf_status store__check_study(store__connection *writer, const store__row *row, bf_error *err)
