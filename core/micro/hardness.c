@@ -12,8 +12,9 @@
 
 const double hardness_goal = 0.02;
 
-static const double lines = 2.0;   // that one contact may bear
-static const double softest = 1e6; // reduction, the paper's
+static const double lines = 2.0;         // that one contact may bear
+static const double softest = 1e6;       // reduction, the paper's
+static const double damping_ratio = 4.0; // of dashpots to critical damping, at most
 static const double corner_weight =
     0.25; // of the stiffness of a contact of bodies in space: one of its points
 
@@ -111,6 +112,16 @@ double hardness_reduction(const micro_def *def)
     const double k = (l.square + 2.0 * l.force * overlap) / (overlap * overlap);
 
     return fmin(fmax(find_stiffness(def) / k, 1.0), softest);
+}
+
+double hardness_dashpot(const micro_def *def, double dashpot, double stiffness, double inverse_mass)
+{
+    const double most = 2.0 * damping_ratio; // of sqrt(k m)
+
+    if (!def->hardens || def->integrator != MICRO_IMPLICIT ||
+        dashpot * dashpot * inverse_mass <= most * most * stiffness)
+        return dashpot;
+    return most * sqrt(stiffness / inverse_mass);
 }
 
 double hardness_harder(double reduction)

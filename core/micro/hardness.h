@@ -10,6 +10,9 @@
 /// start. A plate that moves at u strikes a line's first part, of mass m, and the impact goes on from part to part: each
 /// of its contacts takes up m u^2, times 2 as above, which counts instead of M v^2 where it is more. k is the stiffness
 /// (4b) of the softest pair of materials, in space that of a corner (manifold.h).
+/// A dashpot d by a part of mass m couples velocities by d/m, which grows without bound as parts become light while k/m does
+/// not: the loads above go with the mass. At more than 4 times critical damping, 2 sqrt(k m), a contact closes and opens
+/// without bouncing anyway, so that d need not be more.
 /// Measured on lines of cans, jars, kegs, bottles and cartons before plates (tests/validation/README.md).
 
 #pragma once
@@ -24,6 +27,11 @@ double hardness_reduction(const micro_def *def);
 
 /// The next one while a run is pressed harder than foreseen: contacts are twice as stiff, at most as materials are.
 double hardness_harder(double reduction);
+
+/// A dashpot, N s/m, between parts whose inverse masses, 1/kg, sum to inverse_mass, with a stiffness, N/m: where the program
+/// chooses the hardness of implicit steps at most 4 times critical damping.
+double hardness_dashpot(const micro_def *def, double dashpot, double stiffness,
+                        double inverse_mass);
 
 /// The modulus_reduction that a solver uses now.
 double micro_reduction(const micro_solver *s);

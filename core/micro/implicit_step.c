@@ -3,6 +3,7 @@
 #include "core/base/vec2.h"
 #include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
+#include "core/micro/hardness.h"
 #include "core/micro/micro_priv.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
@@ -84,6 +85,7 @@ static extremes extremes_of(const micro_def *def)
         e.stiffness =
             fmax(e.stiffness, stiffness_of(def, SCENE_HANDLING_CARGO, own, &def->handling));
     }
+    e.damping = hardness_dashpot(def, e.damping, e.stiffness, 1.0 / e.mass);
     for (size_t k = 0; k < def->n_belts; k++)
         e.speed = fmax(e.speed, hypot(def->belts[k].velocity.x, def->belts[k].velocity.y) *
                                     belt_speeds_largest(&def->belts[k]));

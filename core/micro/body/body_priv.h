@@ -148,13 +148,7 @@ static inline double body__moved2(const body_state *s, size_t k)
 }
 
 /// The contact law of two parts.
-static inline micro_law body__law(const body_state *s, const body_kind *a, const body_kind *b)
-{
-    micro_law law = s->cargo;
-
-    law.stiffness /= a->compliance + b->compliance;
-    return law;
-}
+micro_law body__law(const body_state *s, const body_kind *a, const body_kind *b);
 
 /// Normal force in a contact point, N; approach is the velocity of b relative to a along the normal, m/s.
 static inline double body__normal_force(const body_state *s, const micro_law *law, double depth,

@@ -6,6 +6,7 @@
 #include "core/micro/body/implicit.h"
 #include "core/base/memory.h"
 #include "core/micro/body/parts.h"
+#include "core/micro/hardness.h"
 #include "core/micro/implicit_step.h"
 
 #include <math.h>
@@ -36,15 +37,16 @@ const body_kernels *body__implicit_kernels(cpu_level level)
 /// The largest number of iterations that a kind of part requires.
 static int find_iterations(const body_state *s)
 {
-    const double damping = fmax(s->cargo.damping, s->kinds[0].boundary_law.damping);
+    const double damping = fmax(s->cargo.damping, s->def.contact[SCENE_HANDLING_CARGO].damping);
     int iterations = 1;
 
     for (size_t k = 0; k < s->n_kinds; k++) {
         const body_kind *kind = &s->kinds[k];
         double stiffness =
             fmax(s->cargo.stiffness / (2.0 * kind->compliance), kind->boundary_law.stiffness);
-        int own = implicit_step_iterations(false, micro__n_expected(&s->def), s->def.dt, stiffness,
-                                           damping, kind->mass);
+        int own = implicit_step_iterations(
+            false, micro__n_expected(&s->def), s->def.dt, stiffness,
+            hardness_dashpot(&s->def, damping, stiffness, 1.0 / kind->mass), kind->mass);
         iterations = own > iterations ? own : iterations;
     }
     return iterations;

@@ -4,6 +4,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
+#include "core/micro/hardness.h"
 #include "core/micro/implicit_step.h"
 #include "core/scene/shape.h"
 
@@ -89,12 +90,26 @@ static body_face weigh_face(const hull *h, size_t face_id)
 static void find_laws(const micro_def *def, const scene_material *material, body_kind *kind)
 {
     const double reduction = def->modulus_reduction;
+    micro_law *const laws[] = { &kind->belt_law, &kind->boundary_law };
 
     kind->compliance = contact_law_compliance(material, reduction);
     kind->belt_law = contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], material,
                                          &def->conveyor, reduction, kind->radius);
     kind->boundary_law = contact_law_of_line(&def->contact[SCENE_HANDLING_CARGO], material,
                                              &def->handling, reduction);
+    for (size_t k = 0; k < sizeof laws / sizeof *laws; k++)
+        laws[k]->damping =
+            hardness_dashpot(def, laws[k]->damping, laws[k]->stiffness, 1.0 / kind->mass);
+}
+
+micro_law body__law(const body_state *s, const body_kind *a, const body_kind *b)
+{
+    micro_law law = s->cargo;
+
+    law.stiffness /= a->compliance + b->compliance;
+    law.damping =
+        hardness_dashpot(&s->def, law.damping, law.stiffness, 1.0 / a->mass + 1.0 / b->mass);
+    return law;
 }
 
 /// Radius of gyration of the pressure under a body that lies flat on its lowest face. If it starts on an

@@ -22,6 +22,7 @@
 #include "core/micro/disk/implicit.h"
 #include "core/base/memory.h"
 #include "core/micro/disk/parts.h"
+#include "core/micro/hardness.h"
 #include "core/micro/implicit_step.h"
 
 #include <math.h>
@@ -62,8 +63,10 @@ static int find_iterations(const disk_state *s)
         const disk *part = &s->kinds[k].part;
         double cargo = s->cargo.line / (2.0 * part->compliance);
         double handling = s->handling.line / (part->compliance + s->handling_compliance);
-        int own = implicit_step_iterations(true, micro__n_expected(&s->def), s->def.dt,
-                                           fmax(cargo, handling), damping, 1.0 / part->inv_mass);
+        double stiffness = fmax(cargo, handling);
+        int own = implicit_step_iterations(
+            true, micro__n_expected(&s->def), s->def.dt, stiffness,
+            hardness_dashpot(&s->def, damping, stiffness, part->inv_mass), 1.0 / part->inv_mass);
         iterations = own > iterations ? own : iterations;
     }
     return iterations;

@@ -1,6 +1,7 @@
 // Laws of contacts in an implicit step, from the kinds of the parts and the boundary.
 
 #include "core/micro/disk/implicit.h"
+#include "core/micro/hardness.h"
 
 #include <math.h>
 
@@ -17,8 +18,11 @@ typedef struct pair_law {
 
 static pair_law law_of_parts(const disk_state *s, const disk *a, const disk *b)
 {
-    return (pair_law){ .stiffness = s->cargo.line / (a->compliance + b->compliance),
-                       .damping = s->cargo.damping,
+    const double stiffness = s->cargo.line / (a->compliance + b->compliance);
+
+    return (pair_law){ .stiffness = stiffness,
+                       .damping = hardness_dashpot(&s->def, s->cargo.damping, stiffness,
+                                                   a->inv_mass + b->inv_mass),
                        .friction = s->cargo.friction,
                        .rate = s->cargo.tanh_linear,
                        .radius = { a->radius, b->radius },
@@ -27,8 +31,11 @@ static pair_law law_of_parts(const disk_state *s, const disk *a, const disk *b)
 
 static pair_law law_with_boundary(const disk_state *s, const disk *part, size_t feature)
 {
-    return (pair_law){ .stiffness = s->handling.line / (part->compliance + s->handling_compliance),
-                       .damping = s->handling.damping,
+    const double stiffness = s->handling.line / (part->compliance + s->handling_compliance);
+
+    return (pair_law){ .stiffness = stiffness,
+                       .damping = hardness_dashpot(&s->def, s->handling.damping, stiffness,
+                                                   part->inv_mass),
                        .friction = feature < s->n_faces ? s->faces[feature].friction
                                                         : s->arcs[feature - s->n_faces].friction,
                        .rate = s->handling.tanh_linear,

@@ -195,6 +195,45 @@ static void the_expected_overlap_stops_the_line(void **state)
     scene_fini(&s);
 }
 
+// Critical damping of a mass m on a spring k is 2 sqrt(k m): 20 N s/m for 1 kg on 100 N/m.
+static void dashpots_are_at_most_four_times_critical_where_the_hardness_is_chosen(void **state)
+{
+    (void)state;
+    micro_def def = micro_def_default();
+    def.hardens = true;
+    def.integrator = MICRO_IMPLICIT;
+    assert_near(hardness_dashpot(&def, 119.0, 100.0, 1.0), 80.0, 1e-12);
+    assert_near(hardness_dashpot(&def, 119.0, 100.0, 4.0), 40.0, 1e-12);
+    assert_true(hardness_dashpot(&def, 79.0, 100.0, 1.0) == 79.0);
+    def.integrator = MICRO_VERLET;
+    assert_true(hardness_dashpot(&def, 119.0, 100.0, 1.0) == 119.0);
+    def.integrator = MICRO_IMPLICIT;
+    def.hardens = false;
+    assert_true(hardness_dashpot(&def, 119.0, 100.0, 1.0) == 119.0);
+}
+
+// The loads are as the mass, and so is the stiffness that they require: light parts need no shorter steps.
+static void light_parts_take_steps_as_long_as_heavy_ones(void **state)
+{
+    const goods *const all[] = { &can, &carton };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+        double steps[2];
+        for (int light = 0; light < 2; light++) {
+            run__micro_setup setup;
+            scene s;
+            make_line(&s, all[k], 15.0);
+            s.cargo[0].mass = light ? 1e-4 : all[k]->mass;
+            assert_int_equal(run__micro_init_setup(&s, 1, &setup, NULL), BF_OK);
+            steps[light] = setup.def.dt;
+            run__micro_fini_setup(&setup);
+            scene_fini(&s);
+        }
+        assert_true(steps[1] > 0.9 * steps[0]);
+    }
+}
+
 // Begun too soft, contacts become harder; a solver that takes a state of half the way ends with the same bits.
 static void parts_that_press_harder_than_foreseen_become_harder(void **state)
 {
@@ -230,6 +269,8 @@ int main(void)
         cmocka_unit_test(parts_that_are_too_soft_fail_with_part_and_plate),
         cmocka_unit_test(a_light_part_between_heavy_ones_fails_with_the_masses),
         cmocka_unit_test(the_expected_overlap_stops_the_line),
+        cmocka_unit_test(dashpots_are_at_most_four_times_critical_where_the_hardness_is_chosen),
+        cmocka_unit_test(light_parts_take_steps_as_long_as_heavy_ones),
         cmocka_unit_test(parts_that_press_harder_than_foreseen_become_harder),
     };
 
