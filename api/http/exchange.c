@@ -7,6 +7,7 @@
 #include "api/http/http_priv.h"
 #include "api/http/negotiation.h"
 #include "api/http/problem.h"
+#include "api/json/number.h"
 #include "core/base/check.h"
 
 #include <inttypes.h>
@@ -312,7 +313,7 @@ bf_status exchange__find_snapshot(const exchange *x, const api_run *of, uint64_t
     uint64_t index = 0;
 
     BF_CHECK(x->params.n > 1);
-    if (param_read_digits(number, &index) != 0 || index >= of->n_snapshots)
+    if (!number_read_digits(number, 0, UINT64_MAX, &index) || index >= of->n_snapshots)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no snapshot '%s'; it has %" PRIu64,
                        number, of->n_snapshots);
     *ret_index = index;

@@ -4,6 +4,7 @@
 #include "api/http/http_priv.h"
 #include "api/http/negotiation.h"
 #include "api/http/stream.h"
+#include "api/json/number.h"
 
 // The header counts more: a browser that reconnects sends it, with the URL unchanged.
 bf_status handlers__read_last_event(const exchange *x, uint64_t *ret_id, bf_error *err)
@@ -13,7 +14,7 @@ bf_status handlers__read_last_event(const exchange *x, uint64_t *ret_id, bf_erro
 
     if (last == NULL || *last == '\0')
         id = exchange__whole(x, "last_event_id");
-    else if (param_read_digits(last, &id) != 0)
+    else if (!number_read_digits(last, 0, UINT64_MAX, &id))
         return bf_fail(err, BF_EINPUT, "", "Last-Event-ID is no event's id: '%.64s'", last);
     *ret_id = id;
     return BF_OK;

@@ -3,6 +3,7 @@
 #include "api/http/http_priv.h"
 #include "api/http/study_stream.h"
 #include "api/http/trials_csv.h"
+#include "api/json/number.h"
 #include "api/scenario/scenario.h"
 #include "api/scenario/submission.h"
 #include "api/study/study_trial.h"
@@ -151,7 +152,7 @@ static bf_status find_trial(exchange *x, api_trial *ret_trial, bf_error *err)
     bf_status status = exchange__find_study(x, &about, err);
     if (status != BF_OK)
         return status;
-    if (param_read_digits(number, &wanted.from) != 0 || wanted.from >= about.n_trials)
+    if (!number_read_digits(number, 0, UINT64_MAX, &wanted.from) || wanted.from >= about.n_trials)
         return bf_fail(err, BF_ENOTFOUND, "", "the study has no trial '%s'; it has %" PRIu64,
                        number, about.n_trials);
     *ret_trial = (api_trial){ .number = wanted.from };

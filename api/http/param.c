@@ -7,21 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-int param_read_digits(const char *text, uint64_t *ret_value)
-{
-    uint64_t value = 0;
-
-    if (*text == '\0')
-        return -1;
-    for (; *text != '\0'; text++) {
-        if (*text < '0' || *text > '9' || __builtin_mul_overflow(value, 10, &value) ||
-            __builtin_add_overflow(value, (uint64_t)(*text - '0'), &value))
-            return -1;
-    }
-    *ret_value = value;
-    return 0;
-}
-
 bool param_is_id(const char *text)
 {
     static const char form[] = "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx";
@@ -74,7 +59,7 @@ static bf_status read_whole(const param *row, const char *text, param_value *ret
 {
     uint64_t value = 0;
 
-    if (param_read_digits(text, &value) != 0 || value < row->least || value > row->most)
+    if (!number_read_digits(text, row->least, row->most, &value))
         return bf_fail(err, BF_EINPUT, "",
                        "query parameter '%s' must be a whole number from %" PRIu64 " to %" PRIu64
                        ", not '%.64s'",

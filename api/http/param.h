@@ -67,7 +67,3 @@ BF_MUST_CHECK bf_status param_read(const param *row, const char *text, param_val
 
 /// True if text has the form of the ids of runs and measurements.
 bool param_is_id(const char *text);
-
-/// Read text that is nothing but decimal digits, at least one. Returns 0, or -1 if it is anything
-/// else or beyond 2^64 - 1 (*ret_value untouched).
-int param_read_digits(const char *text, uint64_t *ret_value);

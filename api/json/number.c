@@ -163,6 +163,23 @@ int number_read(const char *text, size_t n, double *ret_value)
 
 static const double RADIANS_PER_DEGREE = M_PI / 180.0;
 
+bool number_read_digits(const char *text, uint64_t least, uint64_t most, uint64_t *ret_value)
+{
+    uint64_t value = 0;
+
+    if (*text == '\0')
+        return false;
+    for (; *text != '\0'; text++) {
+        if (*text < '0' || *text > '9' || __builtin_mul_overflow(value, 10, &value) ||
+            __builtin_add_overflow(value, (uint64_t)(*text - '0'), &value))
+            return false;
+    }
+    if (value < least || value > most)
+        return false;
+    *ret_value = value;
+    return true;
+}
+
 double number_from_degrees(double degrees)
 {
     return degrees * RADIANS_PER_DEGREE;

@@ -3,7 +3,9 @@
 
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum { NUMBER_SIZE = 32 }; ///< bytes that hold any number with its terminator
 
@@ -17,6 +19,10 @@ int number_format_float(float value, char *ret_text);
 /// Read n bytes that are one decimal number and nothing else: no "nan", "inf" or hexadecimal. Returns
 /// 0, or -1 if they are anything else, too many, or beyond what a double holds (*ret_value untouched).
 int number_read(const char *text, size_t n, double *ret_value);
+
+/// Read text that is nothing but decimal digits, at least one, and a number from least to most. False: it is anything else
+/// (*ret_value untouched).
+bool number_read_digits(const char *text, uint64_t least, uint64_t most, uint64_t *ret_value);
 
 /// Degrees to radians.
 double number_from_degrees(double degrees);

@@ -1,3 +1,4 @@
+#include "api/json/number.h"
 #include "core/base/memory.h"
 #include "server/base/cores.h"
 #include "server/base/file_io.h"
@@ -7,7 +8,6 @@
 
 #include <argp.h>
 #include <ctype.h>
-#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,14 +71,10 @@ static error_t take_number(pull_arguments *a, int key, const char *text,
     const uint64_t most = key == KEY_CORES ? API_WORKER_CORES : UINT64_C(1) << 50;
     const uint64_t least = key == KEY_CORES ? 1 : 0;
     uint64_t *target = find_number(a, key);
-    char *end = NULL;
 
     if (target == NULL)
         return ARGP_ERR_UNKNOWN;
-    errno = 0;
-    *target = strtoull(text, &end, 10);
-    if (*text < '0' || *text > '9' || *end != '\0' || errno != 0 || *target < least ||
-        *target > most)
+    if (!number_read_digits(text, least, most, target))
         argp_error(state, "'%s' is not a number from %llu to %llu", text, (unsigned long long)least,
                    (unsigned long long)most);
     return 0;

@@ -1,5 +1,6 @@
 #include "server/cli/cmd.h"
 
+#include "api/json/number.h"
 #include "api/results/results.h"
 #include "api/results/run_verdict.h"
 #include "api/scenario/scenario.h"
@@ -226,10 +227,9 @@ static cmd_exit solve(solving *s, const char *command)
 
 static void take_threads(solve_arguments *a, const char *text, struct argp_state *state)
 {
-    char *end = NULL;
-    long n = strtol(text, &end, 10);
+    uint64_t n = 0;
 
-    if (*end != '\0' || n < 1 || n > THREADS_MAX)
+    if (!number_read_digits(text, 1, THREADS_MAX, &n))
         argp_failure(state, CMD_BAD_INPUT, 0, "--threads is a number from 1 to %d", THREADS_MAX);
     a->n_threads = (int)n;
 }

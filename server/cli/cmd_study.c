@@ -1,5 +1,6 @@
 #include "server/cli/cmd.h"
 
+#include "api/json/number.h"
 #include "api/study/study_best.h"
 #include "core/base/memory.h"
 #include "server/base/clock.h"
@@ -180,16 +181,17 @@ static cmd_exit read_document(const char *command, const study_arguments *a, bf_
 static error_t take_option(int key, char *argument, struct argp_state *state)
 {
     study_arguments *a = state->input;
+    uint64_t n = 0;
 
     switch (key) {
     case KEY_OUT:
         a->out = argument;
         return 0;
     case KEY_WORKERS:
-        a->n_workers = atoi(argument);
-        if (a->n_workers < 1 || a->n_workers > STUDY_DOCUMENT_WORKERS)
+        if (!number_read_digits(argument, 1, STUDY_DOCUMENT_WORKERS, &n))
             argp_failure(state, CMD_BAD_INPUT, 0, "--workers is a number from 1 to %d",
                          STUDY_DOCUMENT_WORKERS);
+        a->n_workers = (int)n;
         return 0;
     case ARGP_KEY_ARG:
         if (state->arg_num > 0)

@@ -1,6 +1,7 @@
 #include "server/cli/cmd.h"
 
 #include "api/json/json_in.h"
+#include "api/json/number.h"
 #include "api/scenario/scenario.h"
 #include "core/run/frame.h"
 #include "core/run/run.h"
@@ -238,7 +239,6 @@ static bool limit_process(const worker_arguments *a)
 static error_t take_option(int key, char *argument, struct argp_state *state)
 {
     worker_arguments *a = state->input;
-    char *end = NULL;
     uint64_t *target = key == KEY_MEMORY       ? &a->memory_bytes
                        : key == KEY_CPU        ? &a->cpu_s
                        : key == KEY_PARENT     ? &a->parent
@@ -247,8 +247,7 @@ static error_t take_option(int key, char *argument, struct argp_state *state)
 
     if (target == NULL)
         return ARGP_ERR_UNKNOWN;
-    *target = strtoull(argument, &end, 10);
-    if (*argument < '0' || *argument > '9' || *end != '\0')
+    if (!number_read_digits(argument, 0, UINT64_MAX, target))
         argp_error(state, "'%s' is not a number", argument);
     return 0;
 }

@@ -1,5 +1,6 @@
 #include "server/daemon/maintenance.h"
 
+#include "api/json/number.h"
 #include "server/base/clock.h"
 #include "server/base/file_io.h"
 #include "server/store/backup.h"
@@ -105,12 +106,9 @@ static bf_status back_up(const char *directory, const char *settings, const char
     return BF_OK;
 }
 
-static bf_status read_copies(const char *text, unsigned long *ret_n, bf_error *err)
+static bf_status read_copies(const char *text, uint64_t *ret_n, bf_error *err)
 {
-    char *end = NULL;
-
-    *ret_n = strtoul(text, &end, 10);
-    if (*text < '0' || *text > '9' || *end != '\0' || *ret_n == 0 || *ret_n > COPIES_MAX)
+    if (!number_read_digits(text, 1, COPIES_MAX, ret_n))
         return bf_fail(err, BF_EINPUT, "", "--copies wants 1 to %d, not '%.40s'", COPIES_MAX, text);
     return BF_OK;
 }
@@ -120,7 +118,7 @@ int maintenance_backup(const char *directory, const char *settings, const char *
 {
     const time_t now = (time_t)(clock_unix_ms() / 1000);
     char path[PATH_SIZE], name[48];
-    unsigned long n_most = COPIES_MAX;
+    uint64_t n_most = COPIES_MAX;
     bool is_folder = false;
     struct stat facts;
     struct tm parts;
@@ -311,10 +309,7 @@ int maintenance_token_list(const char *directory)
 
 static bf_status read_id(const char *word, const char *id, uint64_t *ret_id, bf_error *err)
 {
-    char *end = NULL;
-
-    *ret_id = strtoull(id, &end, 10);
-    if (*id >= '0' && *id <= '9' && *end == '\0' && *ret_id <= INT64_MAX)
+    if (number_read_digits(id, 0, INT64_MAX, ret_id))
         return BF_OK;
     return bf_fail(err, BF_EINPUT, "", "token %s wants an id of token list, not '%.40s'", word, id);
 }

@@ -1,8 +1,8 @@
 #include "server/http/client.h"
+#include "api/json/number.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { KEY_BITS = 8 * HTTP_CLIENT_KEY_SIZE, MAPPED_BITS = 96, NETWORK_SIZE = 8 };
@@ -36,7 +36,8 @@ static bool read_address(const char *text, uint8_t *ret_key)
 static bool read_network(const char *text, size_t n, uint8_t *ret_key, unsigned *ret_bits)
 {
     char copy[INET6_ADDRSTRLEN + 4];
-    unsigned offset, most;
+    unsigned offset;
+    uint64_t bits = 0;
 
     if (n >= sizeof copy)
         return false;
@@ -48,14 +49,13 @@ static bool read_network(const char *text, size_t n, uint8_t *ret_key, unsigned 
     if (!read_address(copy, ret_key))
         return false;
     offset = strchr(copy, ':') == NULL ? MAPPED_BITS : 0;
-    most = KEY_BITS - offset;
     *ret_bits = KEY_BITS;
     if (slash == NULL)
         return true;
-    size_t n_digits = strspn(slash, "0123456789");
-    unsigned bits = (unsigned)atoi(slash);
-    *ret_bits = offset + bits;
-    return n_digits > 0 && n_digits <= 3 && slash[n_digits] == '\0' && bits <= most;
+    if (!number_read_digits(slash, 0, KEY_BITS - offset, &bits))
+        return false;
+    *ret_bits = offset + (unsigned)bits;
+    return true;
 }
 
 bf_status http_client_read_proxies(const char *list, http_proxies *ret_proxies, bf_error *err)

@@ -25,6 +25,7 @@
 #include "core/base/check.h"
 #include "core/base/memory.h"
 #include "server/base/clock.h"
+#include "server/base/thread.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -307,10 +308,10 @@ static void *watch(void *context)
 
 bf_status http__watch_start(http *h, bf_error *err)
 {
-    if (pthread_create(&h->watch, NULL, watch, h) != 0)
-        return bf_fail(err, BF_ESYSTEM, "", "cannot start a thread that watches connections");
-    h->has_watch = true;
-    return BF_OK;
+    const bf_status status = thread_start(&h->watch, watch, h, "connections", err);
+
+    h->has_watch = status == BF_OK;
+    return status;
 }
 
 void http__watch_stop(http *h)

@@ -23,6 +23,7 @@
 
 #include "core/base/check.h"
 #include "core/base/memory.h"
+#include "server/base/thread.h"
 
 #include <microhttpd.h>
 #include <string.h>
@@ -167,10 +168,11 @@ bf_status http__pool_start(unsigned n, http_pool **ret_pool, bf_error *err)
     lock_condition_init(&p->changed);
     p->n = n;
     for (; p->n_threads < n_threads; p->n_threads++) {
-        if (pthread_create(&p->threads[p->n_threads], NULL, work, p) != 0) {
+        const bf_status status = thread_start(&p->threads[p->n_threads], work, p, "requests", err);
+        if (status != BF_OK) {
             http__pool_end(p);
             (void)http__pool_free(p);
-            return bf_fail(err, BF_ESYSTEM, "", "cannot start %u request threads", n);
+            return status;
         }
     }
     *ret_pool = p;

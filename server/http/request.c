@@ -1,3 +1,4 @@
+#include "api/json/number.h"
 #include "server/http/answer_memory.h"
 #include "server/http/http_priv.h"
 #include "server/http/pool.h"
@@ -7,7 +8,6 @@
 #include "server/base/log.h"
 #include "server/http/guard.h"
 
-#include <errno.h>
 #include <microhttpd.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -113,21 +113,14 @@ static api_request view(http_request *r)
                           .client = r->client.is_local ? NULL : r->client.text };
 }
 
-static bool is_length(const char *text)
-{
-    size_t n = strspn(text, "0123456789");
-
-    errno = 0;
-    (void)strtoull(text, NULL, 10);
-    return n > 0 && text[n] == '\0' && errno == 0;
-}
-
 void http__request_refuse_length(void)
 {
     http_request *r = opened;
     const char *length = r == NULL ? NULL : http__request_header(r, "Content-Length");
+    uint64_t n;
 
-    if (length == NULL || http__request_header(r, "Transfer-Encoding") != NULL || is_length(length))
+    if (length == NULL || http__request_header(r, "Transfer-Encoding") != NULL ||
+        number_read_digits(length, 0, UINT64_MAX, &n))
         return;
     opened = NULL;
     r->begun_ns = clock_monotonic_ns();

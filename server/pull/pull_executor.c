@@ -3,6 +3,7 @@
 
 #include "server/pull/pull_executor.h"
 
+#include "api/json/number.h"
 #include "core/base/check.h"
 #include "core/base/memory.h"
 #include "server/base/clock.h"
@@ -13,7 +14,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -178,15 +178,13 @@ static executor_job *find_job(const pull_executor *e, const char *id)
 static bool read_id(const char *id, char *ret_run, uint64_t *ret_attempt)
 {
     const size_t n_prefix = strlen(ID_PREFIX), n_run = API_ID_SIZE - 1;
-    char *end;
 
     if (strncmp(id, ID_PREFIX, n_prefix) != 0 || strlen(id) < n_prefix + n_run + 2 ||
         id[n_prefix + n_run] != ':')
         return false;
     memcpy(ret_run, id + n_prefix, n_run);
     ret_run[n_run] = '\0';
-    *ret_attempt = strtoull(id + n_prefix + n_run + 1, &end, 10);
-    return *end == '\0';
+    return number_read_digits(id + n_prefix + n_run + 1, 0, UINT64_MAX, ret_attempt);
 }
 
 static bf_status attach(executor *base, const char *external_id, executor_job **ret_job,

@@ -9,11 +9,10 @@
 #include "core/run/prediction_learn.h"
 #include "server/base/lock.h"
 #include "server/base/log.h"
+#include "server/base/thread.h"
 
-#include <errno.h>
 #include <math.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -294,25 +293,21 @@ static void *run_loop(void *context)
 bf_status predictor_start(store *s, predictor **ret_predictor, bf_error *err)
 {
     predictor *p = memory_alloc(1, sizeof *p);
-    sigset_t all, before;
 
     if (p == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the predictor");
     p->store = s;
     lock_init(&p->lock);
     lock_condition_init(&p->asked);
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&p->thread, NULL, run_loop, p);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (error == 0) {
+    const bf_status status = thread_start(&p->thread, run_loop, p, "the predictor", err);
+    if (status == BF_OK) {
         *ret_predictor = p;
         return BF_OK;
     }
     lock_condition_fini(&p->asked);
     lock_fini(&p->lock);
     memory_free(p);
-    return bf_fail(err, BF_ESYSTEM, "", "the predictor cannot be started: %s", strerror(error));
+    return status;
 }
 
 predictor *predictor_stop(predictor *p)

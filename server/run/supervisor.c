@@ -4,6 +4,7 @@
 #include "core/base/memory.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/base/thread.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -312,18 +313,6 @@ static void *run_loop(void *context)
     return NULL;
 }
 
-// With all signals blocked: they are for the main thread, and SIGPIPE is ignored.
-static int start_thread(supervisor *s)
-{
-    sigset_t all, before;
-
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    int error = pthread_create(&s->thread, NULL, run_loop, s);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return error;
-}
-
 static void free_supervisor(supervisor *s)
 {
     supervisor__stop_writers(s);
@@ -384,13 +373,13 @@ bf_status supervisor_start(const supervisor_options *options, supervisor **ret_s
 
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the supervisor");
-    int error = s->wake_fd < 0 ? errno : 0;
+    const int error = s->wake_fd < 0 ? errno : 0;
     bf_status status = supervisor__start_writers(s, err);
-    if (status == BF_OK && error == 0)
-        error = start_thread(s);
     if (status == BF_OK && error != 0)
         status =
-            bf_fail(err, BF_ESYSTEM, "", "the supervisor cannot be started: %s", strerror(error));
+            bf_fail(err, BF_ESYSTEM, "", "no descriptor for the supervisor: %s", strerror(error));
+    if (status == BF_OK)
+        status = thread_start(&s->thread, run_loop, s, "the supervisor", err);
     if (status != BF_OK) {
         free_supervisor(s);
         return status;

@@ -4,9 +4,7 @@
 
 #include "core/base/check.h"
 #include "server/base/clock.h"
-
-#include <signal.h>
-#include <string.h>
+#include "server/base/thread.h"
 
 // The next task, under the lock; NULL: the queue is empty and no more will come.
 static supervisor__task *take_next(supervisor__writers *w)
@@ -138,22 +136,15 @@ void supervisor__begin_end(supervisor__task *task, supervisor__task *follower)
 bf_status supervisor__start_writers(supervisor *s, bf_error *err)
 {
     supervisor__writers *w = &s->writers;
-    sigset_t all, before;
-    int error = 0;
+    bf_status status = BF_OK;
 
     lock_init(&w->lock);
     lock_condition_init(&w->queued);
-    // Signals are for the main thread.
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (w->n_threads < SUPERVISOR_WRITERS && error == 0) {
-        error = pthread_create(&w->threads[w->n_threads], NULL, run_writer, s);
-        w->n_threads += error == 0;
+    while (w->n_threads < SUPERVISOR_WRITERS && status == BF_OK) {
+        status = thread_start(&w->threads[w->n_threads], run_writer, s, "the supervisor", err);
+        w->n_threads += status == BF_OK;
     }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (w->n_threads > 0)
-        return BF_OK;
-    return bf_fail(err, BF_ESYSTEM, "", "no thread can be started: %s", strerror(error));
+    return w->n_threads > 0 ? BF_OK : status;
 }
 
 void supervisor__stop_writers(supervisor *s)

@@ -8,13 +8,12 @@
 #include "server/base/lock.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
+#include "server/base/thread.h"
 #include "server/pull/pull_executor.h"
 #include "server/slurm/slurm_priv.h"
 
 #include <inttypes.h>
-#include <signal.h>
 #include <stdio.h>
-#include <string.h>
 
 enum { TURN_MS = 1000 }; // between looks at what waits
 
@@ -205,22 +204,16 @@ void slurm__destroy(slurm *s)
 bf_status slurm_start(const slurm_options *o, slurm **ret_slurm, bf_error *err)
 {
     slurm *s = NULL;
-    sigset_t all, before;
 
     bf_status status = slurm__create(o, &s, err);
     if (status != BF_OK)
         return status;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&s->thread, NULL, run_loop, s);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (error == 0) {
+    status = thread_start(&s->thread, run_loop, s, "Slurm", err);
+    if (status == BF_OK)
         *ret_slurm = s;
-        return BF_OK;
-    }
-    slurm__destroy(s);
-    return bf_fail(err, BF_ESYSTEM, "", "a thread for Slurm cannot be started: %s",
-                   strerror(error));
+    else
+        slurm__destroy(s);
+    return status;
 }
 
 slurm *slurm_stop(slurm *s)

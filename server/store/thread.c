@@ -15,9 +15,9 @@
 #include "core/base/check.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "server/base/thread.h"
 
 #include <errno.h>
-#include <signal.h>
 #include <sqlite3.h>
 #include <string.h>
 
@@ -260,17 +260,10 @@ static void *prepare_all(void *context)
 
 static bf_status start_thread(store *s, store__queue *queue, void *(*loop)(void *), bf_error *err)
 {
-    sigset_t all, before;
+    const bf_status status = thread_start(&queue->thread, loop, s, "the store", err);
 
-    // Signals are for the daemon's own threads.
-    sigfillset(&all);
-    BF_CHECK(pthread_sigmask(SIG_SETMASK, &all, &before) == 0);
-    int code = pthread_create(&queue->thread, NULL, loop, s);
-    BF_CHECK(pthread_sigmask(SIG_SETMASK, &before, NULL) == 0);
-    if (code != 0)
-        return bf_fail(err, BF_ESYSTEM, "", "cannot start the store's thread: %s", strerror(code));
-    queue->has_thread = true;
-    return BF_OK;
+    queue->has_thread = status == BF_OK;
+    return status;
 }
 
 bf_status store__start_threads(store *s, bf_error *err)

@@ -7,9 +7,9 @@
 #include "core/base/memory.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/base/thread.h"
 #include "server/study/studies_priv.h"
 
-#include <signal.h>
 #include <string.h>
 
 enum {
@@ -382,7 +382,6 @@ static void *run_loop(void *context)
 bf_status studies_start(const studies_options *options, studies **ret_studies, bf_error *err)
 {
     studies *s = memory_alloc(1, sizeof *s);
-    sigset_t all, before;
 
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for studies");
@@ -391,20 +390,15 @@ bf_status studies_start(const studies_options *options, studies **ret_studies, b
     s->has_news = true;
     lock_init(&s->lock);
     lock_condition_init(&s->woken);
-    // Signals are for the main thread.
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int code = pthread_create(&s->thread, NULL, run_loop, s);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (code == 0) {
+    const bf_status status = thread_start(&s->thread, run_loop, s, "studies", err);
+    if (status == BF_OK) {
         *ret_studies = s;
         return BF_OK;
     }
     lock_condition_fini(&s->woken);
     lock_fini(&s->lock);
     memory_free(s);
-    return bf_fail(err, BF_ESYSTEM, "", "the thread of studies cannot be started: %s",
-                   strerror(code));
+    return status;
 }
 
 void studies_reconfigure(studies *s, unsigned n_workers, int64_t age_ms)

@@ -82,18 +82,6 @@ static void decimals_are_numbers_within_their_range(void **state)
         assert_refused(&row, bad[i], BF_EINPUT, "'m' must be a number from 0.1 to 10");
 }
 
-static void the_largest_number_is_2_to_the_64_less_1(void **state)
-{
-    uint64_t value = 0;
-
-    (void)state;
-    assert_int_equal(param_read_digits("18446744073709551615", &value), 0);
-    assert_true(value == UINT64_MAX);
-    assert_int_equal(param_read_digits("18446744073709551616", &value), -1);
-    assert_true(value == UINT64_MAX);
-    assert_int_equal(param_read_digits("", &value), -1);
-}
-
 static void texts_have_a_limit_in_bytes(void **state)
 {
     static const param row = { .name = "label", .kind = &param_text, .most = 3 };
@@ -172,7 +160,6 @@ int main(void)
         cmocka_unit_test(numbers_are_whole_and_within_their_range),
         cmocka_unit_test(flags_are_0_or_1),
         cmocka_unit_test(decimals_are_numbers_within_their_range),
-        cmocka_unit_test(the_largest_number_is_2_to_the_64_less_1),
         cmocka_unit_test(texts_have_a_limit_in_bytes),
         cmocka_unit_test(ids_have_one_form),
         cmocka_unit_test(a_list_of_ids_has_no_gaps_and_no_id_twice),

@@ -238,6 +238,22 @@ static void numbers_of_moderate_size_are_written_as_printf_does(void **unused)
     }
 }
 
+static void digits_are_a_whole_number_within_bounds(void **state)
+{
+    static const char *const bad[] = { "", "-1", "+1", " 1", "1 ", "1.0", "0x1", "1e2", "8", "2" };
+    uint64_t value = 7;
+
+    (void)state;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
+        assert_false(number_read_digits(bad[k], 3, 7, &value));
+    assert_false(number_read_digits("18446744073709551616", 0, UINT64_MAX, &value));
+    assert_int_equal(value, 7);
+    assert_true(number_read_digits("003", 3, 7, &value));
+    assert_int_equal(value, 3);
+    assert_true(number_read_digits("18446744073709551615", 0, UINT64_MAX, &value));
+    assert_true(value == UINT64_MAX);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -250,6 +266,7 @@ int main(void)
         cmocka_unit_test(no_shorter_text_reads_back),
         cmocka_unit_test(floats_take_few_digits),
         cmocka_unit_test(numbers_of_moderate_size_are_written_as_printf_does),
+        cmocka_unit_test(digits_are_a_whole_number_within_bounds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
