@@ -10,8 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { COOKIE = 0x62656c74, MOST_CELLS_A_SIDE = 1 << 24, MOST_THREADS = 1024 };
-
 static const double cfl_slack = 1e-9; // tolerance for steps that are equal to the bound in decimal
 
 #define X(suffix)                                                                                  \
@@ -48,7 +46,6 @@ macro_def macro_def_default(void)
         .heaviside = SCENE_HEAVISIDE_SHARP,
         .heaviside_width = 0.05,
         .n_threads = 1,
-        .cookie = COOKIE,
     };
 }
 
@@ -80,81 +77,6 @@ static double largest_speed(const double *v, const uint16_t *belt, const largest
         largest = speed > largest ? speed : largest;
     }
     return largest;
-}
-
-static bool is_positive(double x)
-{
-    return isfinite(x) && x > 0.0;
-}
-
-static bf_status check_members(const macro_def *def, bf_error *err)
-{
-    const bf_grid *g = &def->grid;
-
-    if (g->n1 < 1 || g->n2 < 1 || g->n1 > MOST_CELLS_A_SIDE || g->n2 > MOST_CELLS_A_SIDE)
-        return bf_fail(err, BF_EINPUT, "/macro/cell_m", "a grid of %zu x %zu cells is not possible",
-                       g->n1, g->n2);
-    if (!is_positive(g->d1) || !is_positive(g->d2))
-        return bf_fail(err, BF_EINPUT, "/macro/cell_m", "the cell edge must be positive");
-    if (!is_positive(def->dt))
-        return bf_fail(err, BF_EINPUT, "/macro/step_s", "the step must be positive");
-    if (!isfinite(def->dispersion) || def->dispersion < 0.0)
-        return bf_fail(err, BF_EINPUT, "/macro/dispersion_m_s", "must be 0 or more");
-    if (!is_positive(def->mollifier) ||
-        mollifier_reach(def->mollifier, fmin(g->d1, g->d2)) > MOLLIFIER_REACH_MAX)
-        return bf_fail(err, BF_EINPUT, "/macro/mollifier_per_m2",
-                       "the mollifier must be positive and reach over at most %d cells",
-                       MOLLIFIER_REACH_MAX);
-    if (def->scheme >= SCENE_SCHEME_COUNT)
-        return bf_fail(err, BF_EINPUT, "/macro/scheme", "unknown scheme");
-    if (def->heaviside >= SCENE_HEAVISIDE_COUNT)
-        return bf_fail(err, BF_EINPUT, "/macro/heaviside", "unknown form of H");
-    if (def->heaviside == SCENE_HEAVISIDE_SMOOTH && !is_positive(def->heaviside_width))
-        return bf_fail(err, BF_EINPUT, "/macro/heaviside_width", "must be positive");
-    if (def->n_threads < 1 || def->n_threads > MOST_THREADS)
-        return bf_fail(err, BF_EINPUT, "", "the number of threads must be 1 to %d", MOST_THREADS);
-    return BF_OK;
-}
-
-static bool are_belts(const uint16_t *belt, size_t n, size_t n_belts)
-{
-    bool are_good = belt != NULL;
-
-    for (size_t k = 0; are_good && k < n; k++)
-        are_good = belt[k] <= n_belts;
-    return are_good;
-}
-
-static bf_status check_belts(const macro_def *def, bf_error *err)
-{
-    const bf_grid *g = &def->grid;
-
-    if (def->n_belts > SCENE_BELTS_MAX)
-        return bf_fail(err, BF_ELIMIT, "/belts", "%zu belts, the limit is %d", def->n_belts,
-                       SCENE_BELTS_MAX);
-    if (def->n_belts == 0 || (are_belts(def->belt1, (g->n1 + 1) * g->n2, def->n_belts) &&
-                              are_belts(def->belt2, g->n1 * (g->n2 + 1), def->n_belts)))
-        return BF_OK;
-    return bf_fail(err, BF_EINPUT, "/belts", "there is a face without a belt's index");
-}
-
-// What the congested closure needs.
-static bf_status check_closure(const macro_def *def, bf_error *err)
-{
-    if (def->closure >= SCENE_CLOSURE_COUNT)
-        return bf_fail(err, BF_EINPUT, "/macro/closure", "unknown closure");
-    if (def->closure != SCENE_CONGESTED)
-        return BF_OK;
-    if (!(def->jam_density > 0.0 && def->jam_density <= 1.0))
-        return bf_fail(err, BF_EINPUT, "/macro/jam_density", "must be more than 0 and at most 1");
-    if (!is_positive(def->slip_rate))
-        return bf_fail(err, BF_EINPUT, "", "the rate of the belt's friction must be positive");
-    if (def->n_belts == 0)
-        return bf_fail(err, BF_EINPUT, "/belts", "there is no belt");
-    if (def->aperture1 == NULL || def->aperture2 == NULL || def->transverse1 == NULL ||
-        def->transverse2 == NULL)
-        return bf_fail(err, BF_EINPUT, "", "apertures or transverse velocities are missing");
-    return BF_OK;
 }
 
 // See macro.h. In sweeps along one axis after the other a cell loses to one axis at a time, else to both at once.
@@ -382,13 +304,9 @@ static bf_status copy_off(macro_solver *s, const macro_def *def)
 
 bf_status macro_create(const macro_def *def, macro_solver **ret_solver, bf_error *err)
 {
-    bf_status status = BF_OK;
+    const bf_status status = check_stability(def, err);
 
-    if (def->cookie != COOKIE)
-        return bf_fail(err, BF_EINPUT, "", "the definition is not from macro_def_default()");
-    if ((status = check_members(def, err)) != BF_OK || (status = check_belts(def, err)) != BF_OK ||
-        (status = check_closure(def, err)) != BF_OK ||
-        (status = check_stability(def, err)) != BF_OK)
+    if (status != BF_OK)
         return status;
     macro_solver *s = memory_alloc(1, sizeof *s);
     if (s == NULL)

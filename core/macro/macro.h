@@ -34,7 +34,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// How to build a solver. Begin with macro_def_default(). Arrays are read during macro_create()
+/// How to build a solver: numbers of a checked scenario. Begin with macro_def_default(). Arrays are read during macro_create()
 /// only and stay the caller's.
 typedef struct macro_def {
     bf_grid grid;              ///< cells (default 200 x 120 of 5 mm, lower corner 0, 0)
@@ -64,10 +64,9 @@ typedef struct macro_def {
     const uint16_t *belt2;   ///< same for the x2-faces
     const uint8_t *off;   ///< nonzero: what is in this cell after a step falls (default NULL: none)
     bool has_entry_times; ///< when cargo entered is carried along (entry_times.h; default false)
-    bool mirror[4];  ///< west, east, south, north: the convolution sees the density mirrored at
-                     ///< this edge instead of zero outside (default false)
-    int n_threads;   ///< threads to use, >= 1 (default 1)
-    uint32_t cookie; ///< set by macro_def_default(); do not change
+    bool mirror[4]; ///< west, east, south, north: the convolution sees the density mirrored at
+                    ///< this edge instead of zero outside (default false)
+    int n_threads;  ///< threads to use, >= 1 (default 1)
 } macro_def;
 
 /// A running solver; opaque, on the heap.
@@ -90,7 +89,7 @@ typedef struct macro_exit {
 macro_def macro_def_default(void);
 
 /// Build a solver with rho = 0. The caller owns *ret_solver: macro_destroy().
-/// BF_EINPUT: def not from macro_def_default(), or a member out of range, or dt unstable; BF_ENOMEM.
+/// BF_EINPUT: dt is unstable; BF_ENOMEM.
 BF_MUST_CHECK bf_status macro_create(const macro_def *def, macro_solver **ret_solver,
                                      bf_error *err);
 

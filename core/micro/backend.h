@@ -71,6 +71,9 @@ static inline bool micro__is_pressed(double overlap_share, const micro_def *def)
     return overlap_share > def->overlap_limit;
 }
 
+/// The fastest speed of any point of a plate, m/s, and whose it is.
+double micro__plate_speed(const micro_def *def, size_t *ret_obstacle);
+
 /// For how many parts steps and iterations are chosen.
 static inline size_t micro__n_expected(const micro_def *def)
 {

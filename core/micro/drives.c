@@ -2,7 +2,6 @@
 
 #include "core/base/memory.h"
 #include "core/micro/implicit_step.h"
-#include "core/micro/micro_priv.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,6 @@
 #include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
 #include "core/micro/implicit_step.h"
-#include "core/micro/micro_priv.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"

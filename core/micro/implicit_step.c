@@ -4,7 +4,6 @@
 #include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
 #include "core/micro/hardness.h"
-#include "core/micro/micro_priv.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 

@@ -8,11 +8,11 @@
 #include "core/micro/drives.h"
 #include "core/micro/hardness.h"
 #include "core/micro/implicit_step.h"
-#include "core/micro/micro_priv.h"
 #include "core/micro/places.h"
 #include "core/micro/press.h"
 #include "core/scene/definition.h"
 #include "core/scene/goods.h"
+#include "core/scene/plate_motion.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
@@ -66,8 +66,7 @@ micro_def micro_def_default(void)
                       .damping = 0.1,
                       .gravity = 9.81,
                       .dt = 1e-5,
-                      .n_threads = 1,
-                      .cookie = MICRO__COOKIE };
+                      .n_threads = 1 };
     scene s;
 
     scene_init(&s);
@@ -114,6 +113,21 @@ int micro_iterations(const micro_def *def)
 {
     return def->integrator == MICRO_IMPLICIT ? implicit_step_effort(def, micro_def_is_planar(def))
                                              : 0;
+}
+
+double micro__plate_speed(const micro_def *def, size_t *ret_obstacle)
+{
+    double largest = 0.0;
+
+    *ret_obstacle = 0;
+    for (size_t k = 0; k < def->n_obstacles; k++) {
+        const double speed =
+            plate_motion_largest_speed(def->obstacles, k, def->n_actions, def->actions);
+        if (speed > largest)
+            *ret_obstacle = k;
+        largest = fmax(largest, speed);
+    }
+    return largest;
 }
 
 double micro_dt_plates(const micro_def *def)
@@ -234,11 +248,10 @@ static bf_status fill(micro_solver *s, const micro_def *def, bf_error *err)
 
 bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error *err)
 {
-    bf_status status = micro__check(def, err);
-    if (status != BF_OK)
-        return status;
     micro_def own = *def;
     const micro_backend *backend = choose_backend(def);
+    bf_status status = BF_OK;
+
     if (own.dt == 0.0)
         own.dt = micro_dt_chosen(def);
     if (micro_dt_plates(&own) < INFINITY && (status = check_plates(&own, err)) != BF_OK)
@@ -400,6 +413,12 @@ static size_t find_gone(const micro_solver *s, size_t first)
     return left < fell ? left : fell;
 }
 
+static bool is_inside(const scene_rect *d, const scene_pose *pose)
+{
+    return pose->x >= d->x_min && pose->x <= d->x_max && pose->y >= d->y_min &&
+           pose->y <= d->y_max && isfinite(pose->heading);
+}
+
 static bf_status check_arrival(const micro_solver *s, const micro_arrival *arrival, bf_error *err)
 {
     if (!s->admits)
@@ -407,7 +426,7 @@ static bf_status check_arrival(const micro_solver *s, const micro_arrival *arriv
     if (arrival->kind >= s->n_kinds)
         return bf_fail(err, BF_EINPUT, "/cargo", "kind %u of %zu", (unsigned)arrival->kind,
                        s->n_kinds);
-    if (!micro__is_inside(&s->domain, &arrival->pose) || !isfinite(arrival->velocity.x) ||
+    if (!is_inside(&s->domain, &arrival->pose) || !isfinite(arrival->velocity.x) ||
         !isfinite(arrival->velocity.y))
         return bf_fail(err, BF_EINPUT, "", "no part can enter at (%g, %g) m with (%g, %g) m/s",
                        arrival->pose.x, arrival->pose.y, arrival->velocity.x, arrival->velocity.y);

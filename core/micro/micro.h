@@ -59,7 +59,7 @@ typedef struct micro_kind {
     double spin_radius;      ///< r_spin of (8), m, >= 0
 } micro_kind;
 
-/// How to build a solver. Begin with micro_def_default(). Arrays are read during micro_create() only
+/// How to build a solver: numbers of a checked scenario. Begin with micro_def_default(). Arrays are read during micro_create() only
 /// and stay the caller's.
 typedef struct micro_def {
     scene_rect domain;                  ///< m (no default)
@@ -92,7 +92,6 @@ typedef struct micro_def {
     micro_integrator integrator; ///< (default MICRO_VERLET)
     micro_path path;             ///< (default MICRO_PATH_AUTO)
     int n_threads;               ///< >= 1 (default 1)
-    uint32_t cookie;             ///< set by micro_def_default(); do not change
 } micro_def;
 
 /// A running solver; opaque, on the heap.
@@ -162,8 +161,8 @@ bool micro_def_is_planar(const micro_def *def);
 int micro_iterations(const micro_def *def);
 
 /// Build a solver at t = 0. The caller owns *ret_solver: micro_destroy().
-/// BF_EINPUT: def not from micro_def_default(), or a member out of range or dt beyond micro_dt_stable() or
-/// micro_dt_plates(), which the text names, or a plate moves too fast for its contacts; BF_ENOMEM.
+/// BF_EINPUT: dt beyond micro_dt_stable() or micro_dt_plates(), which the text names, or a plate moves too fast for its
+/// contacts; BF_ENOMEM.
 BF_MUST_CHECK bf_status micro_create(const micro_def *def, micro_solver **ret_solver,
                                      bf_error *err);
 

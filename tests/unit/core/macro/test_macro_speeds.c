@@ -391,31 +391,6 @@ static void the_largest_factor_bounds_the_step(void **state)
     }
 }
 
-static void every_face_needs_a_belt(void **state)
-{
-    scene s;
-    velocity_field *f = NULL;
-    macro_solver *solver = NULL;
-    bf_error err = { 0 };
-
-    (void)state;
-    make_box(&s);
-    assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
-    macro_def def = helper_macro_def(&s, f);
-    def.belt2 = NULL;
-    assert_int_equal(macro_create(&def, &solver, &err), BF_EINPUT);
-    assert_string_equal(err.pointer, "/belts");
-    def.belt2 = f->belt2;
-    f->belt1[77] = 2; // 1 is that there is none
-    assert_int_equal(macro_create(&def, &solver, &err), BF_EINPUT);
-    f->belt1[77] = 1;
-    def.n_belts = SCENE_BELTS_MAX + 1;
-    assert_int_equal(macro_create(&def, &solver, &err), BF_ELIMIT);
-    assert_null(solver);
-    velocity_field_destroy(f);
-    scene_fini(&s);
-}
-
 static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 {
     scene s;
@@ -440,7 +415,6 @@ int main(void)
         cmocka_unit_test(a_run_resumed_in_a_ramp_goes_on_with_the_same_bits),
         cmocka_unit_test(a_state_of_another_schedule_is_refused),
         cmocka_unit_test(the_largest_factor_bounds_the_step),
-        cmocka_unit_test(every_face_needs_a_belt),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error_and_nothing_leaks),
     };
 

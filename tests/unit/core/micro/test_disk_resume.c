@@ -229,44 +229,6 @@ static void without_memory_nothing_is_lost(void **state)
     free(w);
 }
 
-static void assert_refused(const micro_def *def, const char *pointer)
-{
-    micro_solver *s = NULL;
-    bf_error err = { 0 };
-
-    assert_int_equal(micro_create(def, &s, &err), BF_EINPUT);
-    assert_null(s);
-    assert_string_equal(err.pointer, pointer);
-}
-
-static void bad_definitions_are_refused_where_they_are_bad(void **state)
-{
-    helper_disk_state *w = make_crowd(false);
-    const micro_def good = w->def;
-    micro_def bad[7];
-
-    (void)state;
-    for (size_t k = 0; k < 7; k++)
-        bad[k] = good;
-    bad[0].cookie = 0;
-    assert_refused(&bad[0], "");
-    bad[1].dt = 1.01 * micro_dt_stable(&good);
-    assert_refused(&bad[1], "/micro/step_s");
-    bad[2].modulus_reduction = 0.5;
-    assert_refused(&bad[2], "/micro/modulus_reduction");
-    bad[3].contact[SCENE_HANDLING_CARGO].friction = NAN;
-    assert_refused(&bad[3], "/contacts/handling_cargo");
-    bad[4].n_kinds = 0;
-    assert_refused(&bad[4], "/cargo");
-    bad[5].domain.x_max = -1.0;
-    assert_refused(&bad[5], "/domain");
-    bad[6].domain.x_max = 1.5; // parts are beyond
-    assert_refused(&bad[6], "/initial");
-    w->belts[1].n_points = 2;
-    assert_refused(&good, "/belts/1");
-    free(w);
-}
-
 // The text of BF_ENUMERIC after steps of which one must fail.
 static void advance_wrongly(disk_state *s, bf_error *err)
 {
@@ -301,7 +263,6 @@ int main(void)
         cmocka_unit_test(an_interrupted_run_ends_with_the_same_bits),
         cmocka_unit_test(damaged_states_are_refused),
         cmocka_unit_test(without_memory_nothing_is_lost),
-        cmocka_unit_test(bad_definitions_are_refused_where_they_are_bad),
         cmocka_unit_test(an_impossible_state_is_reported_with_step_time_and_part),
     };
 

@@ -296,26 +296,6 @@ static void the_largest_speed_bounds_implicit_steps(void **state)
     assert_near(micro_dt_stable(&w.def), 0.25 * 0.012 / (0.4 * 2.5), 1e-12);
 }
 
-static void a_schedule_at_fault_is_refused_at_its_belt(void **state)
-{
-    (void)state;
-    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
-        static scene_belt many[SCENE_BELTS_MAX + 1];
-        world w;
-        micro_solver *s = NULL;
-        bf_error err = { 0 };
-        make_world(&w, k);
-        set_schedule(&w, 0, 2, (double[]){ 1.0, 1.0 }, (double[]){ 0.0, 1.0 });
-        assert_int_equal(micro_create(&w.def, &s, &err), BF_EINPUT);
-        assert_string_equal(err.pointer, "/belts/0");
-        w.def.belts = many;
-        w.def.n_belts = SCENE_BELTS_MAX + 1;
-        assert_int_equal(micro_create(&w.def, &s, &err), BF_ELIMIT);
-        assert_string_equal(err.pointer, "/belts");
-        assert_null(s);
-    }
-}
-
 static void a_state_of_another_schedule_is_refused(void **state)
 {
     (void)state;
@@ -372,7 +352,6 @@ int main(void)
         cmocka_unit_test(threads_and_resumes_in_ramps_change_no_bit),
         cmocka_unit_test(steps_one_by_one_give_the_bits_of_steps_in_a_row),
         cmocka_unit_test(the_largest_speed_bounds_implicit_steps),
-        cmocka_unit_test(a_schedule_at_fault_is_refused_at_its_belt),
         cmocka_unit_test(a_state_of_another_schedule_is_refused),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error_and_nothing_leaks),
     };

@@ -113,6 +113,7 @@ static void numbers_out_of_range_are_refused_where_they_stand(void **state)
         { offsetof(scene, macro.initial_mollifier), "/macro/initial_mollifier_per_m2", -1.0 },
         { offsetof(scene, micro.step), "/micro/step_s", -1e-5 },
         { offsetof(scene, micro.modulus_reduction), "/micro/modulus_reduction", 0.5 },
+        { offsetof(scene, micro.overlap_limit), "/micro/overlap_limit", 0.0 },
         { offsetof(scene, micro.damping), "/micro/damping_per_s", -1.0 },
         { offsetof(scene, micro.gravity), "/micro/gravity_m_s2", -1.0 },
         { offsetof(scene, micro.spin_friction_radius), "/micro/spin_friction_radius_m", -1.0 },
@@ -120,11 +121,15 @@ static void numbers_out_of_range_are_refused_where_they_stand(void **state)
           0.0 },
         { offsetof(scene, micro.conveyor.poisson_ratio), "/materials/conveyor/poisson_ratio",
           -0.1 },
+        { offsetof(scene, micro.handling.young_modulus), "/materials/handling/young_modulus_pa",
+          0.0 },
         { offsetof(scene, micro.handling.poisson_ratio), "/materials/handling/poisson_ratio", 0.6 },
         { offsetof(scene, micro.contact[SCENE_CARGO_CARGO].damping),
           "/contacts/cargo_cargo/damping_n_s_m", -1.0 },
         { offsetof(scene, micro.contact[SCENE_CONVEYOR_CARGO].length),
           "/contacts/conveyor_cargo/length_m", 0.0 },
+        { offsetof(scene, micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear),
+          "/contacts/conveyor_cargo/tanh_linear_s_m", 0.0 },
         { offsetof(scene, micro.contact[SCENE_HANDLING_CARGO].friction),
           "/contacts/handling_cargo/friction", -0.1 },
         { offsetof(scene, micro.contact[SCENE_HANDLING_CARGO].tanh_linear),
@@ -191,6 +196,8 @@ static void words_out_of_range_are_refused(void **state)
     s.macro.closure = SCENE_CLOSURE_COUNT;
     s.macro.scheme = SCENE_SCHEME_COUNT;
     s.macro.heaviside = SCENE_HEAVISIDE_COUNT;
+    s.micro.integrator = SCENE_INTEGRATOR_COUNT;
+    s.micro.path = SCENE_PATH_COUNT;
     const bf_faults *faults = faults_of(&s);
     assert_true(has_fault(faults, BF_EINPUT, "/edges/north", ""));
     assert_true(has_fault(faults, BF_EINPUT, "/obstacles/0/treatment", ""));
@@ -199,7 +206,14 @@ static void words_out_of_range_are_refused(void **state)
     assert_true(has_fault(faults, BF_EINPUT, "/macro/closure", ""));
     assert_true(has_fault(faults, BF_EINPUT, "/macro/scheme", ""));
     assert_true(has_fault(faults, BF_EINPUT, "/macro/heaviside", ""));
-    assert_int_equal(faults->n, 7);
+    assert_true(has_fault(faults, BF_EINPUT, "/micro/integrator", ""));
+    assert_true(has_fault(faults, BF_EINPUT, "/micro/path", ""));
+    assert_int_equal(faults->n, 9);
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.micro.path = SCENE_PATH_PLANAR;
+    s.cargo[0].shape =
+        (scene_shape){ .type = SCENE_BOX, .length = 0.02, .width = 0.02, .height = 0.02 };
+    assert_true(is_only_fault(&s, BF_EINPUT, "/micro/path", "planar is for cylinders"));
 }
 
 static void a_fresh_scene_lacks_all_that_has_no_default(void **state)
@@ -466,10 +480,12 @@ static void numbers_of_items_are_limited(void **state)
     (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.n_obstacles = SCENE_OBSTACLES_MAX + 1;
+    s.n_belts = SCENE_BELTS_MAX + 1;
     static bf_faults faults;
     scene_check(&s, &faults);
     assert_true(has_fault(&faults, BF_ELIMIT, "/obstacles", "257"));
-    s.n_obstacles = 1;
+    assert_true(has_fault(&faults, BF_ELIMIT, "/belts", "257"));
+    s.n_obstacles = s.n_belts = 1;
     scene_fini(&s);
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.initial.n_rows = s.initial.n_columns = UINT32_MAX;
