@@ -19,17 +19,18 @@
 // A request for a format that does not exist will be refused, which is not work.
 api_cost api_request_cost(const api_request *request)
 {
-    const route *found = routes_find(request->method, request->path, NULL);
+    route_params params;
+    const route *found = routes_find(request->method, request->path, &params);
     const media *chosen = NULL;
     query q = { 0 };
 
     if (found == NULL)
         return API_COST_NONE;
-    bool can_be_work = found->text_cost > found->cost &&
-                       query_parse(request->query, &q, NULL) == BF_OK &&
-                       negotiation_choose_media(found->formats, query_value(&q, "format"),
-                                                request->header(request->header_context, "Accept"),
-                                                &chosen, NULL) == BF_OK;
+    bool can_be_work =
+        found->text_cost > found->cost && query_parse(request->query, &q, NULL) == BF_OK &&
+        negotiation_choose_media(routes_formats(found, &params), query_value(&q, "format"),
+                                 request->header(request->header_context, "Accept"), &chosen,
+                                 NULL) == BF_OK;
     bool is_text = can_be_work && (chosen->format == MEDIA_JSON || chosen->format == MEDIA_CSV);
     return is_text ? found->text_cost : found->cost;
 }
@@ -71,12 +72,28 @@ static bf_status find_route(exchange *x, bf_error *err)
 static bf_status choose_media(exchange *x, bf_error *err)
 {
     const char *word = query_value(&x->query, "format");
-    bf_status status = negotiation_choose_media(x->route->formats, word,
+    bf_status status = negotiation_choose_media(routes_formats(x->route, &x->params), word,
                                                 exchange__header(x, "Accept"), &x->media, err);
 
     if (status != BF_OK && word == NULL)
         x->refusal = 406;
     return status;
+}
+
+// Some parameters are for some formats only; where the path says the format nothing else does.
+static bf_status check_format(const exchange *x, bf_error *err)
+{
+    for (const param *const *at = x->route->params; *at != NULL; at++) {
+        const char *name = (*at)->name, *formats = (*at)->formats;
+        if (strcmp((*at)->in, "query") != 0 || exchange__text(x, name) == NULL)
+            continue;
+        if ((*at)->kind == &param_format && x->params.format[0] != '\0')
+            return bf_fail(err, BF_EINPUT, "", "the path says the format, and so not '%s'", name);
+        if (formats != NULL && !negotiation_has_format(formats, x->media->word))
+            return bf_fail(err, BF_EINPUT, "", "query parameter '%s' is for %s, not for %s", name,
+                           formats, x->media->word);
+    }
+    return BF_OK;
 }
 
 // Whether the sender may use the route.
@@ -97,6 +114,8 @@ static bf_status dispatch(exchange *x, bf_error *err)
         status = query_check(&x->query, x->route->params, err);
     if (status == BF_OK)
         status = choose_media(x, err);
+    if (status == BF_OK)
+        status = check_format(x, err);
     if (status == BF_OK)
         status = x->route->handle(x, err);
     if (status == BF_OK && x->response->status == 0)
@@ -148,7 +167,7 @@ static void refuse(exchange *x, bf_status code, const bf_error *error)
 
 static void vary(exchange *x)
 {
-    if (x->route != NULL && strchr(x->route->formats, ' ') != NULL)
+    if (x->route != NULL && strchr(routes_formats(x->route, &x->params), ' ') != NULL)
         api_response_vary(x->response, "Accept");
     if (x->credential != API_CREDENTIAL_UNUSED && x->route->scope != API_SCOPE_NONE)
         api_response_vary(x->response, "Authorization");

@@ -57,29 +57,13 @@ bf_status handlers_results_snapshots(exchange *x, bf_error *err)
     return status;
 }
 
-// Only pictures have a width, a scale and colours.
-static bf_status refuse_picture_query(const exchange *x, bf_error *err)
-{
-    static const char *const names[] = { "width", "colormap", "max" };
-
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        if (exchange__text(x, names[i]) != NULL)
-            return bf_fail(err, BF_EINPUT, "", "query parameter '%s' is for png, not for %s",
-                           names[i], x->media->word);
-    }
-    return BF_OK;
-}
-
-static bf_status read_picture_query(const exchange *x, picture_query *ret_wanted, bf_error *err)
+static picture_query read_picture_query(const exchange *x)
 {
     const char *map = exchange__text(x, "colormap");
 
-    if (x->media->format != MEDIA_PNG)
-        return refuse_picture_query(x, err);
-    *ret_wanted = (picture_query){ .width = exchange__whole(x, "width"),
-                                   .top = exchange__real(x, "max"),
-                                   .map = map == NULL ? colormap_first() : colormap_find(map) };
-    return BF_OK;
+    return (picture_query){ .width = exchange__whole(x, "width"),
+                            .top = exchange__real(x, "max"),
+                            .map = map == NULL ? colormap_first() : colormap_find(map) };
 }
 
 static bool has_it_already(exchange *x, const char *id, uint64_t index, const picture_query *wanted)
@@ -185,15 +169,13 @@ static bool is_sent_in_pieces(const exchange *x, size_t n_cells)
 
 bf_status handlers_results_snapshot(exchange *x, bf_error *err)
 {
-    picture_query wanted = { .map = NULL };
+    const picture_query wanted = read_picture_query(x);
     uint64_t index = 0;
     api_run record;
 
     bf_status status = exchange__find_run(x, &record, err);
     if (status == BF_OK)
         status = exchange__find_snapshot(x, &record, &index, err);
-    if (status == BF_OK)
-        status = read_picture_query(x, &wanted, err);
     if (status != BF_OK)
         return status;
     exchange__cache_immutable(x);

@@ -192,6 +192,13 @@ static int find_word(const media *const *rows, size_t n, const char *word)
     return -1;
 }
 
+bool negotiation_has_format(const char *formats, const char *word)
+{
+    const media *rows[N_MEDIA];
+
+    return find_word(rows, gather(formats, rows), word) >= 0;
+}
+
 bf_status negotiation_choose_media(const char *formats, const char *word, const char *accept,
                                    const media **ret_media, bf_error *err)
 {

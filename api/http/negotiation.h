@@ -59,6 +59,9 @@ BF_MUST_CHECK bf_status negotiation_choose_media(const char *formats, const char
                                                  const char *accept, const media **ret_media,
                                                  bf_error *err);
 
+/// True if a list of words of formats ("npy json") has this one.
+bool negotiation_has_format(const char *formats, const char *word);
+
 /// Accept (RFC 9110, 12.5.1): the media type among offers with the highest q-value, the first one of
 /// those with the same. For each offer the most specific range counts (type/subtype before type/*
 /// before */*); parameters other than q are ignored. header NULL or "" accepts everything; a member

@@ -58,6 +58,7 @@ struct param {
     bool (*is_word)(const char *text); ///< of param_word: true for its words
     const char *(*list_words)(void); ///< of param_word: its words, for a refusal; NULL: not listed
     bool is_required;                ///< the request must have it
+    const char *formats;             ///< of answers that it is for, words of MEDIA_LIST; NULL: all
     const char *help;                ///< what it does
 };
 

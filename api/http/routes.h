@@ -12,10 +12,11 @@
 #include <stddef.h>
 
 enum {
-    ROUTES_ANSWERS_MAX = 3, ///< answers of a route that are not refusals
-    ROUTES_PARAMS_MAX = 2,  ///< parameters in a path template
-    ROUTES_PARAM_SIZE = 65, ///< bytes of a parameter's value with its terminator
-    ROUTES_ALLOW_SIZE = 64, ///< bytes of an Allow header's value with its terminator
+    ROUTES_ANSWERS_MAX = 3,  ///< answers of a route that are not refusals
+    ROUTES_PARAMS_MAX = 2,   ///< parameters in a path template
+    ROUTES_PARAM_SIZE = 65,  ///< bytes of a parameter's value with its terminator
+    ROUTES_FORMAT_SIZE = 12, ///< bytes of the word of a format with its terminator
+    ROUTES_ALLOW_SIZE = 64,  ///< bytes of an Allow header's value with its terminator
 };
 
 /// One exchange that is being handled; http_priv.h.
@@ -35,13 +36,14 @@ typedef struct route_answer {
 
 /// One route. HEAD goes where GET goes; OPTIONS is answered for every path.
 typedef struct route {
-    const char *method;       ///< "GET", ...
-    const char *path;         ///< template: "/v1/runs/{id}"
-    route_handler_fn *handle; ///< what answers
-    api_cost cost;            ///< what an answer takes,
-    api_cost text_cost;       ///< or of one as JSON or CSV, if that is more
-    api_scope scope;          ///< what a token must allow; API_SCOPE_NONE: it is for everyone
-    const char *formats; ///< formats that it answers in, words of MEDIA_LIST, the default first
+    const char *method;         ///< "GET", ...
+    const char *path;           ///< template: "/v1/runs/{id}"
+    route_handler_fn *handle;   ///< what answers
+    api_cost cost;              ///< what an answer takes,
+    api_cost text_cost;         ///< or of one as JSON or CSV, if that is more
+    api_scope scope;            ///< what a token must allow; API_SCOPE_NONE: it is for everyone
+    const char *formats;        ///< in which it answers, words of MEDIA_LIST, the default first;
+                                ///< several have paths of their own, the route's with ".csv" behind
     const param *const *params; ///< of path, query and header, ended by NULL
     const char *id;             ///< operationId, for programs that are made from the document
     const char *tag;            ///< under which the document lists it
@@ -58,18 +60,22 @@ typedef struct route {
 #define ROUTES_TOKEN_REFUSALS  "401 403"
 #define ROUTES_COMMON_HEADERS  "Vary X-Request-Id RateLimit-Policy RateLimit"
 
-/// Values of the parameters of a path, in the order of the template.
+/// What a path says: the values of its parameters, in the order of the template, and the format.
 typedef struct route_params {
     size_t n;                                          ///< parameters
     char values[ROUTES_PARAMS_MAX][ROUTES_PARAM_SIZE]; ///< their text
+    char format[ROUTES_FORMAT_SIZE];                   ///< word of MEDIA_LIST; "": it does not say
 } route_params;
 
 /// The table. Static; *ret_n is how many.
 const route *routes_list(size_t *ret_n);
 
 /// The route of a request, or NULL (*ret_params untouched). ret_params may be NULL. A parameter
-/// is one segment, not empty, shorter than ROUTES_PARAM_SIZE.
+/// is one segment, not empty, shorter than ROUTES_PARAM_SIZE and without a dot, which begins the ending of a format.
 const route *routes_find(const char *method, const char *path, route_params *ret_params);
+
+/// The formats among which a path that was found leaves the choice, words of MEDIA_LIST.
+const char *routes_formats(const route *found, const route_params *params);
 
 /// True if a route has this path; then *ret_allow (ROUTES_ALLOW_SIZE bytes) lists its methods as an
 /// Allow header does, HEAD and OPTIONS included.

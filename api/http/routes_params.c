@@ -222,7 +222,8 @@ const param routes__trials_from = { .name = "from",
                                     .type = "#Count",
                                     .default_text = "0",
                                     .most = STUDY_TRIALS_MAX,
-                                    .help = "Of JSON: number of the first trial on the page" };
+                                    .help = "Number of the first trial on the page",
+                                    .formats = "json" };
 
 const param routes__trials_limit = { .name = "limit",
                                      .in = "query",
@@ -230,7 +231,8 @@ const param routes__trials_limit = { .name = "limit",
                                      .default_text = "100",
                                      .least = 1,
                                      .most = API_TRIALS_PAGE_MAX,
-                                     .help = "Of JSON: trials on a page" };
+                                     .help = "Trials on a page",
+                                     .formats = "json" };
 
 const param routes__measurement_label = { .name = "label",
                                           .in = "query",
@@ -270,7 +272,8 @@ const param routes__picture_width = { .name = "width",
                                       .kind = &param_whole,
                                       .least = 1,
                                       .most = PICTURE_WIDTH_MAX,
-                                      .help = "Of png: its width in pixels; some 1000 if missing" };
+                                      .help = "Its width in pixels; some 1000 if missing",
+                                      .formats = "png" };
 
 const param routes__picture_colormap = { .name = "colormap",
                                          .in = "query",
@@ -278,17 +281,18 @@ const param routes__picture_colormap = { .name = "colormap",
                                          .type = "#Colormap",
                                          .is_word = is_colormap,
                                          .list_words = colormap_words,
-                                         .help = "Of png: its colours" };
+                                         .help = "Its colours",
+                                         .formats = "png" };
 
-const param routes__picture_max = {
-    .name = "max",
-    .in = "query",
-    .kind = &param_real,
-    .default_text = TEXT_OF(PICTURE_TOP),
-    .least_real = 1e-3,
-    .most_real = 1e3,
-    .help = "Of png: the density at the end of the scale; 1 is close packing"
-};
+const param routes__picture_max = { .name = "max",
+                                    .in = "query",
+                                    .kind = &param_real,
+                                    .default_text = TEXT_OF(PICTURE_TOP),
+                                    .least_real = 1e-3,
+                                    .most_real = 1e3,
+                                    .help =
+                                        "The density at the end of the scale; 1 is close packing",
+                                    .formats = "png" };
 
 const param routes__with_vtk = { .name = "vtk",
                                  .in = "query",
@@ -360,7 +364,8 @@ const param routes__if_none_match = {
 const param routes__if_range = { .name = "If-Range",
                                  .in = "header",
                                  .kind = &param_text,
-                                 .help = "The ETag that the bytes asked for must still belong to" };
+                                 .help = "The ETag that the bytes asked for must still belong to",
+                                 .formats = "npy png vti vtp" };
 
 const param routes__last_event_id_header = {
     .name = "Last-Event-ID",
@@ -382,4 +387,5 @@ const param routes__range = { .name = "Range",
                               .in = "header",
                               .kind = &param_text,
                               .limits = "\"examples\":[\"bytes=0-1023\"]",
-                              .help = "Which bytes of a binary body" };
+                              .help = "Which bytes of a binary body",
+                              .formats = "npy png vti vtp" };

@@ -40,19 +40,6 @@
         .cost = API_COST_STORE, .scope = API_SCOPE_READ, .tag = "Results", __VA_ARGS__             \
     }
 
-// What an operation answers as CSV, too, under a path of its own: an operation with one media type.
-#define CSV(path_, handle_, id_, tag_, summary_, of_)                                              \
-    {                                                                                              \
-        .method = "GET", .path = (path_), .handle = (handle_), .cost = API_COST_STORE,             \
-        .scope = API_SCOPE_READ, .formats = "csv",                                                 \
-        .params = PARAMS(of_, &routes__if_match, &routes__if_none_match), .id = (id_),             \
-        .tag = (tag_), .summary = (summary_), .help = "The bytes that `format=csv` gives.",        \
-        .refusals = "404 409 412", .answers = {                                                    \
-            { 200, NULL, CACHED, "The lines" },                                                    \
-            UNCHANGED                                                                              \
-        }                                                                                          \
-    }
-
 static const route table[] = {
     { .method = "POST",
       .path = "/v1/runs",
@@ -181,12 +168,6 @@ static const route table[] = {
                    "header is `figure,of,id,value,unit`. 409 while there are none.",
            .refusals = "404 409 412",
            .answers = { { 200, "KeyFigures", CACHED, "The key figures" }, UNCHANGED }),
-    CSV("/v1/runs/{id}/curve.csv", handlers_results_curve, "getCurveCsv", "Results",
-        "The outflow curve so far as CSV", &routes__run_id),
-    CSV("/v1/runs/{id}/photo_eyes.csv", handlers_results_photo_eyes, "getPhotoEyesCsv", "Results",
-        "Changes of photo eyes so far as CSV", &routes__run_id),
-    CSV("/v1/runs/{id}/key_figures.csv", handlers_results_figures, "getKeyFiguresCsv", "Results",
-        "The key figures so far as CSV", &routes__run_id),
     RESULT("snapshots", handlers_results_snapshots, .formats = "json",
            .params = PARAMS(&routes__run_id, &routes__if_match, &routes__if_none_match),
            .id = "listSnapshots", .summary = "List the density snapshots so far",
@@ -416,9 +397,9 @@ static const route table[] = {
       .help = "As JSON page by page; the `next` link leads to the trials that follow. As CSV all "
               "that have ended, a line each, as `beltflow study` writes them.",
       .refusals = "404 412",
-      .answers = { { 200, "TrialList", CACHED " Link", "The trials" }, UNCHANGED } },
-    CSV("/v1/studies/{id}/trials.csv", handlers_trials_list, "listTrialsCsv", "Studies",
-        "The trials of a study that have ended as CSV", &routes__study_id),
+      .answers = { { 200, "TrialList", CACHED " Link", "The trials", "json" },
+                   { 200, NULL, CACHED, "The trials", "csv" },
+                   UNCHANGED } },
     { .method = "GET",
       .path = "/v1/studies/{id}/best",
       .handle = handlers_trials_best,
@@ -523,8 +504,6 @@ static const route table[] = {
               "what was sent.",
       .refusals = "404 412",
       .answers = { { 200, "StoredMeasurement", CACHED, "The measurement" }, UNCHANGED } },
-    CSV("/v1/measurements/{id}/samples.csv", handlers_measurements_show, "getMeasurementCsv",
-        "Comparison", "A measurement as CSV", &routes__measurement_id),
     { .method = "DELETE",
       .path = "/v1/measurements/{id}",
       .handle = handlers_measurements_remove,

@@ -23,10 +23,11 @@ static const char description[] =
     "Units are SI and are the last part of each name: `_s`, `_m`, `_m_s`, `_per_m2`. A member that "
     "is not known is refused, with the most similar name. Numbers in answers read back to "
     "the same bits; what is not known is null.\n\n"
-    "HEAD is answered wherever GET is, and OPTIONS on every path with `Allow`. A format is chosen "
-    "by `?format=`, else by `Accept`; text is compressed for clients that accept it. Errors are "
-    "problem documents (RFC 9457). Where the service has access tokens, a request needs one that "
-    "has the operation's scope.";
+    "HEAD is answered wherever GET is, and OPTIONS on every path with `Allow`. Where there are "
+    "several formats each has a path of its own, that of the first with `.csv`, `.png` and so on "
+    "behind it; the first path knows `?format=` and `Accept`, too. Text is compressed for clients "
+    "that accept it. Errors are problem documents (RFC 9457). Where the service has access tokens, "
+    "a request needs one that has the operation's scope.";
 
 static const struct {
     const char *name;

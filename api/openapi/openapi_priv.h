@@ -66,9 +66,10 @@ const char *openapi__format_schema(media_format format);
 void openapi__write_headers(json_out *w, const char *words);
 void openapi__write_refusals_of(json_out *w, const route *r);
 
-/// Write the member `examples` of a body in a media type into an object that is open, if the tests recorded one. where:
-/// "request", or the status of the answer.
-void openapi__write_sample(json_out *w, const route *r, const char *where, const char *type);
+/// Write the member `examples` of a body in a media type into an object that is open, if the tests recorded one of the operation
+/// with this id. where: "request", or the status of the answer.
+void openapi__write_sample(json_out *w, const char *method, const char *id, const char *where,
+                           const char *type);
 
 /// Write the members of /components/schemas, /paths, /components/responses, /components/headers.
 void openapi__write_output_schemas(json_out *w);

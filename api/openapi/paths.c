@@ -1,4 +1,5 @@
-// The paths of the document: each route with its parameters, its body and its answers.
+// The paths of the document: each route with its parameters, its body and its answers. A route of several formats is an
+// operation for each, so that an operation answers in one media type.
 
 #include "api/openapi/openapi_priv.h"
 
@@ -10,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { NAME_SIZE = 96 };
+enum { NAME_SIZE = 96, SUMMARY_SIZE = 160 };
 
 static const media media_rows[] = {
 #define X(format, word, type, content_type) { format, word, type, content_type },
@@ -20,22 +21,29 @@ static const media media_rows[] = {
 
 enum { N_MEDIA = sizeof media_rows / sizeof *media_rows };
 
-// The formats of a route.
-static void write_formats(json_out *w, const char *formats)
+// A route in one of its formats.
+typedef struct operation {
+    const route *route;
+    char format[ROUTES_FORMAT_SIZE]; // word of MEDIA_LIST
+    bool is_first;                   // the route's default, which is at the path without an ending
+} operation;
+
+// Takes the next format off the list of a route's; false: there is none.
+static bool next_operation(const route *r, const char **formats, operation *ret_operation)
 {
-    json_out_object(w);
-    json_out_key_string(w, "type", "string");
-    json_out_key(w, "enum");
-    schema_write_words(w, formats);
-    json_out_object_end(w);
+    const size_t n = schema_next_word(formats);
+
+    if (n == 0)
+        return false;
+    BF_CHECK(n < ROUTES_FORMAT_SIZE);
+    *ret_operation = (operation){ .route = r, .is_first = *formats == r->formats };
+    memcpy(ret_operation->format, *formats, n);
+    *formats += n;
+    return true;
 }
 
-static void write_parameter_schema(json_out *w, const param *p, const char *formats)
+static void write_parameter_schema(json_out *w, const param *p)
 {
-    if (p->kind == &param_format) {
-        write_formats(w, formats);
-        return;
-    }
     json_out_object(w);
     schema_write_members(w, p->type == NULL ? p->kind->type : p->type);
     if (p->kind->write_bounds != NULL)
@@ -48,7 +56,7 @@ static void write_parameter_schema(json_out *w, const param *p, const char *form
     json_out_object_end(w);
 }
 
-static void write_parameter(json_out *w, const param *p, const char *formats)
+static void write_parameter(json_out *w, const param *p)
 {
     json_out_object(w);
     json_out_key_string(w, "name", p->name);
@@ -61,24 +69,30 @@ static void write_parameter(json_out *w, const param *p, const char *formats)
         json_out_key_bool(w, "explode", false);
     }
     json_out_key(w, "schema");
-    write_parameter_schema(w, p, formats);
+    write_parameter_schema(w, p);
     json_out_object_end(w);
 }
 
-// The parameters of a route: those of its path, or the others. No member where there are none.
-static void write_parameters(json_out *w, const route *r, bool of_path)
+// `format` is for clients from before formats had paths.
+static bool has_parameter(const operation *o, const param *p)
+{
+    return p->kind != &param_format &&
+           (p->formats == NULL || negotiation_has_format(p->formats, o->format));
+}
+
+// The parameters of an operation: those of its path, or the others. No member where there are none.
+static void write_parameters(json_out *w, const operation *o, bool of_path)
 {
     size_t count = 0;
 
-    for (size_t k = 0; r->params[k] != NULL; k++) {
-        const param *p = r->params[k];
-        if ((strcmp(p->in, "path") == 0) != of_path)
+    for (const param *const *at = o->route->params; *at != NULL; at++) {
+        if ((strcmp((*at)->in, "path") == 0) != of_path || !has_parameter(o, *at))
             continue;
         if (count++ == 0) {
             json_out_key(w, "parameters");
             json_out_array(w);
         }
-        write_parameter(w, p, r->formats);
+        write_parameter(w, *at);
     }
     if (count > 0)
         json_out_array_end(w);
@@ -111,52 +125,60 @@ static const char *find_sample(const char *schema)
     return strcmp(schema, "Submission") == 0 ? "run" : NULL;
 }
 
-// One row of the formats; more rows can stand for one format.
-static void write_media(json_out *w, const route *r, const char *where, const media *row,
-                        const char *schema)
+// The media type of a format.
+static const media *find_media(const char *format, size_t n)
 {
-    const char *sample = find_sample(schema);
+    size_t k = 0;
 
+    while (k < N_MEDIA &&
+           (strlen(media_rows[k].word) != n || memcmp(media_rows[k].word, format, n) != 0))
+        k++;
+    BF_CHECK(k < N_MEDIA);
+    return &media_rows[k];
+}
+
+// The schema of JSON; other formats have their own.
+static void write_media(json_out *w, const char *id, const operation *o, const char *where,
+                        const media *row, const char *schema)
+{
+    const char *other = openapi__format_schema(row->format);
+    const char *name = other == NULL ? schema : other;
+
+    BF_CHECK(name != NULL);
     json_out_key(w, row->type);
     json_out_object(w);
     json_out_key(w, "schema");
     json_out_object(w);
-    schema_write_ref(w, "schemas", schema, strlen(schema));
+    schema_write_ref(w, "schemas", name, strlen(name));
     json_out_object_end(w);
-    if (sample != NULL)
-        write_samples(w, sample);
+    if (find_sample(name) != NULL)
+        write_samples(w, find_sample(name));
     else
-        openapi__write_sample(w, r, where, row->type);
+        openapi__write_sample(w, o->route->method, id, where, row->type);
     json_out_object_end(w);
 }
 
 // where: "request", or the status of the answer.
-static void write_content(json_out *w, const route *r, const char *where, const char *formats,
-                          const char *schema)
+static void write_content(json_out *w, const char *id, const operation *o, const char *where,
+                          const char *formats, const char *schema)
 {
     json_out_key(w, "content");
     json_out_object(w);
-    for (size_t n; (n = schema_next_word(&formats)) > 0; formats += n) {
-        for (size_t k = 0; k < N_MEDIA; k++) {
-            const media *row = &media_rows[k];
-            if (strlen(row->word) != n || memcmp(row->word, formats, n) != 0)
-                continue;
-            const char *other = openapi__format_schema(row->format);
-            BF_CHECK(other != NULL || schema != NULL);
-            write_media(w, r, where, row, other == NULL ? schema : other);
-        }
-    }
+    for (size_t n; (n = schema_next_word(&formats)) > 0; formats += n)
+        write_media(w, id, o, where, find_media(formats, n), schema);
     json_out_object_end(w);
 }
 
-static void write_body(json_out *w, const route *r)
+static void write_body(json_out *w, const char *id, const operation *o)
 {
+    const route *r = o->route;
+
     if (r->body == NULL)
         return;
     json_out_key(w, "requestBody");
     json_out_object(w);
     json_out_key_bool(w, "required", true);
-    write_content(w, r, "request", r->body_formats == NULL ? "json" : r->body_formats, r->body);
+    write_content(w, id, o, "request", r->body_formats == NULL ? "json" : r->body_formats, r->body);
     json_out_object_end(w);
 }
 
@@ -177,7 +199,8 @@ void openapi__write_header_components(json_out *w)
     }
 }
 
-static void write_answer(json_out *w, const route *r, const route_answer *answer)
+static void write_answer(json_out *w, const char *id, const operation *o,
+                         const route_answer *answer)
 {
     bool has_body = answer->status != 204 && answer->status != 304;
     char status[16];
@@ -188,8 +211,7 @@ static void write_answer(json_out *w, const route *r, const route_answer *answer
     json_out_key_string(w, "description", answer->help);
     openapi__write_headers(w, answer->headers);
     if (has_body)
-        write_content(w, r, status, answer->formats == NULL ? r->formats : answer->formats,
-                      answer->schema);
+        write_content(w, id, o, status, o->format, answer->schema);
     json_out_object_end(w);
 }
 
@@ -217,29 +239,81 @@ static void write_security(json_out *w, const route *r)
     json_out_array_end(w);
 }
 
-static void write_operation(json_out *w, const route *r)
+// "curve" as CSV is "curveCsv": the name of the route's first format is the route's.
+static void write_id(const operation *o, char *ret_id)
 {
-    char method[8] = "";
+    const int n = snprintf(ret_id, NAME_SIZE, "%s%s", o->route->id, o->is_first ? "" : o->format);
+    char *ending = ret_id + strlen(o->route->id);
+
+    BF_CHECK(n > 0 && n < NAME_SIZE);
+    *ending = (char)toupper((unsigned char)*ending);
+}
+
+// What it does; of what has several formats, in which.
+static void write_summary(json_out *w, const operation *o)
+{
+    char text[SUMMARY_SIZE];
+    int n = snprintf(text, sizeof text, "%s", o->route->summary);
+
+    if (!o->is_first)
+        n += snprintf(text + n, sizeof text - (size_t)n, ", as ");
+    for (const char *at = o->is_first ? "" : o->format; *at != '\0'; at++)
+        text[n++] = (char)toupper((unsigned char)*at);
+    text[n] = '\0';
+    BF_CHECK((size_t)n < sizeof text);
+    json_out_key_string(w, "summary", text);
+}
+
+// The first of several formats names the endings.
+static void write_help(json_out *w, const operation *o)
+{
+    const char *formats = o->route->formats;
+    const bool is_one_of_several = o->is_first && strchr(formats, ' ') != NULL;
+    bf_buffer text = { 0 };
+    operation other;
+
+    bf_status status =
+        buffer_printf(&text, "%s%s", o->route->help,
+                      is_one_of_several ? " An ending of the path says the format:" : "");
+    while (status == BF_OK && is_one_of_several && next_operation(o->route, &formats, &other))
+        status = buffer_printf(&text, other.is_first ? " `.%s`, as without one" : ", `.%s`",
+                               other.format);
+    if (status == BF_OK && is_one_of_several)
+        status = buffer_printf(&text, ".");
+    if (status == BF_OK)
+        json_out_key_string(w, "description", text.bytes);
+    w->has_failed |= status != BF_OK;
+    buffer_fini(&text);
+}
+
+static void write_operation(json_out *w, const operation *o)
+{
+    const route *r = o->route;
+    char method[8] = "", id[NAME_SIZE];
 
     BF_CHECK(strlen(r->method) < sizeof method);
     for (size_t k = 0; r->method[k] != '\0'; k++)
         method[k] = (char)tolower((unsigned char)r->method[k]);
+    write_id(o, id);
     json_out_key(w, method);
     json_out_object(w);
-    json_out_key_string(w, "operationId", r->id);
-    json_out_key_string(w, "summary", r->summary);
-    json_out_key_string(w, "description", r->help);
+    json_out_key_string(w, "operationId", id);
+    write_summary(w, o);
+    write_help(w, o);
     json_out_key(w, "tags");
     json_out_array(w);
     json_out_string(w, r->tag);
     json_out_array_end(w);
     write_security(w, r);
-    write_parameters(w, r, false);
-    write_body(w, r);
+    write_parameters(w, o, false);
+    write_body(w, id, o);
     json_out_key(w, "responses");
     json_out_object(w);
-    for (size_t k = 0; k < ROUTES_ANSWERS_MAX && r->answers[k].status != 0; k++)
-        write_answer(w, r, &r->answers[k]);
+    for (size_t k = 0; k < ROUTES_ANSWERS_MAX && r->answers[k].status != 0; k++) {
+        const char *formats = r->answers[k].formats;
+        if (formats == NULL || negotiation_has_format(formats, o->format))
+            write_answer(w, id, o, &r->answers[k]);
+    }
     openapi__write_refusals_of(w, r);
     json_out_object_end(w);
     json_out_object_end(w);
@@ -255,21 +329,46 @@ static bool is_written(const route *routes, size_t k)
     return false;
 }
 
+// The operations of a path in the first format of each.
+static void write_path(json_out *w, const route *routes, size_t n, const operation *first)
+{
+    const char *path = first->route->path;
+
+    json_out_key(w, path);
+    json_out_object(w);
+    write_parameters(w, first, true);
+    for (const route *r = first->route; r < routes + n; r++) {
+        const char *formats = r->formats;
+        operation o;
+        if (strcmp(r->path, path) == 0 && next_operation(r, &formats, &o))
+            write_operation(w, &o);
+    }
+    json_out_object_end(w);
+}
+
+static void write_path_of_format(json_out *w, const operation *o)
+{
+    char path[NAME_SIZE];
+
+    snprintf(path, sizeof path, "%s.%s", o->route->path, o->format);
+    json_out_key(w, path);
+    json_out_object(w);
+    write_parameters(w, o, true);
+    write_operation(w, o);
+    json_out_object_end(w);
+}
+
 void openapi__write_paths(json_out *w)
 {
     size_t n;
     const route *routes = routes_list(&n);
 
     for (size_t k = 0; k < n; k++) {
-        if (is_written(routes, k))
-            continue;
-        json_out_key(w, routes[k].path);
-        json_out_object(w);
-        write_parameters(w, &routes[k], true);
-        for (size_t i = k; i < n; i++) {
-            if (strcmp(routes[i].path, routes[k].path) == 0)
-                write_operation(w, &routes[i]);
-        }
-        json_out_object_end(w);
+        const char *formats = routes[k].formats;
+        operation o;
+        if (next_operation(&routes[k], &formats, &o) && !is_written(routes, k))
+            write_path(w, routes, n, &o);
+        while (next_operation(&routes[k], &formats, &o))
+            write_path_of_format(w, &o);
     }
 }

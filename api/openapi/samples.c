@@ -34,14 +34,15 @@ static bool find_sample(const char *id, const char *where, const char *type, sam
     return false;
 }
 
-void openapi__write_sample(json_out *w, const route *r, const char *where, const char *type)
+void openapi__write_sample(json_out *w, const char *method, const char *id, const char *where,
+                           const char *type)
 {
     char summary[API_PATH_MAX];
     sample found;
 
-    if (!find_sample(r->id, where, type, &found))
+    if (!find_sample(id, where, type, &found))
         return;
-    snprintf(summary, sizeof summary, "%s %.*s", r->method, (int)found.n_target, found.target);
+    snprintf(summary, sizeof summary, "%s %.*s", method, (int)found.n_target, found.target);
     json_out_key(w, "examples");
     json_out_object(w);
     json_out_key(w, "recorded");

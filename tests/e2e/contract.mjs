@@ -17,14 +17,15 @@ const base = "openapi.json";
 const isInstalled = existsSync(path.join(packages, "node_modules/ajv"));
 const validator = isInstalled ? makeValidator() : null;
 
-// Paths of the document as patterns; one without parameters counts before one with them.
+// Paths of the document as patterns; one without parameters counts before one with them, one with the ending of a format before
+// one without.
 const templates = Object.entries(document.paths)
   .map(([template, item]) => ({
     template,
     item,
     pattern: new RegExp(`^${template.replace(/[.]/g, "\\$&").replace(/\{\w+\}/g, "[^/]+")}$`),
   }))
-  .sort((a, b) => a.template.split("{").length - b.template.split("{").length);
+  .sort((a, b) => a.template.split("{").length - b.template.split("{").length || b.template.length - a.template.length);
 
 // What was validated, for the sum of all stories (tests/openapi/exchanges.mjs): a line for each pair of
 // request and answer, without what differs from run to run, with how often it came.
@@ -105,6 +106,23 @@ export function operationOf(method, target) {
   if (operation === undefined) return null;
   const place = `#/paths/${escape(found.template)}/${name === "head" ? "get" : name}`;
   return { operation, place, template: found.template };
+}
+
+const mediaTypes = (found) => Object.keys(found?.operation.responses["200"]?.content ?? {});
+
+// The same request at the path of the format in which it was answered: by `format` and by Accept the path without an ending
+// answers in others, too.
+function inFormat(exchange, type) {
+  const { method, target } = exchange;
+  const found = operationOf(method, target);
+  const [pathname, query = ""] = target.split("?");
+  const rest = query.split("&").filter((pair) => !/^(format=|$)/.test(pair)).join("&");
+  const isAsked = rest !== query;
+  if (found === null || type === "" || (mediaTypes(found).includes(type) && !isAsked)) return exchange;
+  const siblings = templates.filter(({ template }) => template === found.template || template.replace(/\.\w+$/, "") === found.template);
+  const other = siblings.map(({ template }) => template.slice(found.template.length))
+    .find((ending) => mediaTypes(operationOf(method, pathname + ending)).includes(type));
+  return other === undefined ? exchange : { ...exchange, target: `${pathname}${other}${rest === "" ? "" : `?${rest}`}` };
 }
 
 // A value of a header or a query is text; the document may require a number.
@@ -214,11 +232,12 @@ function note(operation, { target, headers, body }, answer, type) {
 // An exchange; answer as Daemon.request() gives it. counts: it goes into the sum.
 export function checkExchange(exchange, answer, counts = true) {
   if (validator === null) return;
-  const { method, target } = exchange;
-  const what = `${method} ${target.slice(0, 200)} (${answer.status})`;
-  const found = operationOf(method, target);
+  const { method } = exchange;
+  const what = `${method} ${exchange.target.slice(0, 200)} (${answer.status})`;
+  const asked = inFormat(exchange, typeOf(answer.headers));
+  const found = operationOf(method, asked.target);
   if (method === "OPTIONS" && answer.status < 400) return checkOptions(answer, what);
-  if (found === null) return checkUnknown(method, target, answer, what);
+  if (found === null) return checkUnknown(method, asked.target, answer, what);
   const { operation, place, template } = found;
   assert.ok(String(answer.status) in operation.responses, `${what}: the document has no such status`);
   const { place: responsePlace } = at(`${place}/responses/${answer.status}`);
@@ -227,8 +246,8 @@ export function checkExchange(exchange, answer, counts = true) {
   if (answer.status >= 400) checkProblem(answer, what);
   const type = checkBody(answer, responsePlace, what);
   if (answer.status < 300) {
-    checkRequest(found, exchange, what);
-    note(operation, exchange, answer, type);
+    checkRequest(found, asked, what);
+    note(operation, asked, answer, type);
   }
   if (counts) count(exchange, template, answer.status, type, digestOfAnswer(answer));
 }
@@ -247,16 +266,18 @@ export function checkEvent(event, target) {
 }
 
 // The first events of a stream, as they came.
-export function noteStream(target, headers, text) {
+export function noteStream(given, headers, text) {
+  const { target } = inFormat({ method: "GET", target: given }, typeOf(headers));
   const { operation } = operationOf("GET", target);
   const end = text.lastIndexOf("\n\n");
-  noteSample(operation, target, "200", headers["content-type"]?.split(";")[0], end < 0 ? text : text.slice(0, end + 2));
+  noteSample(operation, target, "200", typeOf(headers), end < 0 ? text : text.slice(0, end + 2));
 }
 
 // The head of a stream, whose body is checked event by event.
 export function checkStream(target, status, headers) {
   if (validator === null) return;
-  const { operation, place, template } = operationOf("GET", target);
+  const asked = inFormat({ method: "GET", target }, typeOf(headers));
+  const { operation, place, template } = operationOf("GET", asked.target);
   const what = `GET ${target} (${status})`;
   assert.ok(String(status) in operation.responses, `${what}: the document has no such status`);
   const { value: response, place: responsePlace } = at(`${place}/responses/${status}`);

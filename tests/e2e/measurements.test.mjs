@@ -91,7 +91,7 @@ test("what a run counted, posted as measured, is at no distance from it", async 
   const asJson = (await d.post("/v1/measurements", { counter: "left_domain", t_s: json.t_s, count: json.columns.left_domain })).json;
   const parts = ["curve", "key_figures", "photo_eyes"].map((part) => `/v1/runs/${run.id}/${part}`);
   const texts = [...parts.map((path) => [path, `${path}.csv`]),
-    [`/v1/measurements/${asCsv.id}`, `/v1/measurements/${asCsv.id}/samples.csv`]];
+    [`/v1/measurements/${asCsv.id}`, `/v1/measurements/${asCsv.id}.csv`]];
   for (const [path, alone] of texts) {
     assert.equal((await d.get(alone)).text, (await d.get(`${path}?format=csv`)).text, alone);
   }

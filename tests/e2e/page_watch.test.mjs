@@ -217,9 +217,9 @@ test("a run's page offers its results, and they are the daemon's bytes", async (
   const csv = page.getByRole("link", { name: "Curve, CSV" });
   const href = await csv.getAttribute("href");
   assert.equal((await d.get(`/${href}`)).text, (await d.get(`/v1/runs/${run.id}/curve?format=csv`)).text);
-  assert.match(await page.getByRole("link", { name: "Density shown, NPY" }).getAttribute("href"), /snapshots\/2\?format=npy$/);
+  assert.match(await page.getByRole("link", { name: "Density shown, NPY" }).getAttribute("href"), /snapshots\/2\.npy$/);
   await csv.focus();
-  assert.equal(await page.locator(".curl").innerText(), `curl -sS -o curve.csv '${d.url}v1/runs/${run.id}/curve?format=csv'`);
+  assert.equal(await page.locator(".curl").innerText(), `curl -sS -o curve.csv '${d.url}v1/runs/${run.id}/curve.csv'`);
   const waiting = page.waitForEvent("download");
   await page.locator("li", { hasText: "Picture as seen" }).getByRole("button").click();
   assert.equal((await waiting).suggestedFilename(), "example-1-singularizer-at-60-degrees-macro-0.2s.png");

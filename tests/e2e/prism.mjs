@@ -27,6 +27,12 @@ function isJson(body) {
   }
 }
 
+// Whether Accept takes what the operation answers.
+function isTaken(accept, { responses }) {
+  const types = Object.keys(responses["200"]?.content ?? {});
+  return types.length === 0 || accept === "" || /\*/.test(accept) || types.some((type) => accept.includes(type));
+}
+
 // Why an exchange cannot go through Prism, or null.
 export function reasonToBypass({ method, target, headers, body }) {
   const header = (name) => Object.entries(headers).find(([key]) => key.toLowerCase() === name)?.[1] ?? "";
@@ -35,6 +41,8 @@ export function reasonToBypass({ method, target, headers, body }) {
   if (found === null) return "Prism answers itself where the document has no path or method";
   if (/zstd/.test(header("accept-encoding"))) return "Prism cannot unpack zstd";
   const type = typeOf(headers);
+  if (/[?&]format=/.test(target) || !isTaken(header("accept"), found.operation))
+    return "Prism knows what an operation answers, which is one media type";
   const { requestBody } = found.operation;
   if (body !== undefined && requestBody !== undefined && !(type in requestBody.content))
     return "Prism sends no body on whose type is not in the document";

@@ -129,14 +129,14 @@ function offers(data, n) {
   const isMicro = data.hasParts();
   const hasFigures = data.run.links.key_figures !== undefined;
   return [
-    ["Curve", "CSV", "curve?format=csv", "curve.csv"],
+    ["Curve", "CSV", "curve.csv", "curve.csv"],
     ["Curve", "JSON", "curve", "curve.json"],
-    hasFigures ? ["Key figures", "CSV", "key_figures?format=csv", "key-figures.csv"] : null,
+    hasFigures ? ["Key figures", "CSV", "key_figures.csv", "key-figures.csv"] : null,
     hasFigures ? ["Key figures", "JSON", "key_figures", "key-figures.json"] : null,
-    ["Density shown", "NPY", `snapshots/${n}?format=npy`, `density-${number6}.npy`],
-    ["Density shown", "PNG", `snapshots/${n}?format=png&width=1200`, `density-${number6}.png`],
-    isMicro ? ["Parts shown", "NPY", `parts/${n}?format=npy`, `parts-${number6}.npy`] : null,
-    isMicro ? ["Parts shown", "CSV", `parts/${n}?format=csv`, `parts-${number6}.csv`] : null,
+    ["Density shown", "NPY", `snapshots/${n}.npy`, `density-${number6}.npy`],
+    ["Density shown", "PNG", `snapshots/${n}.png?width=1200`, `density-${number6}.png`],
+    isMicro ? ["Parts shown", "NPY", `parts/${n}.npy`, `parts-${number6}.npy`] : null,
+    isMicro ? ["Parts shown", "CSV", `parts/${n}.csv`, `parts-${number6}.csv`] : null,
     ["Summary", "JSON", "summary", "summary.json"],
     ["Scenario", "JSON", "scenario", "scenario.json"],
     data.run.links.results ? ["Everything", "ZIP", "results.zip", "results.zip"] : null,

@@ -86,7 +86,7 @@ export class StudyPictures {
       image.alt = `Density of cargo at ${text}, ${label}`;
       if (picture.n === n) return;
       picture.n = n;
-      image.src = await ticketed(paths.of(id, `snapshots/${snapshots[n].n ?? n}?format=png&width=${2 * WIDTH}`));
+      image.src = await ticketed(paths.of(id, `snapshots/${snapshots[n].n ?? n}.png?width=${2 * WIDTH}`));
     }));
   }
 }

@@ -177,7 +177,7 @@ export class StudyView {
   }
 
   async download() {
-    const target = await ticketed(`${this.data.path}/trials?format=csv`);
+    const target = await ticketed(`${this.data.path}/trials.csv`);
     h("a", { href: target, download: `${fileNameOf(this.title)}.csv` }).click();
   }
 

@@ -86,7 +86,7 @@ def follow(start, study, n, kills):
 
 def compare(daemon, identity, folder):
     """Fails unless the study has the bytes of the command line."""
-    for target, name in ((f"/v1/studies/{identity}/trials?format=csv", "trials.csv"),
+    for target, name in ((f"/v1/studies/{identity}/trials.csv", "trials.csv"),
                          (f"/v1/studies/{identity}/best", "best.json")):
         if read(daemon, target).strip() != (folder / "out" / name).read_bytes().strip():
             raise RuntimeError(f"{name} is not that of the command line")

@@ -105,6 +105,24 @@ static void the_curve_is_json_or_csv(void **state)
     assert_string_equal(ask_response.body.bytes, csv);
 }
 
+// What asks for another format is refused there.
+static void a_path_with_an_ending_has_one_format(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_RUNNING);
+    ask_get(RUN_1 "/curve.csv", NULL, NULL, 200);
+    ask_assert_header("Content-Type", "text/csv; charset=utf-8");
+    assert_null(helper_header(&ask_response, "Vary"));
+    ask_get(RUN_1 "/curve.json", NULL, NULL, 200);
+    ask_assert_header("Content-Type", "application/json");
+    ask_get(RUN_1 "/curve.csv", NULL, "Accept: application/json\n", 406);
+    ask_get(RUN_1 "/curve.csv", "format=csv", NULL, 400);
+    assert_true(ask_body_has("the path says the format"));
+    ask_get(RUN_1 "/snapshots/1.vti", "width=5", NULL, 400);
+    assert_true(ask_body_has("'width' is for png, not for vti"));
+    ask_get(RUN_1 "/curve.png", NULL, NULL, 404);
+}
+
 static void a_curve_without_samples_has_its_columns(void **state)
 {
     (void)state;
@@ -139,6 +157,7 @@ int main(void)
         ASK_TEST(key_figures_are_json_or_csv),
         ASK_TEST(changes_of_photo_eyes_are_json_or_csv),
         ASK_TEST(the_curve_is_json_or_csv),
+        ASK_TEST(a_path_with_an_ending_has_one_format),
         ASK_TEST(a_curve_without_samples_has_its_columns),
         ASK_TEST(the_tag_of_a_curve_tells_formats_apart),
     };

@@ -41,6 +41,30 @@ static void method_and_path_choose_the_route(void **state)
     assert_null(routes_find("GET", "/v1/runs/x/cancel", NULL));
 }
 
+// Where there are several; {n} and {id} have no dots.
+static void an_ending_says_the_format(void **state)
+{
+    static const char *const none[] = { "/v1/runs/abc/curve.", "/v1/runs/abc/curve.png",
+                                        "/v1/runs/abc/curve.csv.csv", "/v1/runs/abc/summary.json",
+                                        "/v1/runs/abc/.csv" };
+    route_params params = { 0 };
+    const route *found = routes_find("GET", "/v1/runs/abc/snapshots/7.png", &params);
+
+    (void)state;
+    assert_ptr_equal(found, routes_find("GET", "/v1/runs/abc/snapshots/7", NULL));
+    assert_string_equal(params.values[1], "7");
+    assert_string_equal(routes_formats(found, &params), "png");
+    found = routes_find("GET", "/v1/runs/abc/snapshots/7", &params);
+    assert_string_equal(routes_formats(found, &params), "npy json csv png vti");
+    assert_non_null(routes_find("GET", "/v1/measurements/abc.csv", &params));
+    assert_string_equal(params.values[0], "abc");
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        if (routes_find("GET", none[i], NULL) != NULL)
+            fail_msg("%s", none[i]);
+    }
+    assert_null(routes_find("DELETE", "/v1/measurements/abc.csv", NULL));
+}
+
 static void paths_that_are_not_in_the_table_find_nothing(void **state)
 {
     static const char *const paths[] = {
@@ -97,6 +121,8 @@ static void allow_lists_the_methods_of_a_path(void **state)
     assert_string_equal(allow, "GET, HEAD, DELETE, OPTIONS");
     assert_true(routes_allow("/v1/runs/abc/cancel", allow));
     assert_string_equal(allow, "POST, OPTIONS");
+    assert_true(routes_allow("/v1/measurements/abc.csv", allow));
+    assert_string_equal(allow, "GET, HEAD, OPTIONS");
 }
 
 static const char *give_accept(void *accept, const char *name)
@@ -148,6 +174,8 @@ static void long_answers_are_work(void **state)
     assert_int_equal(cost_of("GET", path, "format=json", NULL), API_COST_WORK);
     assert_int_equal(cost_of("GET", path, "", csv), API_COST_WORK);
     assert_int_equal(cost_of("GET", path, "", png), API_COST_STORE);
+    assert_int_equal(cost_of("GET", "/v1/runs/abc/snapshots/7.json", "", NULL), API_COST_WORK);
+    assert_int_equal(cost_of("GET", "/v1/runs/abc/snapshots/7.png", "", NULL), API_COST_STORE);
     assert_int_equal(cost_of("GET", parts, "format=csv", NULL), API_COST_WORK);
     assert_int_equal(cost_of("GET", parts, "format=vtp", NULL), API_COST_STORE);
     assert_int_equal(cost_of("GET", parts, "format=pdf", NULL), API_COST_STORE);
@@ -240,6 +268,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_template_gives_its_parameters),
         cmocka_unit_test(method_and_path_choose_the_route),
+        cmocka_unit_test(an_ending_says_the_format),
         cmocka_unit_test(paths_that_are_not_in_the_table_find_nothing),
         cmocka_unit_test(a_parameter_has_a_limit),
         cmocka_unit_test(allow_lists_the_methods_of_a_path),

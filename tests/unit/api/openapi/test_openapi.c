@@ -265,8 +265,8 @@ static void every_member_of_an_answer_is_described(void **state)
         { "/v1/runs/{id}", RUN_1, NULL },
         { "/v1/runs/{id}/curve", RUN_1 "/curve", NULL },
         { "/v1/runs/{id}/snapshots", RUN_1 "/snapshots", NULL },
-        { "/v1/runs/{id}/snapshots/{n}", RUN_1 "/snapshots/0", "format=json" },
-        { "/v1/runs/{id}/parts/{n}", RUN_1 "/parts/0", "format=json" },
+        { "/v1/runs/{id}/snapshots/{n}.json", RUN_1 "/snapshots/0.json", NULL },
+        { "/v1/runs/{id}/parts/{n}.json", RUN_1 "/parts/0.json", NULL },
         { "/v1/studies", "/v1/studies", NULL },
         { "/v1/studies/{id}", STUDY_1, NULL },
         { "/v1/studies/{id}/trials", STUDY_1 "/trials", NULL },
@@ -377,7 +377,7 @@ static void limits_are_those_of_the_code(void **unused)
     const json_t *label = query_parameter("#/paths/~1v1~1runs/get/parameters", "label");
     const json_t *wait = query_parameter("#/paths/~1v1~1runs~1{id}/get/parameters", "wait");
     const json_t *width =
-        query_parameter("#/paths/~1v1~1runs~1{id}~1snapshots~1{n}/get/parameters", "width");
+        query_parameter("#/paths/~1v1~1runs~1{id}~1snapshots~1{n}.png/get/parameters", "width");
     const json_t *runs = query_parameter("#/paths/~1v1~1events/get/parameters", "runs");
 
     (void)unused;
