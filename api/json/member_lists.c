@@ -13,11 +13,15 @@
 #include <stdint.h>
 #include <string.h>
 
-enum {
-    POINT_STRIDE = sizeof(vec2) / sizeof(double),
-    POSE_STRIDE = sizeof(scene_pose) / sizeof(double),
-    VERTEX_STRIDE = 3
-};
+enum { POINT_STRIDE = sizeof(vec2) / sizeof(double) };
+
+// An item of a list.
+typedef struct member_element {
+    size_t size;                                              // of one in memory, bytes
+    void (*read)(json_in *in, const json_t *value, void *to); // untouched where it is at fault
+    void (*write)(json_out *w, const void *from);
+    void (*describe)(json_out *w, const member *m); // its schema
+} member_element;
 
 // ---- tuples
 
@@ -71,6 +75,47 @@ static void write_shape(json_out *w, const member *m, const void *item)
 
 const member_kind member_shape = { .type = "#Shape2", .write = write_shape };
 
+static void read_line(json_in *in, const json_t *value, const member *m, void *item)
+{
+    double *ends = member__place(item, m);
+
+    if (!json_in_is_array(in, value))
+        return;
+    if (json_array_size(value) != 2) {
+        json_in_fault(in, "must have 2 points, not %zu", json_array_size(value));
+        return;
+    }
+    for (size_t k = 0; k < 2; k++) {
+        size_t mark = json_pointer_enter_index(&in->pointer, k);
+        json_in_tuple(in, json_array_get(value, k), 2, 2, ends + k * POINT_STRIDE, NULL);
+        json_pointer_leave(&in->pointer, mark);
+    }
+}
+
+static void write_line(json_out *w, const member *m, const void *item)
+{
+    const double *ends = member__value(item, m);
+
+    json_out_array(w);
+    json_out_numbers(w, ends, 2, 1);
+    json_out_numbers(w, ends + POINT_STRIDE, 2, 1);
+    json_out_array_end(w);
+}
+
+static void describe_line(json_out *w, const member *m, member_view view)
+{
+    (void)m;
+    (void)view;
+    schema_write_members(w, "[#Pair 2]");
+}
+
+const member_kind member_line = { .text = "[[x, y], [x, y]]",
+                                  .read = read_line,
+                                  .write = write_line,
+                                  .write_schema = describe_line };
+
+// ---- lists
+
 void member__describe_length(json_out *w, const member *m)
 {
     json_out_key_integer(w, "minItems", (int64_t)m->least);
@@ -111,371 +156,243 @@ const void *member__items(const void *item, const member *m)
     return items;
 }
 
-// How an item of a list of doubles is read and written.
-typedef bool read_double(json_in *in, const json_t *value, double *ret_number);
-
-static void read_doubles(json_in *in, const json_t *value, const member *m, void *item,
-                         read_double *read)
+static void read_list(json_in *in, const json_t *value, const member *m, void *item)
 {
-    size_t n = json_array_size(value);
+    const member_element *element = m->kind->element;
+    const size_t n = json_array_size(value);
 
     if (!member__check_list(in, value, m))
         return;
-    double *numbers = member__allocate(in, m, n, sizeof *numbers, item);
-    for (size_t k = 0; k < n && numbers != NULL; k++) {
-        size_t mark = json_pointer_enter_index(&in->pointer, k);
-        read(in, json_array_get(value, k), &numbers[k]);
+    char *items = member__allocate(in, m, n, element->size, item);
+    for (size_t k = 0; k < n && items != NULL; k++) {
+        const size_t mark = json_pointer_enter_index(&in->pointer, k);
+        element->read(in, json_array_get(value, k), items + k * element->size);
         json_pointer_leave(&in->pointer, mark);
     }
 }
 
-static void read_numbers(json_in *in, const json_t *value, const member *m, void *item)
+static void write_list(json_out *w, const member *m, const void *item)
 {
-    read_doubles(in, value, m, item, json_in_number);
+    const member_element *element = m->kind->element;
+    const char *items = member__items(item, m);
+    const size_t n = member__count(item, m);
+
+    json_out_array(w);
+    for (size_t k = 0; k < n; k++)
+        element->write(w, items + k * element->size);
+    json_out_array_end(w);
 }
 
-static void write_numbers(json_out *w, const member *m, const void *item)
-{
-    json_out_numbers(w, member__items(item, m), member__count(item, m), 1);
-}
-
-static void describe_number_list(json_out *w, const member *m, member_view view)
+static void describe_list(json_out *w, const member *m, member_view view)
 {
     (void)view;
     json_out_key_string(w, "type", "array");
     json_out_key(w, "items");
+    m->kind->element->describe(w, m);
+    member__describe_length(w, m);
+}
+
+// A kind that is a list of such items.
+#define LIST_OF(element_)                                                                          \
+    .element = &(element_), .read = read_list, .write = write_list, .write_schema = describe_list
+
+// ---- lists of numbers
+
+static void read_number(json_in *in, const json_t *value, void *to)
+{
+    (void)json_in_number(in, value, to);
+}
+
+static void write_number(json_out *w, const void *from)
+{
+    json_out_number(w, *(const double *)from);
+}
+
+static void describe_number(json_out *w, const member *m)
+{
     json_out_object(w);
     member__describe_bounded(w, "number", m, INFINITY);
     json_out_object_end(w);
-    member__describe_length(w, m);
 }
+
+static const member_element number = { sizeof(double), read_number, write_number, describe_number };
 
 const member_kind member_numbers = { .text = "list of numbers",
                                      .type = "[number]",
-                                     .read = read_numbers,
-                                     .write = write_numbers,
-                                     .write_schema = describe_number_list };
+                                     LIST_OF(number) };
 
-static bool read_angle(json_in *in, const json_t *value, double *ret_radians)
+static void read_angle(json_in *in, const json_t *value, void *to)
 {
     double degrees;
 
-    if (!json_in_number(in, value, &degrees))
-        return false;
-    *ret_radians = number_from_degrees(degrees);
-    return true;
+    if (json_in_number(in, value, &degrees))
+        *(double *)to = number_from_degrees(degrees);
 }
 
-static void read_angles(json_in *in, const json_t *value, const member *m, void *item)
+static void write_angle(json_out *w, const void *from)
 {
-    read_doubles(in, value, m, item, read_angle);
+    json_out_number(w, number_to_degrees(*(const double *)from));
 }
 
-static void write_angles(json_out *w, const member *m, const void *item)
-{
-    const double *angles = member__items(item, m);
-    size_t n = member__count(item, m);
+static const member_element angle = { sizeof(double), read_angle, write_angle, describe_number };
 
-    json_out_array(w);
-    for (size_t k = 0; k < n; k++)
-        json_out_number(w, number_to_degrees(angles[k]));
-    json_out_array_end(w);
+const member_kind member_angles = { .text = "list of numbers", LIST_OF(angle) };
+
+static void read_number_or_null(json_in *in, const json_t *value, void *to)
+{
+    *(double *)to = NAN;
+    if (!json_is_null(value))
+        read_number(in, value, to);
 }
 
-const member_kind member_angles = { .text = "list of numbers",
-                                    .read = read_angles,
-                                    .write = write_angles,
-                                    .write_schema = describe_number_list };
-
-static bool read_number_or_null(json_in *in, const json_t *value, double *ret_number)
+static void describe_number_or_null(json_out *w, const member *m)
 {
-    *ret_number = NAN;
-    return json_is_null(value) || json_in_number(in, value, ret_number);
-}
-
-static void read_numbers_or_null(json_in *in, const json_t *value, const member *m, void *item)
-{
-    read_doubles(in, value, m, item, read_number_or_null);
-}
-
-static void describe_numbers_or_null(json_out *w, const member *m, member_view view)
-{
-    (void)view;
-    json_out_key_string(w, "type", "array");
-    json_out_key(w, "items");
+    (void)m;
     schema_write(w, "number?", NULL, NULL);
-    member__describe_length(w, m);
 }
+
+static const member_element number_or_null = { sizeof(double), read_number_or_null, write_number,
+                                               describe_number_or_null };
 
 const member_kind member_numbers_or_null = { .text = "list of numbers or null",
-                                             .read = read_numbers_or_null,
-                                             .write = write_numbers,
-                                             .write_schema = describe_numbers_or_null };
+                                             LIST_OF(number_or_null) };
 
-static bool read_angle_or_null(json_in *in, const json_t *value, double *ret_radians)
+static void read_angle_or_null(json_in *in, const json_t *value, void *to)
 {
-    *ret_radians = NAN;
-    return json_is_null(value) || read_angle(in, value, ret_radians);
+    *(double *)to = NAN;
+    if (!json_is_null(value))
+        read_angle(in, value, to);
 }
 
-static void read_angles_or_null(json_in *in, const json_t *value, const member *m, void *item)
-{
-    read_doubles(in, value, m, item, read_angle_or_null);
-}
+static const member_element angle_or_null = { sizeof(double), read_angle_or_null, write_angle,
+                                              describe_number_or_null };
 
 const member_kind member_angles_or_null = { .text = "list of numbers or null",
-                                            .read = read_angles_or_null,
-                                            .write = write_angles,
-                                            .write_schema = describe_numbers_or_null };
+                                            LIST_OF(angle_or_null) };
 
-static bool read_flag(json_in *in, const json_t *value, double *ret_flag)
+static void read_flag(json_in *in, const json_t *value, void *to)
 {
-    bool flag;
+    bool is_set;
 
-    if (!json_in_bool(in, value, &flag))
-        return false;
-    *ret_flag = flag ? 1.0 : 0.0;
-    return true;
+    if (json_in_bool(in, value, &is_set))
+        *(double *)to = is_set ? 1.0 : 0.0;
 }
 
-static void read_flags(json_in *in, const json_t *value, const member *m, void *item)
+static void write_flag(json_out *w, const void *from)
 {
-    read_doubles(in, value, m, item, read_flag);
+    json_out_bool(w, *(const double *)from != 0.0);
 }
 
-static void write_flags(json_out *w, const member *m, const void *item)
+static void describe_flag(json_out *w, const member *m)
 {
-    const double *flags = member__items(item, m);
-    size_t n = member__count(item, m);
-
-    json_out_array(w);
-    for (size_t k = 0; k < n; k++)
-        json_out_bool(w, flags[k] != 0.0);
-    json_out_array_end(w);
-}
-
-static void describe_flags(json_out *w, const member *m, member_view view)
-{
-    (void)view;
-    json_out_key_string(w, "type", "array");
-    json_out_key(w, "items");
+    (void)m;
     schema_write(w, "boolean", NULL, NULL);
-    member__describe_length(w, m);
 }
 
-const member_kind member_flags = { .text = "list of booleans",
-                                   .read = read_flags,
-                                   .write = write_flags,
-                                   .write_schema = describe_flags };
+static const member_element flag = { sizeof(double), read_flag, write_flag, describe_flag };
 
-static void read_counts(json_in *in, const json_t *value, const member *m, void *item)
+const member_kind member_flags = { .text = "list of booleans", LIST_OF(flag) };
+
+static void read_count(json_in *in, const json_t *value, void *to)
 {
-    size_t n = json_array_size(value);
-    double number;
+    double whole;
 
-    if (!member__check_list(in, value, m))
-        return;
-    uint32_t *counts = member__allocate(in, m, n, sizeof *counts, item);
-    for (size_t k = 0; k < n && counts != NULL; k++) {
-        size_t mark = json_pointer_enter_index(&in->pointer, k);
-        if (json_in_integer(in, json_array_get(value, k), 0, UINT32_MAX, &number))
-            counts[k] = (uint32_t)number;
-        json_pointer_leave(&in->pointer, mark);
-    }
+    if (json_in_integer(in, value, 0, UINT32_MAX, &whole))
+        *(uint32_t *)to = (uint32_t)whole;
 }
 
-static void write_counts(json_out *w, const member *m, const void *item)
+static void write_count(json_out *w, const void *from)
 {
-    const uint32_t *counts = member__items(item, m);
-    size_t n = member__count(item, m);
-
-    json_out_array(w);
-    for (size_t k = 0; k < n; k++)
-        json_out_integer(w, counts[k]);
-    json_out_array_end(w);
+    json_out_integer(w, *(const uint32_t *)from);
 }
 
-static void describe_counts(json_out *w, const member *m, member_view view)
+static void describe_count(json_out *w, const member *m)
 {
-    (void)view;
-    json_out_key_string(w, "type", "array");
-    json_out_key(w, "items");
     json_out_object(w);
     member__describe_bounded(w, "integer", m, UINT32_MAX);
     json_out_object_end(w);
-    member__describe_length(w, m);
 }
 
-const member_kind member_counts = { .text = "list of whole numbers",
-                                    .read = read_counts,
-                                    .write = write_counts,
-                                    .write_schema = describe_counts };
+static const member_element count = { sizeof(uint32_t), read_count, write_count, describe_count };
 
-static void read_line(json_in *in, const json_t *value, const member *m, void *item)
+const member_kind member_counts = { .text = "list of whole numbers", LIST_OF(count) };
+
+// ---- lists of tuples
+
+static void read_two(json_in *in, const json_t *value, void *to)
 {
-    double *ends = member__place(item, m);
-
-    if (!json_in_is_array(in, value))
-        return;
-    if (json_array_size(value) != 2) {
-        json_in_fault(in, "must have 2 points, not %zu", json_array_size(value));
-        return;
-    }
-    for (size_t k = 0; k < 2; k++) {
-        size_t mark = json_pointer_enter_index(&in->pointer, k);
-        json_in_tuple(in, json_array_get(value, k), 2, 2, ends + k * POINT_STRIDE, NULL);
-        json_pointer_leave(&in->pointer, mark);
-    }
+    (void)json_in_tuple(in, value, 2, 2, to, NULL);
 }
 
-static void write_line(json_out *w, const member *m, const void *item)
+static void write_two(json_out *w, const void *from)
 {
-    const double *ends = member__value(item, m);
-
-    json_out_array(w);
-    json_out_numbers(w, ends, 2, 1);
-    json_out_numbers(w, ends + POINT_STRIDE, 2, 1);
-    json_out_array_end(w);
+    json_out_numbers(w, from, 2, 1);
 }
 
-static void describe_line(json_out *w, const member *m, member_view view)
+static void describe_two(json_out *w, const member *m)
 {
     (void)m;
-    (void)view;
-    schema_write_members(w, "[#Pair 2]");
-}
-
-const member_kind member_line = { .text = "[[x, y], [x, y]]",
-                                  .read = read_line,
-                                  .write = write_line,
-                                  .write_schema = describe_line };
-
-// Reads a list of tuples of least to most numbers, each stride doubles after the one before.
-static double *read_tuples(json_in *in, const json_t *value, const member *m, void *item,
-                           size_t least, size_t most, size_t stride)
-{
-    size_t n = json_array_size(value);
-
-    if (!member__check_list(in, value, m))
-        return NULL;
-    double *numbers = member__allocate(in, m, n, stride * sizeof *numbers, item);
-    for (size_t k = 0; k < n && numbers != NULL; k++) {
-        size_t mark = json_pointer_enter_index(&in->pointer, k);
-        json_in_tuple(in, json_array_get(value, k), least, most, numbers + k * stride, NULL);
-        json_pointer_leave(&in->pointer, mark);
-    }
-    return numbers;
-}
-
-static void write_tuples(json_out *w, const member *m, const void *item, size_t stride,
-                         size_t width)
-{
-    const double *numbers = member__items(item, m);
-    size_t n = member__count(item, m);
-
-    json_out_array(w);
-    for (size_t k = 0; k < n; k++)
-        json_out_numbers(w, numbers + k * stride, width, 1);
-    json_out_array_end(w);
-}
-
-static void describe_tuples(json_out *w, const member *m, size_t least, size_t most)
-{
-    json_out_key_string(w, "type", "array");
-    json_out_key(w, "items");
     json_out_object(w);
-    describe_numbers(w, least, most);
+    describe_numbers(w, 2, 2);
     json_out_object_end(w);
-    member__describe_length(w, m);
 }
 
-static void describe_pairs(json_out *w, const member *m, member_view view)
+static const member_element point = { sizeof(vec2), read_two, write_two, describe_two };
+static const member_element corner = { 3 * sizeof(double), read_two, write_two, describe_two };
+
+const member_kind member_points = { .text = "list of [x, y]", LIST_OF(point) };
+const member_kind member_outline = { .text = "list of [x, y]", LIST_OF(corner) };
+
+static void read_three(json_in *in, const json_t *value, void *to)
 {
-    (void)view;
-    describe_tuples(w, m, 2, 2);
+    (void)json_in_tuple(in, value, 3, 3, to, NULL);
 }
 
-static void read_points(json_in *in, const json_t *value, const member *m, void *item)
+static void write_three(json_out *w, const void *from)
 {
-    read_tuples(in, value, m, item, 2, 2, POINT_STRIDE);
+    json_out_numbers(w, from, 3, 1);
 }
 
-static void write_points(json_out *w, const member *m, const void *item)
+static void describe_three(json_out *w, const member *m)
 {
-    write_tuples(w, m, item, POINT_STRIDE, 2);
+    (void)m;
+    json_out_object(w);
+    describe_numbers(w, 3, 3);
+    json_out_object_end(w);
 }
 
-const member_kind member_points = { .text = "list of [x, y]",
-                                    .read = read_points,
-                                    .write = write_points,
-                                    .write_schema = describe_pairs };
+static const member_element vertex = { 3 * sizeof(double), read_three, write_three,
+                                       describe_three };
 
-static void read_outline(json_in *in, const json_t *value, const member *m, void *item)
-{
-    read_tuples(in, value, m, item, 2, 2, VERTEX_STRIDE);
-}
-
-static void write_outline(json_out *w, const member *m, const void *item)
-{
-    write_tuples(w, m, item, VERTEX_STRIDE, 2);
-}
-
-const member_kind member_outline = { .text = "list of [x, y]",
-                                     .read = read_outline,
-                                     .write = write_outline,
-                                     .write_schema = describe_pairs };
-
-static void read_vertices(json_in *in, const json_t *value, const member *m, void *item)
-{
-    read_tuples(in, value, m, item, 3, 3, VERTEX_STRIDE);
-}
-
-static void write_vertices(json_out *w, const member *m, const void *item)
-{
-    write_tuples(w, m, item, VERTEX_STRIDE, 3);
-}
-
-static void describe_vertices(json_out *w, const member *m, member_view view)
-{
-    (void)view;
-    describe_tuples(w, m, 3, 3);
-}
-
-const member_kind member_vertices = { .text = "list of [x, y, z]",
-                                      .read = read_vertices,
-                                      .write = write_vertices,
-                                      .write_schema = describe_vertices };
+const member_kind member_vertices = { .text = "list of [x, y, z]", LIST_OF(vertex) };
 
 // A heading that is missing or at fault is 0.
-static void read_poses(json_in *in, const json_t *value, const member *m, void *item)
+static void read_pose(json_in *in, const json_t *value, void *to)
 {
-    double *numbers = read_tuples(in, value, m, item, 2, 3, POSE_STRIDE);
+    double tuple[3] = { 0.0 };
 
-    for (size_t k = 0; numbers != NULL && k < json_array_size(value); k++)
-        numbers[k * POSE_STRIDE + 2] = number_from_degrees(numbers[k * POSE_STRIDE + 2]);
+    (void)json_in_tuple(in, value, 2, 3, tuple, NULL);
+    *(scene_pose *)to =
+        (scene_pose){ .x = tuple[0], .y = tuple[1], .heading = number_from_degrees(tuple[2]) };
 }
 
-static void write_poses(json_out *w, const member *m, const void *item)
+static void write_pose(json_out *w, const void *from)
 {
-    const scene_pose *poses = member__items(item, m);
-    size_t n = member__count(item, m);
+    const scene_pose *pose = from;
+    const double tuple[3] = { pose->x, pose->y, number_to_degrees(pose->heading) };
+    const bool has_heading = pose->heading != 0.0 || signbit(pose->heading);
 
-    json_out_array(w);
-    for (size_t k = 0; k < n; k++) {
-        double tuple[3] = { poses[k].x, poses[k].y, number_to_degrees(poses[k].heading) };
-        bool has_heading = poses[k].heading != 0.0 || signbit(poses[k].heading);
-        json_out_numbers(w, tuple, has_heading ? 3 : 2, 1);
-    }
-    json_out_array_end(w);
+    json_out_numbers(w, tuple, has_heading ? 3 : 2, 1);
 }
 
-static void describe_poses(json_out *w, const member *m, member_view view)
+static void describe_pose(json_out *w, const member *m)
 {
-    (void)view;
-    describe_tuples(w, m, 2, 3);
+    (void)m;
+    json_out_object(w);
+    describe_numbers(w, 2, 3);
+    json_out_object_end(w);
 }
 
-const member_kind member_poses = { .text = "list of [x, y] or [x, y, heading]",
-                                   .read = read_poses,
-                                   .write = write_poses,
-                                   .write_schema = describe_poses };
+static const member_element pose = { sizeof(scene_pose), read_pose, write_pose, describe_pose };
+
+const member_kind member_poses = { .text = "list of [x, y] or [x, y, heading]", LIST_OF(pose) };

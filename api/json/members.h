@@ -32,6 +32,7 @@ typedef struct member_kind {
     void (*write)(json_out *w, const member *m, const void *item);
     /// Write the members of its schema into an object that is open; NULL: type says it all.
     void (*write_schema)(json_out *w, const member *m, member_view view);
+    const struct member_element *element; ///< lists of member_lists.c: what its items are
 } member_kind;
 
 /// Flags of a member.
