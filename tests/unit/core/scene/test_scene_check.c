@@ -3,6 +3,7 @@
 #include "core/scene/scene.h"
 
 #include "core/base/memory.h"
+#include "core/scene/placement.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -475,17 +476,26 @@ static void sizes_beyond_the_limits_are_refused_with_figure_and_limit(void **sta
 
 static void numbers_of_items_are_limited(void **state)
 {
+    static scene_belt belts[SCENE_BELTS_MAX + 1];
+    static scene_obstacle obstacles[SCENE_OBSTACLES_MAX + 1];
+    static bf_faults faults;
     scene s;
 
     (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
-    s.n_obstacles = SCENE_OBSTACLES_MAX + 1;
-    s.n_belts = SCENE_BELTS_MAX + 1;
-    static bf_faults faults;
-    scene_check(&s, &faults);
+    scene many = s;
+    many.belts = belts;
+    many.n_belts = SCENE_BELTS_MAX + 1;
+    many.obstacles = obstacles;
+    many.n_obstacles = SCENE_OBSTACLES_MAX + 1;
+    for (size_t k = 0; k < many.n_belts; k++)
+        belts[k] = s.belts[0];
+    for (size_t k = 0; k < many.n_obstacles; k++)
+        obstacles[k] = s.obstacles[0];
+    scene_check(&many, &faults);
     assert_true(has_fault(&faults, BF_ELIMIT, "/obstacles", "257"));
     assert_true(has_fault(&faults, BF_ELIMIT, "/belts", "257"));
-    s.n_obstacles = s.n_belts = 1;
+    placement_fini(&many.placement);
     scene_fini(&s);
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.initial.n_rows = s.initial.n_columns = UINT32_MAX;
