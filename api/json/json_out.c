@@ -147,6 +147,11 @@ void json_out_number(json_out *w, double value)
         json_out_null(w);
 }
 
+void json_out_measure(json_out *w, double value)
+{
+    json_out_number(w, number_round(value));
+}
+
 void json_out_integer(json_out *w, int64_t value)
 {
     char text[NUMBER_SIZE];
@@ -202,6 +207,12 @@ void json_out_key_number(json_out *w, const char *key, double value)
 {
     json_out_key(w, key);
     json_out_number(w, value);
+}
+
+void json_out_key_measure(json_out *w, const char *key, double value)
+{
+    json_out_key(w, key);
+    json_out_measure(w, value);
 }
 
 void json_out_key_integer(json_out *w, const char *key, int64_t value)

@@ -38,6 +38,7 @@ void json_out_key(json_out *w, const char *key);
 /// Values. json_out_string() escapes text; NULL is null. json_out_raw() copies JSON text.
 void json_out_string(json_out *w, const char *text);
 void json_out_number(json_out *w, double value);
+void json_out_measure(json_out *w, double value); ///< what was computed: number_round()
 void json_out_integer(json_out *w, int64_t value);
 void json_out_bool(json_out *w, bool value);
 void json_out_null(json_out *w);
@@ -52,5 +53,6 @@ void json_out_numbers(json_out *w, const double *values, size_t n, size_t stride
 /// A key and its value in one call.
 void json_out_key_string(json_out *w, const char *key, const char *text);
 void json_out_key_number(json_out *w, const char *key, double value);
+void json_out_key_measure(json_out *w, const char *key, double value);
 void json_out_key_integer(json_out *w, const char *key, int64_t value);
 void json_out_key_bool(json_out *w, const char *key, bool value);

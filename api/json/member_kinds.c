@@ -45,6 +45,11 @@ static void write_number(json_out *w, const member *m, const void *item)
     json_out_number(w, *(const double *)member__value(item, m));
 }
 
+static void write_measure(json_out *w, const member *m, const void *item)
+{
+    json_out_measure(w, *(const double *)member__value(item, m));
+}
+
 static void describe_number(json_out *w, const member *m, member_view view)
 {
     (void)view;
@@ -56,6 +61,8 @@ const member_kind member_number = { .text = "number",
                                     .read = read_number,
                                     .write = write_number,
                                     .write_schema = describe_number };
+
+const member_kind member_measure = { .type = "number", .write = write_measure };
 
 static void read_degrees(json_in *in, const json_t *value, const member *m, void *item)
 {

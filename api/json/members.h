@@ -127,6 +127,7 @@ struct member_table {
 
 /// The kinds, with what lies at the member's offset.
 extern const member_kind member_number;   ///< number: double; not finite: null
+extern const member_kind member_measure;  ///< number_round() of a double; not finite: null; answers
 extern const member_kind member_degrees;  ///< number: double in radians
 extern const member_kind member_step;     ///< number, not 0, or "auto": double, 0 for "auto"
 extern const member_kind member_count;    ///< whole number: uint32_t

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DOUBLE_DIGITS_MAX = 17, FLOAT_DIGITS_MAX = 9, READ_SIZE = 64 };
+enum { DOUBLE_DIGITS_MAX = 17, FLOAT_DIGITS_MAX = 9, MEASURE_DIGITS = 12, READ_SIZE = 64 };
 
 __extension__ typedef unsigned __int128 wide;
 
@@ -141,6 +141,16 @@ int number_format_float(float value, char *ret_text)
         return n;
     int digits = fabsf(value) < FLT_MIN ? 1 : FLT_DIG;
     return format_shortest((double)value, digits, FLOAT_DIGITS_MAX, true, ret_text);
+}
+
+double number_round(double value)
+{
+    char text[NUMBER_SIZE];
+
+    if (!isfinite(value))
+        return value;
+    (void)snprintf(text, sizeof text, "%.*e", MEASURE_DIGITS - 1, value);
+    return strtod(text, NULL);
 }
 
 int number_read(const char *text, size_t n, double *ret_value)

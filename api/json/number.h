@@ -16,6 +16,10 @@ int number_format(double value, char *ret_text);
 /// Same for a float: 1 to 9 digits that read back to the same float.
 int number_format_float(float value, char *ret_text);
 
+/// The nearest number of 12 significant digits: what is behind them is the rounding of sums and products. What is not
+/// finite stays.
+double number_round(double value);
+
 /// Read n bytes that are one decimal number and nothing else: no "nan", "inf" or hexadecimal. Returns
 /// 0, or -1 if they are anything else, too many, or beyond what a double holds (*ret_value untouched).
 int number_read(const char *text, size_t n, double *ret_value);

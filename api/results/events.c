@@ -56,11 +56,11 @@ typedef struct progress_event {
 static const member progress_members[] = {
     MEMBER("run", string, AT(run), RUN, .type = "#Id"),
     MEMBER("t_s", number, AT(t), "Simulated time", .unit = "s"),
-    MEMBER("progress", number, AT(progress), "Completed fraction of the time steps",
+    MEMBER("progress", measure, AT(progress), "Completed fraction of the time steps",
            .type = "#Share"),
-    MEMBER("steps_per_s", number, AT(steps_per_s), "Time steps per second of wall time",
+    MEMBER("steps_per_s", measure, AT(steps_per_s), "Time steps per second of wall time",
            .unit = "1/s", .null = "not known"),
-    MEMBER("eta_s", number, AT(eta), "Remaining wall time", .unit = "s", .null = "not known"),
+    MEMBER("eta_s", measure, AT(eta), "Remaining wall time", .unit = "s", .null = "not known"),
 };
 const member_table events_progress_data = { MEMBER_TABLE("ProgressEvent", progress_members) };
 #undef AT
@@ -223,7 +223,7 @@ bf_status events_change(const char *run_id, const frame_change *c, bf_buffer *ou
 static const member end_members[] = {
     MEMBER("run", text, AT(id), RUN, .type = "#Id"),
     MEMBER_OF("status", &run_json_state_kind, AT(state), "How the run ended"),
-    MEMBER("progress", number, AT(progress), "Completed fraction of the simulated time",
+    MEMBER("progress", measure, AT(progress), "Completed fraction of the simulated time",
            .type = "#Share"),
     MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not known"),
     MEMBER("n_samples", size, AT(n_samples), "Samples of its curve"),

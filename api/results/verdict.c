@@ -9,7 +9,7 @@
 static const member figure_members[] = {
     MEMBER("figure", text, AT(name), "Word of a key figure, or a name with its unit"),
     MEMBER("of", text, AT(of), "Feed that it is of; empty: none"),
-    MEMBER("value", number, AT(value), "Its value"),
+    MEMBER("value", measure, AT(value), "Its value"),
 };
 const member_table verdict_figure_members = { MEMBER_TABLE("VerdictFigure", figure_members),
                                               .size = sizeof(verdict_figure) };

@@ -7,12 +7,12 @@
 #define AT(place) offsetof(validity_item, place)
 static const member outside_members[] = {
     MEMBER("what", enum, AT(figure), "Figure of the scenario", .words = validity_words),
-    MEMBER("value", number, AT(value), "Its value, the one that is farthest out",
+    MEMBER("value", measure, AT(value), "Its value, the one that is farthest out",
            .null = "not known"),
     MEMBER("unit", string, AT(unit), "Unit of the value and of the range", .null = "none"),
-    MEMBER("min", number, AT(minimum), "Smallest value of the comparison",
+    MEMBER("min", measure, AT(minimum), "Smallest value of the comparison",
            .null = "no limit, or never compared"),
-    MEMBER("max", number, AT(maximum), "Largest value of the comparison",
+    MEMBER("max", measure, AT(maximum), "Largest value of the comparison",
            .null = "no limit, or never compared"),
     MEMBER("pointer", text, AT(pointer), "What has that value, in the document of the scenario",
            .type = "#JsonPointer"),
@@ -39,9 +39,9 @@ static bool has_like(const void *item)
 #define AT(place) offsetof(validity_like, place)
 static const member like_members[] = {
     MEMBER("scenes", size, AT(n), "How many there are"),
-    MEMBER("largest_percent", number, AT(largest),
+    MEMBER("largest_percent", measure, AT(largest),
            "By which the rate of the model was off in one of them at most, %"),
-    MEMBER("mean_percent", number, AT(mean), "The same in the mean of their sizes, %"),
+    MEMBER("mean_percent", measure, AT(mean), "The same in the mean of their sizes, %"),
     MEMBER("detail", text, AT(text), "The same for people"),
 };
 const member_table review_like_members = { MEMBER_TABLE("LikeScenes", like_members) };

@@ -231,7 +231,7 @@ static const member validation_members[] = {
     MEMBER("warning_details", array, AT(review.warnings.items),
            "The same warnings, each with its parts", .table = &review_warning_members,
            .offset_n = AT(review.warnings.n), .limit = REVIEW_WARNINGS_MAX),
-    MEMBER("predicted_s", number, AT(predicted_s),
+    MEMBER("predicted_s", measure, AT(predicted_s),
            "CPU time that the run will take on one core of the service's machine", .unit = "s",
            .null = "not known in the first second of the service"),
     MEMBER("validity", object, AT(review.validity),

@@ -11,10 +11,18 @@
 
 static const double confidence = 0.95;
 
+static void write_pair(json_out *w, double low, double high)
+{
+    json_out_array(w);
+    json_out_measure(w, low);
+    json_out_measure(w, high);
+    json_out_array_end(w);
+}
+
 static void write_interval(json_out *w, double low, double high)
 {
     json_out_key(w, "interval_95");
-    json_out_numbers(w, (const double[]){ low, high }, 2, 1);
+    write_pair(w, low, high);
 }
 
 // In how many replications there was a jam.
@@ -32,7 +40,7 @@ static void write_jams(json_out *w, const study *s, size_t point, size_t value)
     const statistics_range range = statistics_wilson(n_jams, n, confidence);
     json_out_key(w, "jam_probability");
     json_out_object(w);
-    json_out_key_number(w, "mean", n > 0 ? (double)n_jams / (double)n : (double)NAN);
+    json_out_key_measure(w, "mean", n > 0 ? (double)n_jams / (double)n : (double)NAN);
     write_interval(w, range.low, range.high);
     json_out_object_end(w);
 }
@@ -48,9 +56,9 @@ static void write_value(json_out *w, const study_document *d, const study *s, si
     json_out_key(w, name);
     json_out_object(w);
     json_out_key_integer(w, "n", (int64_t)sample.n);
-    json_out_key_number(w, "mean", sample.n > 0 ? sample.mean : (double)NAN);
+    json_out_key_measure(w, "mean", sample.n > 0 ? sample.mean : (double)NAN);
     if (sample.n >= 2) {
-        json_out_key_number(w, "deviation", statistics_deviation(&sample));
+        json_out_key_measure(w, "deviation", statistics_deviation(&sample));
         write_interval(w, sample.mean - half, sample.mean + half);
     }
     if (value < d->n_objectives && d->objectives[value].figure == FIGURE_JAM_COUNT)
@@ -102,8 +110,8 @@ static void write_confirmed(json_out *w, const study_document *d, const study *s
         write_point(w, d, s, point);
         json_out_key(w, "macro");
         write_point(w, d, s, p.confirmed);
-        json_out_key_number(w, "difference",
-                            study_sample(s, p.confirmed, 0).mean - study_sample(s, point, 0).mean);
+        json_out_key_measure(w, "difference",
+                             study_sample(s, p.confirmed, 0).mean - study_sample(s, point, 0).mean);
         json_out_object_end(w);
     }
     json_out_array_end(w);
@@ -119,7 +127,7 @@ static void write_calibration(json_out *w, const study_document *d, const study 
             continue;
         json_out_object(w);
         json_out_key_string(w, "counter", d->curves[curve].counter);
-        json_out_key_number(w, "rmse", sqrt(study_sample(s, without, curve).mean));
+        json_out_key_measure(w, "rmse", sqrt(study_sample(s, without, curve).mean));
         json_out_object_end(w);
     }
     json_out_array_end(w);
@@ -131,10 +139,8 @@ static void write_calibration(json_out *w, const study_document *d, const study 
         json_out_key_string(w, "pointer", d->parameters[k].pointer);
         json_out_key_bool(w, "is_identifiable", profile.is_identifiable);
         json_out_key(w, "interval");
-        json_out_numbers(w,
-                         (const double[]){ study_document_value(&d->parameters[k], profile.low),
-                                           study_document_value(&d->parameters[k], profile.high) },
-                         2, 1);
+        write_pair(w, study_document_value(&d->parameters[k], profile.low),
+                   study_document_value(&d->parameters[k], profile.high));
         json_out_object_end(w);
     }
     json_out_array_end(w);
@@ -189,7 +195,7 @@ static void write_set(json_out *w, const study_document *d, const study *s,
     }
     json_out_array_end(w);
     if (!study_document_definition(d).has_demand)
-        json_out_key_number(w, "indifference", choice->indifference);
+        json_out_key_measure(w, "indifference", choice->indifference);
 }
 
 // The points between which two objectives leave the choice.
@@ -232,7 +238,7 @@ static bf_status write_found(json_out *w, study_document *d, const study *s, boo
         write_point(w, d, s, choice.best);
     write_set(w, d, s, &choice, is_in);
     if (study_document_definition(d).has_demand) {
-        json_out_key_number(w, "demand", d->objectives[0].demand);
+        json_out_key_measure(w, "demand", d->objectives[0].demand);
         json_out_key_bool(w, "is_met", choice.is_met);
     }
     status = write_verdicts(w, d, s, &choice, is_in, err);

@@ -238,6 +238,20 @@ static void numbers_of_moderate_size_are_written_as_printf_does(void **unused)
     }
 }
 
+// 12 digits; ties, which are none in binary, do not matter.
+static void measures_lose_the_rounding_of_sums(void **state)
+{
+    (void)state;
+    assert_true(number_round(233640.00000000003) == 233640.0);
+    assert_true(number_round(0.1 + 0.2) == 0.3);
+    assert_true(number_round(-1.0 / 3.0) == -0.333333333333);
+    assert_true(number_round(2e12 / 3.0) == 666666666667.0);
+    assert_true(number_round(1e300 / 7.0) == 1.42857142857e299);
+    assert_true(number_round(0.0) == 0.0);
+    assert_true(isnan(number_round((double)NAN)));
+    assert_true(isinf(number_round((double)INFINITY)));
+}
+
 static void digits_are_a_whole_number_within_bounds(void **state)
 {
     static const char *const bad[] = { "", "-1", "+1", " 1", "1 ", "1.0", "0x1", "1e2", "8", "2" };
@@ -266,6 +280,7 @@ int main(void)
         cmocka_unit_test(no_shorter_text_reads_back),
         cmocka_unit_test(floats_take_few_digits),
         cmocka_unit_test(numbers_of_moderate_size_are_written_as_printf_does),
+        cmocka_unit_test(measures_lose_the_rounding_of_sums),
         cmocka_unit_test(digits_are_a_whole_number_within_bounds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
