@@ -3,16 +3,14 @@
 //     node web/build.mjs OUT MODULES
 //
 // OUT is emptied first; MODULES is the node_modules folder that `npm ci` made of package-lock.json.
-// The editor of JSON, which the page imports when it is needed, becomes a bundle of its own, and so does the reference
-// of the API, web/docs, below OUT/docs.
+// The editor of JSON, which the page imports when it is needed, becomes a bundle of its own. Below OUT/docs are the pages that
+// web/docs makes of api/openapi.json.
 
-import { copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import path from "node:path";
-import { fileURLToPath } from "node:url";
+import { fileURLToPath, pathToFileURL } from "node:url";
 import { gzipSync } from "node:zlib";
-
-import { plugins } from "./docs/plugins.mjs";
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const packed = /\.(?:html|css|js|svg|json|txt)$/;
@@ -68,6 +66,20 @@ function packFolder(folder) {
   }
 }
 
+// The pages of /docs. Their generator is bundled, too, so that it finds its packages.
+async function writeDocs() {
+  const tool = path.join(out, "docs.tool.mjs");
+  await build({ entryPoints: [path.join(here, "docs/pages.mjs")], outfile: tool, bundle: true, format: "esm", platform: "node", nodePaths: [modules] });
+  const { makePages } = await import(pathToFileURL(tool));
+  rmSync(tool);
+  const { pages, found } = makePages(JSON.parse(readFileSync(path.join(here, "../api/openapi.json"), "utf8")));
+  for (const { path: name, html } of pages) {
+    mkdirSync(path.dirname(path.join(out, name)), { recursive: true });
+    writeFileSync(path.join(out, name), html);
+  }
+  writeFileSync(path.join(docs, "search.json"), JSON.stringify(found));
+}
+
 // The folder itself stays: a daemon that serves it has it open.
 mkdirSync(out, { recursive: true });
 for (const name of readdirSync(out)) rmSync(path.join(out, name), { recursive: true });
@@ -75,9 +87,8 @@ copyFolder(path.join(here, "static"), out);
 await bundle(path.join(here, "src/main.js"), out, { external: ["./code_editor.js"] });
 await bundle(path.join(here, "src/code_editor.js"), out);
 const docs = path.join(out, "docs");
-const licence = "redoc.standalone.js.LICENSE.txt";
 copyFolder(path.join(here, "docs/static"), docs);
-copyFileSync(path.join(modules, "redoc/bundles", licence), path.join(docs, licence));
-await bundle(path.join(here, "docs/main.js"), docs, { plugins });
+await bundle(path.join(here, "docs/main.js"), docs);
+await writeDocs();
 writeFileSync(path.join(out, "licences.txt"), [...bundled].sort().map(licenceOf).join("\n\n"));
 packFolder(out);

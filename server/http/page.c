@@ -36,31 +36,9 @@ static const struct {
     { ".txt", "text/plain; charset=utf-8" },
 };
 
-#define ONLY_OURS                                                                                  \
-    "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "            \
-    "object-src 'none'"
-
-// What a page may load, by the start of its path; the first row that fits counts. The reference of
-// the API (Redoc) writes its rules into style elements that it makes empty: they, and the one text
-// of its scroll bar's style, are allowed by their hashes; its arrows are data.
-static const struct {
-    const char *start;
-    const char *policy;
-} policies[] = {
-    { "/docs", ONLY_OURS "; img-src 'self' data:; "
-                         "style-src 'self' 'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=' "
-                         "'sha256-QMIg+bpjm3JdElJ388KYke01izlUW0UoNOeKjpMxdgc='" },
-    { "/", ONLY_OURS },
-};
-
-static const char *policy_of(const char *path)
-{
-    size_t i = 0;
-
-    while (strncmp(path, policies[i].start, strlen(policies[i].start)) != 0)
-        i++;
-    return policies[i].policy;
-}
+// What a page may load.
+static const char policy[] = "default-src 'self'; base-uri 'none'; form-action 'self'; "
+                             "frame-ancestors 'none'; object-src 'none'";
 
 // NULL: it is of no type that a page has, and therefore none of its files.
 static const char *type_of(const char *path)
@@ -193,8 +171,9 @@ static const struct {
       "To have the page, build with npm, or give the page's directory by --web.\n" },
     { "/docs", true, "text/html; charset=utf-8",
       "<!doctype html>\n<meta charset=\"utf-8\">\n<title>Beltflow: the API</title>\n"
-      "<p>The reference of the API is made where npm is there while Beltflow is built, and is not "
-      "here; it is drawn from <a href=\"/openapi.json\">/openapi.json</a>, which is.</p>\n" },
+      "<p>The manual and the reference of the API are made where npm is there while Beltflow is "
+      "built, and are not here; they are made of <a href=\"/openapi.json\">/openapi.json</a>, "
+      "which is.</p>\n" },
 };
 
 enum { N_PLACEHOLDERS = sizeof placeholder_pages / sizeof *placeholder_pages };
@@ -222,7 +201,7 @@ static void answer_placeholder(http_request *r, size_t which)
     }
     r->response.status = 200;
     api_response_header(&r->response, "Content-Type", "%s", placeholder_pages[which].type);
-    api_response_header(&r->response, "Content-Security-Policy", "%s", policy_of(r->path));
+    api_response_header(&r->response, "Content-Security-Policy", "%s", policy);
 }
 
 static void refuse_method(http_request *r)
@@ -298,7 +277,7 @@ static void answer_file(http_request *r, http_file *file)
     r->response.status = 200;
     api_response_header(&r->response, "ETag", "\"%s\"", file->etag);
     api_response_header(&r->response, "Cache-Control", "no-cache");
-    api_response_header(&r->response, "Content-Security-Policy", "%s", policy_of(r->path));
+    api_response_header(&r->response, "Content-Security-Policy", "%s", policy);
     api_response_header(&r->response, "Referrer-Policy", "no-referrer");
     api_response_header(&r->response, "Content-Type", "%s", file->type);
     if (form != CODING_IDENTITY)
