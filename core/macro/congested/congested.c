@@ -165,8 +165,27 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     return BF_OK;
 }
 
+// In cargo that a plate has enclosed no pressure brings the density down to rho_j, and the iteration raises it step by step.
+// Where the plate goes on and opens a way, that drives more into the free cells than the iteration can hold back. So no
+// pressure is above that of a queue as long as both sides of the domain: rho_j v_T a cell.
+static void limit_pressures(const macro_solver *s, congested *c)
+{
+    double fastest = 0.0;
+
+    for (size_t k = 0; k < c->n_belts; k++)
+        fastest = fmax(fastest, vec2_length(c->belts[k]));
+    const float most = (float)(c->jam_density * fastest * (double)(s->n1 + s->n2));
+    for (int colour = 0; colour < 2; colour++)
+        for (ptrdiff_t row = 0; row < s->n2; row++)
+            for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k++) {
+                float *pressure = congested__row(c, c->pressure[colour], row) + k;
+                *pressure = fminf(*pressure, most);
+            }
+}
+
 void congested_set_faces(macro_solver *s, const macro_def *def)
 {
+    limit_pressures(s, s->congested);
     copy_faces(s, def);
     congested_update(s);
 }

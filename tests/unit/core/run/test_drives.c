@@ -115,11 +115,41 @@ static void a_run_stopped_while_its_drive_stalls_resumes_to_the_same_results(voi
     }
 }
 
+// A full line of cans of 76 mm at 1.6 m/s before an arm that leaves them less than a diameter: it encloses cargo on its way back
+// against the belt, stalls, and lets the cargo go when it turns the other way.
+static void cargo_that_an_arm_has_enclosed_is_let_go(void **state)
+{
+    static const vec2 path[] = { { 0.5334, 0.0 }, { 0.5334, 0.4234 } };
+    static const double times[] = { 0.0, 2.0, 4.0, 6.0 };
+    const double angles[] = { 80.0 * degree, 80.0 * degree, 0.0, 80.0 * degree };
+    helper_run_log *log = new_log(RUN_MACRO);
+    scene s;
+
+    (void)state;
+    helper_scene_belt(&s, 0.762, 0.499, 0.0254, NULL, 0);
+    s.initial.type = SCENE_INITIAL_EMPTY;
+    s.cargo[0].shape.radius = 0.0381;
+    s.cargo[0].mass = 0.49;
+    (void)helper_scene_add_belt(&s, (vec2){ 1.6, 0.0 }, NULL, 0);
+    (void)helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 55.0);
+    scene_obstacle *o = helper_scene_add_obstacle(&s, path, 2, SCENE_SEALED);
+    o->turn = helper_scene_series(4, times, angles, 8.0);
+    s.macro.closure = SCENE_CONGESTED;
+    s.macro.step = 0.0;
+    s.duration = 12.0;
+    helper_scene_resolve(&s);
+    assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
+    assert_true(figure_of(&s, log, FIGURE_STALL_COUNT) > 0.0);
+    scene_fini(&s);
+    helper_run_free(log);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_tells_of_a_drive_that_stalls_and_of_one_that_has_caught_up),
         cmocka_unit_test(a_run_stopped_while_its_drive_stalls_resumes_to_the_same_results),
+        cmocka_unit_test(cargo_that_an_arm_has_enclosed_is_let_go),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
