@@ -10,7 +10,7 @@
 enum { HELP_SIZE = 400 };
 
 static const char *const titles[FIGURE_SCOPES] = { "RunFigures", "FeedFigures", "CounterFigures",
-                                                   "PhotoEyeFigures" };
+                                                   "PhotoEyeFigures", "BeltFigures" };
 
 static void write_number(json_out *w, const figure *f)
 {
@@ -105,6 +105,11 @@ void openapi__write_eye_figures(json_out *w)
     write_item(w, FIGURE_OF_EYE);
 }
 
+void openapi__write_belt_figures(json_out *w)
+{
+    write_item(w, FIGURE_OF_BELT);
+}
+
 void openapi__write_figures(json_out *w)
 {
     char type[MEMBER_TEXT_SIZE];
@@ -116,7 +121,10 @@ void openapi__write_figures(json_out *w)
     for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
         snprintf(type, sizeof type, "[#%s]", titles[scope]);
         json_out_key(w, key_figures_list(scope));
-        schema_write(w, type, NULL, "Of each of them");
+        schema_write(w, type, NULL,
+                     scope == FIGURE_OF_BELT
+                         ? "Of each belt that a schedule or a photo eye commands; absent: none"
+                         : "Of each of them");
     }
     json_out_object_end(w);
     json_out_key(w, "required");

@@ -284,6 +284,8 @@ static const openapi_schema table[] = {
     WRITTEN("FeedFigures", openapi__write_feed_figures, "Key figures of a feed"),
     WRITTEN("CounterFigures", openapi__write_counter_figures, "Key figures of a counter"),
     WRITTEN("PhotoEyeFigures", openapi__write_eye_figures, "Key figures of a photo eye"),
+    WRITTEN("BeltFigures", openapi__write_belt_figures,
+            "Key figures of a belt that a schedule or a photo eye commands"),
     OBJECT(submission_validation_members, "A submission that is valid"),
     OBJECT(submission_part_members, "A part at the start"),
     OBJECT(review_validity_members, "Whether a model was compared for scenarios like this one"),
@@ -296,7 +298,8 @@ static const openapi_schema table[] = {
           "A list for each column under its name, each as long as that of the times: parts in each "
           "counter, under its id; `left_domain`, that have left the domain; `fallen` off the "
           "belts, where some of the domain is under no belt; of each feed `<feed>.offered`, "
-          "`.admitted`, `.waiting` and `.discarded`; of each photo eye `<eye>.blocked`",
+          "`.admitted`, `.waiting` and `.discarded`; of each photo eye `<eye>.blocked`; "
+          "of each belt that a schedule or a photo eye commands `<belt>.speed_m_s`",
       .table = &results_columns_members,
       .others = "[number]" },
     OBJECT(results_changes_members, "What the photo eyes of a run saw and did"),

@@ -6,9 +6,10 @@
 
 #include <jansson.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
-enum { ITEMS_MAX = 64 };
+enum { ITEMS_MAX = SCENE_BELTS_MAX };
 _Static_assert((int)ITEMS_MAX >= (int)SCENE_FEEDS_MAX && (int)ITEMS_MAX >= (int)SCENE_EYES_MAX &&
                    (int)ITEMS_MAX >= (int)SCENE_COUNTERS_MAX,
                "there is room for the items of every scope");
@@ -21,6 +22,7 @@ static const struct {
     [FIGURE_OF_FEED] = { "feeds", "feed" },
     [FIGURE_OF_COUNTER] = { "counters", "counter" },
     [FIGURE_OF_EYE] = { "photo_eyes", "photo_eye" },
+    [FIGURE_OF_BELT] = { "belts", "belt" },
 };
 
 const char *key_figures_list(figure_scope scope)
@@ -28,25 +30,35 @@ const char *key_figures_list(figure_scope scope)
     return scopes[scope].list;
 }
 
+// An id within the names of columns.
+typedef struct item {
+    const char *id;
+    size_t n; // bytes
+} item;
+
 // What the figures are of.
 typedef struct items {
     size_t n[FIGURE_SCOPES];
-    char ids[FIGURE_SCOPES][ITEMS_MAX][SCENE_ID_SIZE];
+    item of[FIGURE_SCOPES][ITEMS_MAX];
 } items;
 
 static void add_item(items *all, figure_scope scope, const char *id, size_t n)
 {
     const size_t k = all->n[scope]++;
 
-    if (k < ITEMS_MAX && n < SCENE_ID_SIZE) {
-        memcpy(all->ids[scope][k], id, n);
-        all->ids[scope][k][n] = '\0';
-    }
+    if (k < ITEMS_MAX)
+        all->of[scope][k] = (item){ id, n };
 }
 
-// The columns before left_domain are counters; of those behind it one of each feed and of each photo eye tells the id.
+// The columns before left_domain are counters; of those behind it one of each other item tells the id.
 static void find_items(const char *columns, items *ret_items)
 {
+    static const struct {
+        const char *word;
+        figure_scope scope;
+    } told_by[] = { { ".offered", FIGURE_OF_FEED },
+                    { ".blocked", FIGURE_OF_EYE },
+                    { ".speed_m_s", FIGURE_OF_BELT } };
     bool is_counter = true;
     size_t n = 0;
 
@@ -59,12 +71,9 @@ static void find_items(const char *columns, items *ret_items)
             is_counter = false;
         else if (is_counter)
             add_item(ret_items, FIGURE_OF_COUNTER, name, n);
-        else if (dot != NULL && n_word == strlen(".offered") &&
-                 memcmp(dot, ".offered", n_word) == 0)
-            add_item(ret_items, FIGURE_OF_FEED, name, n_id);
-        else if (dot != NULL && n_word == strlen(".blocked") &&
-                 memcmp(dot, ".blocked", n_word) == 0)
-            add_item(ret_items, FIGURE_OF_EYE, name, n_id);
+        for (size_t k = 0; !is_counter && dot != NULL && k < sizeof told_by / sizeof *told_by; k++)
+            if (n_word == strlen(told_by[k].word) && memcmp(dot, told_by[k].word, n_word) == 0)
+                add_item(ret_items, told_by[k].scope, name, n_id);
     }
 }
 
@@ -131,6 +140,7 @@ void key_figures_write_run(json_out *w, const double *values)
 void key_figures_write(json_out *w, const key_figures *figures)
 {
     const double *values = figures->values;
+    char id[SCENE_ID_SIZE];
     items all;
 
     find_items(figures->columns, &all);
@@ -138,11 +148,15 @@ void key_figures_write(json_out *w, const key_figures *figures)
     write_item(w, FIGURE_OF_RUN, values);
     values += figures_of(FIGURE_OF_RUN);
     for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
+        if (scope == FIGURE_OF_BELT && all.n[scope] == 0)
+            continue;
         json_out_key(w, scopes[scope].list);
         json_out_array(w);
         for (size_t k = 0; k < all.n[scope]; k++, values += figures_of(scope)) {
+            const item *of = &all.of[scope][k];
+            (void)snprintf(id, sizeof id, "%.*s", (int)of->n, of->id);
             json_out_object(w);
-            json_out_key_string(w, "id", all.ids[scope][k]);
+            json_out_key_string(w, "id", id);
             write_item(w, scope, values);
             json_out_object_end(w);
         }

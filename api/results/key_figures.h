@@ -1,8 +1,10 @@
 /// Key figures (core/figures/figure.h) as JSON and CSV. What a run cannot say is left out.
 ///
 ///     {"throughput_per_h": 5400, "residence_s": {"mean": 2.5, "p50": ...}, ...,
-///      "feeds": [{"id": "infeed", "offered": 240, ...}], "counters": [{"id": ...}], "photo_eyes": [{"id": ...}]}
+///      "feeds": [{"id": "infeed", "offered": 240, ...}], "counters": [{"id": ...}], "photo_eyes": [{"id": ...}],
+///      "belts": [{"id": ...}]}
 ///
+/// `belts` has those that a schedule or a photo eye commands, and is left out where there is none.
 /// Ids are taken from the columns of the run's curve (core/run/columns.h), which name all of them.
 
 #pragma once

@@ -1,5 +1,7 @@
 #include "core/figures/figure.h"
 
+#include "core/scene/belt_speeds.h"
+
 #define OF(scope_, models_) .scope = FIGURE_OF_##scope_, .models = FIGURE_BY_##models_
 
 const figure figure_table[FIGURE_COUNT] = {
@@ -124,22 +126,39 @@ const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_BLOCKED_TOTAL] = { "blocked", "total_s", "s", "For how long together", OF(EYE, BOTH) },
     [FIGURE_BLOCKED_LONGEST] = { "blocked", "longest_s", "s", "For how long at most at a time",
                                  OF(EYE, BOTH) },
+    [FIGURE_STOPPED_COUNT] = { "stopped", "count", NULL,
+                               "How often the belt stood after the warm-up", OF(BELT, BOTH) },
+    [FIGURE_STOPPED_TOTAL] = { "stopped", "total_s", "s", "For how long together", OF(BELT, BOTH) },
+    [FIGURE_STOPPED_LONGEST] = { "stopped", "longest_s", "s", "For how long at most at a time",
+                                 OF(BELT, BOTH) },
 };
 
 figure_id figure_first(figure_scope scope)
 {
-    static const figure_id first[FIGURE_SCOPES + 1] = { FIGURE_THROUGHPUT, FIGURE_OFFERED,
-                                                        FIGURE_CONTENT_MEAN, FIGURE_GAP_MIN,
-                                                        FIGURE_COUNT };
+    static const figure_id first[FIGURE_SCOPES + 1] = { FIGURE_THROUGHPUT,    FIGURE_OFFERED,
+                                                        FIGURE_CONTENT_MEAN,  FIGURE_GAP_MIN,
+                                                        FIGURE_STOPPED_COUNT, FIGURE_COUNT };
 
     return first[scope];
 }
 
 size_t figure_items(const scene *s, figure_scope scope)
 {
-    const size_t n[FIGURE_SCOPES] = { 1, s->n_feeds, s->n_counters, s->n_eyes };
+    size_t n_changing = 0;
 
+    for (size_t k = 0; k < s->n_belts; k++)
+        n_changing += belt_speeds_may_change(&s->belts[k]);
+    const size_t n[FIGURE_SCOPES] = { 1, s->n_feeds, s->n_counters, s->n_eyes, n_changing };
     return n[scope];
+}
+
+size_t figure_belt(const scene *s, size_t k)
+{
+    size_t belt = 0;
+
+    while (!belt_speeds_may_change(&s->belts[belt]) || k-- > 0)
+        belt++;
+    return belt;
 }
 
 const char *figure_item_id(const scene *s, figure_scope scope, size_t item)
@@ -151,6 +170,8 @@ const char *figure_item_id(const scene *s, figure_scope scope, size_t item)
         return s->counters[item].id;
     case FIGURE_OF_EYE:
         return s->eyes[item].id;
+    case FIGURE_OF_BELT:
+        return s->belts[figure_belt(s, item)].id;
     default:
         return "";
     }

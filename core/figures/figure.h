@@ -1,8 +1,8 @@
 /// The key figures of a run: one table of their words, units and definitions, and where their values stand.
 ///
 /// A run has the values of all figures of the table as doubles in one array: those of the run, then those of its first
-/// feed, of its second feed, and so on, then of its counters, then of its photo eyes, each in the order of the
-/// table. NAN: the run cannot say; never 0 instead.
+/// feed, of its second feed, and so on, then of its counters, of its photo eyes and of its belts whose speeds change, each in
+/// the order of the table. NAN: the run cannot say; never 0 instead.
 ///
 /// Every figure but offered, admitted, discarded, entered, left, throughput_needs_s, steady_at_s and drained_at_s leaves out what was before
 /// the first sample at or after the scenario's warmup_s, the warm-up. Samples are those of the curve.
@@ -19,6 +19,7 @@ typedef enum figure_scope {
     FIGURE_OF_FEED,    ///< each feed
     FIGURE_OF_COUNTER, ///< each counter
     FIGURE_OF_EYE,     ///< each photo eye
+    FIGURE_OF_BELT,    ///< each belt that a schedule or a photo eye commands
     FIGURE_SCOPES
 } figure_scope;
 
@@ -64,6 +65,9 @@ typedef enum figure_id {
     FIGURE_BLOCKED_COUNT,
     FIGURE_BLOCKED_TOTAL,
     FIGURE_BLOCKED_LONGEST,
+    FIGURE_STOPPED_COUNT, ///< the first one of a belt
+    FIGURE_STOPPED_TOTAL,
+    FIGURE_STOPPED_LONGEST,
     FIGURE_COUNT
 } figure_id;
 
@@ -92,10 +96,13 @@ extern const figure figure_table[FIGURE_COUNT];
 /// The first figure of a scope; of FIGURE_SCOPES, FIGURE_COUNT.
 figure_id figure_first(figure_scope scope);
 
-/// What there is of a scope in a scene: 1, its feeds, counters or photo eyes.
+/// What there is of a scope in a scene: 1, its feeds, counters, photo eyes, or belts that belt_speeds_may_change().
 size_t figure_items(const scene *s, figure_scope scope);
 
-/// Id of an item of a scope: that of the feed, the counter or the photo eye; "" of the run.
+/// Which belt of the scene the k-th one of FIGURE_OF_BELT is.
+size_t figure_belt(const scene *s, size_t k);
+
+/// Id of an item of a scope: that of the feed, the counter, the photo eye or the belt; "" of the run.
 const char *figure_item_id(const scene *s, figure_scope scope, size_t item);
 
 /// Values of all figures of a scene.

@@ -60,6 +60,7 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
     f->run.drained_at = f->run.jam.first = f->run.stall.first = f->run.peak = (double)NAN;
     for (size_t k = 0; k < s->n_eyes; k++)
         f->eyes[k].last_end = (double)NAN;
+    f->n_belts = figure_items(s, FIGURE_OF_BELT);
     f->queue = queue_of(s);
     if (s->warmup <= 0.0)
         begin(f, &(figures_now){ .t = 0.0 });
@@ -290,6 +291,27 @@ void figures_eye_state(figures *f, size_t eye, double t, bool is_blocked)
     }
     e->blocked_since = t;
     e->is_blocked = is_blocked;
+}
+
+void figures_belts(figures *f, const belt_speeds *speeds, double t)
+{
+    for (size_t k = 0; k < f->n_belts; k++) {
+        belt_sums *b = &f->belts[k];
+        const size_t belt = figure_belt(f->s, k);
+        double until;
+        for (double at = b->known_until; at < t; at = until) {
+            const bool stands = belt_speeds_stands(speeds, belt, at, &until);
+            if (b->stands && !stands && f->run.is_warm) {
+                const double lasted = at - fmax(b->since, f->run.t_start);
+                b->n += 1.0;
+                b->total += lasted;
+                b->longest = fmax(b->longest, lasted);
+            }
+            b->since = b->stands && stands ? b->since : at;
+            b->stands = stands;
+        }
+        b->known_until = t;
+    }
 }
 
 void figures_stall(figures *f, double t, bool is_stopped)

@@ -14,6 +14,7 @@
 #include "core/base/status.h"
 #include "core/feed/balance.h"
 #include "core/figures/figure.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
@@ -84,6 +85,9 @@ void figures_eye_end(figures *f, size_t eye, double travel);
 
 /// The state of a photo eye becomes blocked, or clear, at t, s.
 void figures_eye_state(figures *f, size_t eye, double t, bool is_blocked);
+
+/// How the belts moved from the last call on until t, s: before a sample at t, and before a command at t.
+void figures_belts(figures *f, const belt_speeds *speeds, double t);
 
 /// A plate that was told to move is stopped by cargo, or moves again, at t, s.
 void figures_stall(figures *f, double t, bool is_stopped);

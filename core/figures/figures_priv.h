@@ -42,6 +42,16 @@ typedef struct eye_sums {
     double blocked_longest; ///< of one of them, s
 } eye_sums;
 
+/// Of a belt whose speed changes.
+typedef struct belt_sums {
+    double known_until; ///< how it moved, s
+    uint64_t stands;    ///< it stands
+    double since;       ///< while it does, s
+    double n;           ///< stops that are over
+    double total;       ///< of them together, s
+    double longest;     ///< of one of them, s
+} belt_sums;
+
 /// Of jams.
 typedef struct jam_sums {
     double since;        ///< of the last exit or empty domain, s
@@ -89,6 +99,8 @@ struct figures {
     feed_sums feeds[SCENE_FEEDS_MAX];          ///< of each feed
     counter_sums counters[SCENE_COUNTERS_MAX]; ///< of each counter
     eye_sums eyes[SCENE_EYES_MAX];             ///< of each photo eye
+    size_t n_belts;                            ///< that belt_speeds_may_change()
+    belt_sums belts[SCENE_BELTS_MAX];          ///< of each of them
     quantiles residence;                       ///< times in the domain
     quantiles ages;                            ///< has_exits: of what is inside, at the last sample
     quantiles ages_first;                      ///< same at the end of the warm-up

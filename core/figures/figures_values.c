@@ -119,6 +119,19 @@ static void fill_blocked(const figures *f, size_t k, double *ret_values)
     ret_values[figure_at(f->s, FIGURE_BLOCKED_LONGEST, k)] = fmax(e->blocked_longest, now);
 }
 
+// With the time that goes on.
+static void fill_belt(const figures *f, size_t k, double *ret_values)
+{
+    const belt_sums *b = &f->belts[k];
+
+    if (!f->run.is_warm)
+        return;
+    const double now = b->stands ? fmax(f->run.t - fmax(b->since, f->run.t_start), 0.0) : 0.0;
+    ret_values[figure_at(f->s, FIGURE_STOPPED_COUNT, k)] = b->n + (double)b->stands;
+    ret_values[figure_at(f->s, FIGURE_STOPPED_TOTAL, k)] = b->total + now;
+    ret_values[figure_at(f->s, FIGURE_STOPPED_LONGEST, k)] = fmax(b->longest, now);
+}
+
 static void fill_eye(const figures *f, size_t k, double *ret_values)
 {
     const quantiles *gaps = &f->gaps[k];
@@ -159,6 +172,8 @@ void figures_fill(const figures *f, double *ret_values)
         fill_eye(f, k, ret_values);
         fill_blocked(f, k, ret_values);
     }
+    for (size_t k = 0; k < f->n_belts; k++)
+        fill_belt(f, k, ret_values);
     for (size_t k = 0; k < n; k++)
         ret_values[k] = rounded(ret_values[k]);
 }
@@ -169,6 +184,7 @@ void figures_save(const figures *f, checkpoint_writer *w)
     checkpoint_write(w, f->counters, f->s->n_counters * sizeof *f->counters);
     checkpoint_write(w, f->feeds, f->s->n_feeds * sizeof *f->feeds);
     checkpoint_write(w, f->eyes, f->s->n_eyes * sizeof *f->eyes);
+    checkpoint_write(w, f->belts, f->n_belts * sizeof *f->belts);
     quantiles_save(&f->residence, w);
     if (f->has_exits) {
         quantiles_save(&f->ages, w);
@@ -192,6 +208,7 @@ bool figures_load(figures *f, checkpoint_reader *r)
                    checkpoint_read(r, f->counters, f->s->n_counters * sizeof *f->counters) &&
                    checkpoint_read(r, f->feeds, f->s->n_feeds * sizeof *f->feeds) &&
                    checkpoint_read(r, f->eyes, f->s->n_eyes * sizeof *f->eyes) &&
+                   checkpoint_read(r, f->belts, f->n_belts * sizeof *f->belts) &&
                    quantiles_load(&f->residence, r) && f->run.batches.n < STEADY_BATCHES_MAX;
 
     if (is_good && f->has_exits)

@@ -28,6 +28,7 @@
 #include "core/base/grid.h"
 #include "core/base/status.h"
 #include "core/macro/velocity_field.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
@@ -116,6 +117,9 @@ const macro_exit *macro_exits(const macro_solver *s, size_t *ret_n);
 
 /// True if what is in a cell falls.
 bool macro_is_off(const macro_solver *s, size_t cell);
+
+/// How the belts of the definition move; valid as long as the solver.
+const belt_speeds *macro_belt_speeds(const macro_solver *s);
 
 /// The factor on the velocities over a belt of the definition in the step that begins now; 1 off every belt.
 double macro_belt_factor(const macro_solver *s, size_t belt);

@@ -161,6 +161,11 @@ bool macro_is_off(const macro_solver *s, size_t cell)
     return s->off != NULL && s->off[cell] != 0;
 }
 
+const belt_speeds *macro_belt_speeds(const macro_solver *s)
+{
+    return &s->speeds;
+}
+
 double macro_belt_factor(const macro_solver *s, size_t belt)
 {
     return belt < s->speeds.n_belts

@@ -494,6 +494,11 @@ void micro_command_belt(micro_solver *s, size_t belt, double factor)
     belt_speeds_command(&s->state->speeds, belt, time_now(s), factor);
 }
 
+const belt_speeds *micro_belt_speeds(const micro_solver *s)
+{
+    return &s->state->speeds;
+}
+
 vec2 micro_belt_velocity(const micro_solver *s, vec2 at)
 {
     const surroundings *around = &s->state->around;

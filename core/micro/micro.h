@@ -29,6 +29,7 @@
 
 #include "core/base/buffer.h"
 #include "core/base/status.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/plate_drive.h"
 #include "core/scene/scene.h"
 
@@ -206,8 +207,8 @@ size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, s
 BF_MUST_CHECK bf_status micro_is_free(micro_solver *s, uint32_t kind, scene_pose pose,
                                       bool *ret_is_free, bf_error *err);
 
-/// Let a belt of the definition that actions may command head for a factor from now on (belt_speeds.h). Saved with the
-/// state.
+/// How the belts move; valid as long as the solver. Let one that actions may command head for a factor from now on.
+const belt_speeds *micro_belt_speeds(const micro_solver *s);
 void micro_command_belt(micro_solver *s, size_t belt, double factor);
 
 /// Velocity of the belt under a place now, m/s; zero off every belt.

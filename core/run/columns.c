@@ -1,5 +1,7 @@
 #include "core/run/columns.h"
 
+#include "core/figures/figure.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -20,7 +22,8 @@ static size_t count_before_feeds(const scene *s)
 
 size_t columns_count(const scene *s)
 {
-    return count_before_feeds(s) + COLUMNS_OF_FEED * s->n_feeds + s->n_eyes;
+    return count_before_feeds(s) + COLUMNS_OF_FEED * s->n_feeds + s->n_eyes +
+           figure_items(s, FIGURE_OF_BELT);
 }
 
 void columns_name(const scene *s, size_t k, char *ret_name)
@@ -38,8 +41,11 @@ void columns_name(const scene *s, size_t k, char *ret_name)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.%s",
                  s->feeds[(k - n_before_feeds) / COLUMNS_OF_FEED].id,
                  of_feed[(k - n_before_feeds) % COLUMNS_OF_FEED].word);
-    else
+    else if (k < n_before_eyes + s->n_eyes)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.blocked", s->eyes[k - n_before_eyes].id);
+    else
+        snprintf(ret_name, COLUMN_NAME_SIZE, "%s.speed_m_s",
+                 figure_item_id(s, FIGURE_OF_BELT, k - n_before_eyes - s->n_eyes));
 }
 
 void columns_put_feed(const feed_balance *balance, double *ret_values)

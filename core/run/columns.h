@@ -5,6 +5,7 @@
 ///     fallen                            parts that fell off the belts since t = 0; where scene.may_drop
 ///     <feed>.offered, .admitted, .waiting, .discarded    of each feed, see feed_balance
 ///     <photo eye>.blocked               of each photo eye: 1 or 0
+///     <belt>.speed_m_s                  of each belt that a schedule or a photo eye commands, along its direction
 ///
 /// Names are unique: columns_check().
 

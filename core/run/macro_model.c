@@ -285,6 +285,13 @@ static double density_of_cell(const void *context, size_t cell)
     return macro_row(run->solver, cell / run->grid.n1)[cell % run->grid.n1];
 }
 
+static const belt_speeds *belt_speeds_of(const void *solver)
+{
+    const macro_run *run = solver;
+
+    return macro_belt_speeds(run->solver);
+}
+
 static double factor_of_belt(const void *context, size_t belt)
 {
     const macro_run *run = context;
@@ -553,6 +560,7 @@ const run_backend run__macro = {
     .measure = measure_run,
     .fallen_in = fallen_in,
     .snapshot = take_snapshot,
+    .belt_speeds = belt_speeds_of,
     .plate_motion = plate_motion_of,
     .save = save_run,
     .load = load_run,

@@ -9,7 +9,6 @@
 #include "core/run/micro_feeds.h"
 #include "core/run/micro_press.h"
 #include "core/run/run_priv.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
 #include "core/scene/mix.h"
@@ -400,6 +399,13 @@ static bf_status depart(void *solver, run_departures *ret_departures, bf_error *
     return micro_feeds_depart(&run->feeds, ret_departures, err);
 }
 
+static const belt_speeds *belt_speeds_of(const void *solver)
+{
+    const micro_run *run = solver;
+
+    return micro_belt_speeds(run->solver);
+}
+
 static const plate_motion *plate_motion_of(const void *solver)
 {
     const micro_run *run = solver;
@@ -560,6 +566,7 @@ const run_backend run__micro = {
     .snapshot = take_snapshot,
     .parts = copy_parts,
     .fill_end = fill_end,
+    .belt_speeds = belt_speeds_of,
     .plate_motion = plate_motion_of,
     .save = save_run,
     .load = load_run,

@@ -348,6 +348,11 @@ static void fill_columns(run *r, const run_load *load, double *values)
     }
     for (size_t k = 0; k < s->n_eyes; k++)
         *values++ = r->control.eyes.states[k].is_blocked;
+    for (size_t k = 0; k < figure_items(s, FIGURE_OF_BELT); k++) {
+        const size_t belt = figure_belt(s, k);
+        *values++ = vec2_length(s->belts[belt].velocity) *
+                    belt_speeds_at(r->backend->belt_speeds(r->solver), belt, time_now(r));
+    }
 }
 
 static double fallen_in_first(const run *r)
@@ -453,6 +458,7 @@ static bool is_over(const run *r)
 // Takes what is due at the present step.
 static bf_status take_results(run *r, const run_sink *sink, bf_error *err)
 {
+    figures_belts(r->figures, r->backend->belt_speeds(r->solver), time_now(r));
     bf_status status = make_tick(r, sink, err);
 
     if (status == BF_OK && (r->step >= r->samples.step || is_over(r)))

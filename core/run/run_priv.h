@@ -11,6 +11,7 @@
 #include "core/micro/micro.h"
 #include "core/run/frame.h"
 #include "core/run/passages.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/placement.h"
 #include "core/scene/plate_drive.h"
 #include "core/scene/scene.h"
@@ -107,6 +108,8 @@ typedef struct run_backend {
     void (*tell_exits)(const void *solver, figures *to);
     /// What a photo eye sees. BF_ENOMEM.
     bf_status (*look)(void *solver, size_t eye, run_view *ret_view, bf_error *err);
+    /// How the belts move; those of the scene where any speed changes.
+    const belt_speeds *(*belt_speeds)(const void *solver);
     /// How the obstacles move; NULL: none does.
     const plate_motion *(*plate_motion)(const void *solver);
     /// Give the target of an action its value.

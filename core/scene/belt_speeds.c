@@ -104,13 +104,17 @@ bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r)
     return true;
 }
 
+bool belt_speeds_may_change(const scene_belt *belt)
+{
+    return belt->speed_schedule.n_times > 0 || belt->is_commanded;
+}
+
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts)
 {
     bool are_constant = true;
 
     for (size_t k = 0; k < n_belts; k++)
-        are_constant =
-            are_constant && belts[k].speed_schedule.n_times == 0 && !belts[k].is_commanded;
+        are_constant = are_constant && !belt_speeds_may_change(&belts[k]);
     return are_constant;
 }
 
@@ -170,6 +174,16 @@ double belt_speeds_at(const belt_speeds *speeds, size_t belt, double t)
     const belt_speeds_curve *c = &speeds->curves[belt];
 
     return value_after(c, find_knot(c, t), t);
+}
+
+bool belt_speeds_stands(const belt_speeds *speeds, size_t belt, double t, double *ret_until)
+{
+    const belt_speeds_curve *c = &speeds->curves[belt];
+    const size_t k = find_knot(c, t);
+    const bool is_last = k + 1 == c->n;
+
+    *ret_until = is_last ? INFINITY : c->knots[k + 1].t;
+    return c->knots[k].factor == 0.0 && (is_last || c->knots[k + 1].factor == 0.0);
 }
 
 double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, double to)

@@ -61,6 +61,9 @@ void belt_speeds_fini(belt_speeds *speeds);
 /// f of a belt at a time t >= 0, s.
 double belt_speeds_at(const belt_speeds *speeds, size_t belt, double t);
 
+/// Whether a belt stands from a time t >= 0 on, s, and until when at least: the next knot of its f.
+bool belt_speeds_stands(const belt_speeds *speeds, size_t belt, double t, double *ret_until);
+
 /// The mean of f of a belt over [from, to], s, 0 <= from < to; the same bits as f where that is constant.
 double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, double to);
 
@@ -76,6 +79,9 @@ void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double fact
 /// belts into speeds without commands. False: it is damaged, and *speeds undefined.
 void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w);
 BF_MUST_CHECK bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r);
+
+/// True if a belt has a speed schedule or can be commanded.
+bool belt_speeds_may_change(const scene_belt *belt);
 
 /// True if no belt has a speed schedule or can be commanded: every f is 1 at all times.
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts);

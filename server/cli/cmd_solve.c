@@ -11,6 +11,7 @@
 #include "server/run/run_control.h"
 
 #include <argp.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -145,6 +146,20 @@ static void print_work(const solving *s)
                1000.0 * s->end.largest_overlap, 100.0 * s->end.overlap_share);
 }
 
+// How often commanded belts stood.
+static void print_stops(const solving *s)
+{
+    const double *values = (const double *)(const void *)s->figures.bytes;
+
+    for (size_t k = 0; k < figure_items(&s->scene, FIGURE_OF_BELT); k++) {
+        const double *stopped = &values[figure_at(&s->scene, FIGURE_STOPPED_COUNT, k)];
+        if (!isnan(stopped[0]))
+            printf("  stops        of '%s': %.0f, %.6g s in all, %.6g s at most\n",
+                   figure_item_id(&s->scene, FIGURE_OF_BELT, k), stopped[0], stopped[1],
+                   stopped[2]);
+    }
+}
+
 static void print_result(const solving *s)
 {
     const frame_end *e = &s->end;
@@ -162,6 +177,7 @@ static void print_result(const solving *s)
                s->first_count, (int)n_id, s->columns.bytes, e->parts_end, e->parts_start);
     if (s->scene.may_drop)
         printf("  fallen       %.3f parts fell off the belts\n", e->parts_fallen);
+    print_stops(s);
     print_work(s);
     printf("  results      %s (%llu samples, %llu snapshots)\n", s->arguments->out,
            (unsigned long long)e->n_samples, (unsigned long long)e->n_snapshots);

@@ -1,4 +1,4 @@
-// The panel of key figures: those of the run, then of each feed, counter and photo eye. Their names follow
+// The panel of key figures: those of the run, then of each feed, counter, photo eye and commanded belt. Their names follow
 // from their members, their units and definitions from the API's description.
 
 import { getJson } from "./api.js";
@@ -15,7 +15,8 @@ function schemas() {
   return description;
 }
 
-const groups = { feeds: ["Feed", "FeedFigures"], counters: ["Counter", "CounterFigures"], photo_eyes: ["Photo eye", "PhotoEyeFigures"] };
+const groups = { feeds: ["Feed", "FeedFigures"], counters: ["Counter", "CounterFigures"], photo_eyes: ["Photo eye", "PhotoEyeFigures"],
+  belts: ["Belt", "BeltFigures"] };
 
 const HALF_A_PART = 0.5; // less has not left, though the macroscopic model lets some of its tail pass
 

@@ -84,7 +84,7 @@ static void what_is_not_known_is_absent(void **state)
     begin(&x, 10.0, true);
     sample(&x, 0.0, 3.0, 0.0);
     figures_fill(x.f, x.values);
-    for (figure_id id = 0; id < FIGURE_COUNT; id++)
+    for (figure_id id = 0; id < FIGURE_STOPPED_COUNT; id++)
         assert_true(isnan(x.values[figure_at(&x.s, id, 0)]) ==
                     (id != FIGURE_OFFERED && id != FIGURE_ADMITTED && id != FIGURE_DISCARDED &&
                      id != FIGURE_ENTERED && id != FIGURE_LEFT));
@@ -652,6 +652,44 @@ static void a_checkpoint_goes_on_with_the_same_bits_in_both_models(void **state)
     }
 }
 
+// The belt stands from 2 to 3 s, from 5 to 7 s and from 9 s on; the warm-up ends at 6 s. The second run is saved in the
+// second stop.
+static void stops_of_a_commanded_belt_are_those_of_its_curve(void **state)
+{
+    static double times[] = { 2.0, 3.0, 5.0, 7.0, 9.0 }, factors[] = { 0.0, 1.0, 0.0, 1.0, 0.0 };
+    (void)state;
+    for (int is_saved = 0; is_saved < 2; is_saved++) {
+        fixture x, other;
+        belt_speeds speeds;
+        begin_with(&x, 6.0, true, 0);
+        begin_with(&other, 6.0, true, 0);
+        assert_int_equal(figure_items(&x.s, FIGURE_OF_BELT), 0);
+        figures_destroy(x.f);
+        figures_destroy(other.f);
+        helper_scene_schedule(&x.s.belts[0], 5, times, factors);
+        helper_scene_schedule(&other.s.belts[0], 5, times, factors);
+        assert_int_equal(figures_create(&x.s, true, &x.f, NULL), BF_OK);
+        assert_int_equal(figures_create(&other.s, true, &other.f, NULL), BF_OK);
+        assert_int_equal(belt_speeds_init(&speeds, x.s.n_belts, x.s.belts, NULL), BF_OK);
+        assert_string_equal(figure_item_id(&x.s, FIGURE_OF_BELT, 0), x.s.belts[0].id);
+        for (int t = 0; t <= 12; t++) {
+            fixture *of = is_saved && t > 6 ? &other : &x;
+            figures_belts(of->f, &speeds, t > 0 ? t - 0.3 : 0.0);
+            figures_belts(of->f, &speeds, t);
+            sample(of, t, 0.0, 0.0);
+            if (t == 6 && is_saved)
+                take_over(&x, &other);
+        }
+        fixture *last = is_saved ? &other : &x;
+        assert_true(value(last, FIGURE_STOPPED_COUNT, 0) == 2.0);
+        assert_true(value(last, FIGURE_STOPPED_TOTAL, 0) == 4.0);
+        assert_true(value(last, FIGURE_STOPPED_LONGEST, 0) == 3.0);
+        belt_speeds_fini(&speeds);
+        end(&x);
+        end(&other);
+    }
+}
+
 static void the_values_of_items_follow_each_other(void **state)
 {
     (void)state;
@@ -736,6 +774,7 @@ int main(void)
         cmocka_unit_test(an_eye_sees_gaps_and_doubles),
         cmocka_unit_test(a_chain_of_parts_is_all_doubles),
         cmocka_unit_test(a_checkpoint_goes_on_with_the_same_bits_in_both_models),
+        cmocka_unit_test(stops_of_a_commanded_belt_are_those_of_its_curve),
         cmocka_unit_test(the_values_of_items_follow_each_other),
         cmocka_unit_test(the_table_is_sorted_by_scope_and_word),
         cmocka_unit_test(every_failed_allocation_is_reported),

@@ -11,6 +11,9 @@
 
 static scene_counter counters[] = { { .id = "up" }, { .id = "b.blocked" } };
 static scene_feed feeds[] = { { .id = "west" }, { .id = "north" } };
+static scene_belt belts[] = { { .id = "still" },
+                              { .id = "infeed", .is_commanded = true },
+                              { .id = "ramp", .speed_schedule = { .n_times = 1 } } };
 static scene_photo_eye eyes[] = { { .id = "a" }, { .id = "b" } };
 
 static void columns_stand_in_the_order_of_the_table(void **state)
@@ -20,7 +23,9 @@ static void columns_stand_in_the_order_of_the_table(void **state)
                       .n_feeds = 2,
                       .feeds = feeds,
                       .n_eyes = 2,
-                      .eyes = eyes };
+                      .eyes = eyes,
+                      .n_belts = 3,
+                      .belts = belts };
     static const char *const expected[] = {
         "up",
         "left_domain",
@@ -34,6 +39,8 @@ static void columns_stand_in_the_order_of_the_table(void **state)
         "north.discarded",
         "a.blocked",
         "b.blocked",
+        "infeed.speed_m_s",
+        "ramp.speed_m_s",
     };
     char name[COLUMN_NAME_SIZE];
 

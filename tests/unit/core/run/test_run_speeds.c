@@ -1,6 +1,8 @@
 // Runs of both models on belts whose speed changes: what they report, and that a stop in a ramp changes nothing.
 
 #include "core/run/run.h"
+
+#include "core/figures/figure.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
@@ -82,6 +84,28 @@ static void a_run_stopped_in_a_ramp_resumes_to_the_same_results(void **state)
     }
 }
 
+// From 0.0395 m/s at 0.11 s the belt has 0.3995 m/s at 0.17 s, and stands 0.0799 s later, until 0.26 s.
+static void speeds_and_stops_of_a_belt_are_told(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        helper_run_log *log = new_log(k);
+        scene s;
+        make_jam(&s, k);
+        assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
+        const double *stopped = &log->figures[figure_at(&s, FIGURE_STOPPED_COUNT, 0)];
+        const uint32_t speed = log->begin.n_columns - 1;
+        assert_true(stopped[0] == 1.0);
+        assert_near(stopped[1], 0.0101, 1e-12);
+        assert_near(stopped[2], 0.0101, 1e-12);
+        assert_near(log->values[0][speed], 0.395, 1e-15);
+        assert_near(helper_run_at(log, 0.11)[speed], 0.0395, 1e-15);
+        assert_true(helper_run_at(log, 0.25)[speed] == 0.0);
+        scene_fini(&s);
+        helper_run_free(log);
+    }
+}
+
 static void a_checkpoint_fits_no_other_schedule(void **state)
 {
     (void)state;
@@ -128,6 +152,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_stopped_in_a_ramp_resumes_to_the_same_results),
+        cmocka_unit_test(speeds_and_stops_of_a_belt_are_told),
         cmocka_unit_test(a_checkpoint_fits_no_other_schedule),
         cmocka_unit_test(while_a_belt_stands_the_curve_does_not_move),
     };

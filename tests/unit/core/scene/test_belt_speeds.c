@@ -321,6 +321,29 @@ static void a_command_ramps_and_replaces_the_schedule(void **state)
     belt_speeds_fini(&speeds);
 }
 
+// Stops from 0 to 1 s, and from 3.5 s, 1/s after the second time, to 5 s; 0 is but touched at 6 s.
+static void a_belt_stands_between_knots_without_speed(void **state)
+{
+    static double times[] = { 0.0, 1.0, 2.5, 5.0, 6.0, 7.0 };
+    static double factors[] = { 0.0, 1.0, 0.0, 1.0, 0.0, 1.0 };
+    const scene_belt belt = belt_with(INFINITY, 0.5, 6, times, factors);
+    const struct {
+        double t, until;
+        bool stands;
+    } expected[] = { { 0.0, 1.0, true },  { 0.5, 1.0, true },      { 1.0, 2.5, false },
+                     { 2.5, 3.5, false }, { 3.5, 5.0, true },      { 5.0, 6.0, false },
+                     { 6.0, 7.0, false }, { 7.0, INFINITY, false } };
+    belt_speeds speeds = speeds_of(&belt);
+
+    (void)state;
+    for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
+        double until = NAN;
+        assert_int_equal(belt_speeds_stands(&speeds, 0, expected[k].t, &until), expected[k].stands);
+        assert_true(until == expected[k].until);
+    }
+    belt_speeds_fini(&speeds);
+}
+
 static void saved_commands_come_back_with_the_same_bits(void **state)
 {
     const scene_belt belts[] = { belt_with(INFINITY, INFINITY, 0, NULL, NULL), commanded_belt(),
@@ -366,6 +389,7 @@ int main(void)
         cmocka_unit_test(times_rise_and_factors_are_not_negative),
         cmocka_unit_test(there_is_a_factor_for_each_time_and_not_too_many),
         cmocka_unit_test(a_command_ramps_and_replaces_the_schedule),
+        cmocka_unit_test(a_belt_stands_between_knots_without_speed),
         cmocka_unit_test(saved_commands_come_back_with_the_same_bits),
     };
 
