@@ -13,6 +13,9 @@ static const double whole_feed = 0.99;
 // Parts that find the place taken by one that is just entering wait, too: fewer than both are no limit.
 static const double waiting_least = 3.0, waiting_of_offered = 0.02;
 
+// Of what is missing behind the line, the least that an inlet must keep out to be the reason.
+static const double kept_out_least = 0.5;
+
 // Of the length of belt that a queue can take: the last part of it stands up to a diameter before the line.
 static const double queue_at_line = 0.85;
 
@@ -89,6 +92,36 @@ static void say_rate(verdict *v, const run_verdict_subject *of)
     verdict_rests_on(v, "throughput_error_per_h", "", error);
 }
 
+static void say_missing(const run_verdict_subject *of, double offered_per_h, double waiting,
+                        verdicts *all)
+{
+    const scene *s = of->scene;
+    const double stay = value_of(of, FIGURE_RESIDENCE_MEAN, 0);
+    const bool is_filling = s->warmup < stay;
+    char number[VERDICT_NUMBER_SIZE];
+
+    verdict *v = verdict_add(all, is_filling ? "belt_fills" : "queue_grows");
+    verdict_say(v, "Through get ");
+    say_rate(v, of);
+    verdict_say(v, " of %s offered, and ", verdict_number(offered_per_h, (double)NAN, number));
+    if (waiting >= waiting_least)
+        verdict_say(v, "%.0f parts wait at the inlet: ", waiting);
+    else
+        verdict_say(v, "nothing waits at the inlet: ");
+    verdict_rests_on(v, "offered_per_h", "", offered_per_h);
+    verdict_rests_on(v, "residence_s.mean", "", stay);
+    verdict_rests_on(v, "warmup_s", "", s->warmup);
+    if (is_filling) {
+        verdict_say(v, "the belt was still filling while this was counted.");
+        verdict_advise(v, "Let warmup_s be at least %s, twice as long as parts stay.",
+                       verdict_number(2.0 * stay, (double)NAN, number));
+    } else {
+        verdict_say(v, "the rest stays on the belt, so the run is too short to say what the line "
+                       "takes.");
+        verdict_advise(v, "Simulate until the queue comes up to the inlet, or offer less.");
+    }
+}
+
 static bf_status say_limited(const run_verdict_subject *of, size_t k, double offered_per_h,
                              verdicts *all, bf_error *err)
 {
@@ -106,6 +139,12 @@ static bf_status say_limited(const run_verdict_subject *of, size_t k, double off
     const bool is_measured = isfinite(queue) && s->n_belts == 1;
     const bool is_queue =
         s->n_obstacles > 0 && (is_measured ? queue >= queue_at_line * room : !is_over);
+    const double missing =
+        (offered_per_h - value_of(of, FIGURE_THROUGHPUT, 0)) / s_per_h * (of->end->t - s->warmup);
+    if (!is_queue && kept_out(of, k) < kept_out_least * missing) {
+        say_missing(of, offered_per_h, kept_out(of, k), all);
+        return BF_OK;
+    }
     verdict *v = verdict_add(all, is_queue ? "queue_at_inlet" : "inlet_limit");
     if (is_queue)
         verdict_say(v,
@@ -132,32 +171,6 @@ static bf_status say_limited(const run_verdict_subject *of, size_t k, double off
     return BF_OK;
 }
 
-static void say_missing(const run_verdict_subject *of, double offered_per_h, verdicts *all)
-{
-    const scene *s = of->scene;
-    const double stay = value_of(of, FIGURE_RESIDENCE_MEAN, 0);
-    const bool is_filling = s->warmup < stay;
-    char number[VERDICT_NUMBER_SIZE];
-
-    verdict *v = verdict_add(all, is_filling ? "belt_fills" : "queue_grows");
-    verdict_say(v, "Through get ");
-    say_rate(v, of);
-    verdict_say(v, " of %s offered, and nothing waits at the inlet: ",
-                verdict_number(offered_per_h, (double)NAN, number));
-    verdict_rests_on(v, "offered_per_h", "", offered_per_h);
-    verdict_rests_on(v, "residence_s.mean", "", stay);
-    verdict_rests_on(v, "warmup_s", "", s->warmup);
-    if (is_filling) {
-        verdict_say(v, "the belt was still filling while this was counted.");
-        verdict_advise(v, "Let warmup_s be at least %s, twice as long as parts stay.",
-                       verdict_number(2.0 * stay, (double)NAN, number));
-    } else {
-        verdict_say(v, "the rest stays on the belt, so the run is too short to say what the line "
-                       "takes.");
-        verdict_advise(v, "Simulate until the queue comes up to the inlet, or offer less.");
-    }
-}
-
 static bf_status say_fed(const run_verdict_subject *of, verdicts *all, bf_error *err)
 {
     const scene *s = of->scene;
@@ -182,7 +195,7 @@ static bf_status say_fed(const run_verdict_subject *of, verdicts *all, bf_error 
         verdict_say(v, " of %s offered.", verdict_number(offered, (double)NAN, number));
         verdict_rests_on(v, "offered_per_h", "", offered);
     } else if (isfinite(offered)) {
-        say_missing(of, offered, all);
+        say_missing(of, offered, 0.0, all);
     } else {
         verdict *v = verdict_add(all, "throughput");
         say_rate(v, of);

@@ -125,6 +125,11 @@ static void parts_that_wait_are_held_by_the_queue_or_by_the_inlet(void **unused)
     assert_non_null(strstr(v->text, "80 of 200 parts have not entered"));
     assert_non_null(strstr(v->text, v->advice));
     assert_string_equal(v->figures[2].of, "infeed");
+    // 40 parts are missing behind the line, of which 6 wait before it: the others are on the belt.
+    set(t, FIGURE_QUEUE_END, 0.1);
+    set(t, FIGURE_THROUGHPUT, 7200.0 - 40.0 * 3600.0 / (t->end.t - t->scene.warmup));
+    set(t, FIGURE_ADMITTED, 194.0);
+    assert_non_null(strstr(say(t, "queue_grows")->text, "6 parts wait at the inlet"));
     set(t, FIGURE_ADMITTED, 198.0); // two parts find the place taken by others
     (void)say(t, "queue_grows");
     finish(t);
