@@ -127,7 +127,7 @@ typedef struct api_services {
     /// the disk beyond a short read. NULL instead of a function: there are no tokens.
     api_credential (*identify)(void *context, const char *token, api_identity *ret_who);
     /// The same of a token that was valid, by its number.
-    api_credential (*recall)(void *context, uint64_t token, api_identity *ret_who);
+    api_credential (*identify_by_id)(void *context, uint64_t token, api_identity *ret_who);
     /// Make a ticket that stands for a token; and read one, which leaves open whether its token still counts.
     void (*make_ticket)(void *context, uint64_t token, api_ticket *ret_ticket);
     api_credential (*read_ticket)(void *context, const char *ticket, uint64_t *ret_token);

@@ -37,8 +37,9 @@ static api_credential identify_ticket(exchange *x, const char *ticket)
     uint64_t token = 0;
 
     api_credential credential = services->read_ticket(services->context, ticket, &token);
-    return credential == API_CREDENTIAL_VALID ? services->recall(services->context, token, &x->who)
-                                              : credential;
+    return credential == API_CREDENTIAL_VALID
+               ? services->identify_by_id(services->context, token, &x->who)
+               : credential;
 }
 
 // A request that waited for a run is still its sender's when its ticket has expired meanwhile.
@@ -47,7 +48,7 @@ static api_credential identify(exchange *x, const char *ticket)
     const api_services *services = x->services;
 
     if (x->request->token != 0)
-        return services->recall(services->context, x->request->token, &x->who);
+        return services->identify_by_id(services->context, x->request->token, &x->who);
     api_credential credential = services->identify(services->context, find_token(x), &x->who);
     return credential == API_CREDENTIAL_MISSING && ticket != NULL ? identify_ticket(x, ticket)
                                                                   : credential;

@@ -36,7 +36,7 @@ api_cost api_request_cost(const api_request *request)
 }
 
 // A long poll and what else a query may ask for is not looked at.
-bool api_request_is_at_hand(const api_services *services, const api_request *request)
+bool api_request_is_cached(const api_services *services, const api_request *request)
 {
     route_params params;
     const route *found =

@@ -87,7 +87,7 @@ typedef struct api_response {
 api_cost api_request_cost(const api_request *request);
 
 /// True if this request would not wait for the disk now, although requests like it do: its run is in memory.
-bool api_request_is_at_hand(const api_services *services, const api_request *request);
+bool api_request_is_cached(const api_services *services, const api_request *request);
 
 /// What becomes of a request's body.
 typedef enum api_body {

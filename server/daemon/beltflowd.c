@@ -347,7 +347,7 @@ static const char *describe(const parts *p, char *storage)
 }
 
 // The line that scripts wait for, and the word that a service manager waits for.
-static void announce(const parts *p)
+static void log_started(const parts *p)
 {
     const config *c = &p->settings;
     int n_host = (int)(strrchr(c->listen, ':') - c->listen);
@@ -412,7 +412,7 @@ static void reload(parts *p)
 }
 
 // Every part is probed each time, even if another one has failed.
-static void beat(const parts *p)
+static void report_liveness(const parts *p)
 {
     bool has_store = store_is_alive(p->service.store);
     bool has_supervisor = supervisor_is_alive(p->service.supervisor);
@@ -423,7 +423,7 @@ static void beat(const parts *p)
     if (has_store && has_supervisor && has_studies && has_http)
         notify_alive("%s", describe(p, text));
     else
-        log_event(LOG_LEVEL_ERROR, "part_hangs", "store=%s supervisor=%s studies=%s http=%s",
+        log_event(LOG_LEVEL_ERROR, "subsystem_stalled", "store=%s supervisor=%s studies=%s http=%s",
                   has_store ? "alive" : "hangs", has_supervisor ? "alive" : "hangs",
                   has_studies ? "alive" : "hangs", has_http ? "alive" : "hangs");
 }
@@ -444,15 +444,16 @@ static int await_signal(const sigset_t *signals, int64_t until_ms)
 }
 
 // Returns the signal that ended it.
-static int attend(parts *p, const sigset_t *signals)
+static int run_until_signal(parts *p, const sigset_t *signals)
 {
     int64_t interval_ms = notify_watchdog_ms() / 2;
-    int64_t beat_ms = interval_ms == 0 ? -1 : clock_monotonic_ms() + interval_ms;
+    int64_t report_ms = interval_ms == 0 ? -1 : clock_monotonic_ms() + interval_ms;
     int64_t save_ms = clock_monotonic_ms() + SAVE_MS;
     bool has_noted = false;
 
     for (;;) {
-        int taken = await_signal(signals, beat_ms >= 0 && beat_ms < save_ms ? beat_ms : save_ms);
+        int taken =
+            await_signal(signals, report_ms >= 0 && report_ms < save_ms ? report_ms : save_ms);
         if (taken == SIGTERM || taken == SIGINT)
             return taken;
         if (taken == SIGHUP)
@@ -462,10 +463,10 @@ static int attend(parts *p, const sigset_t *signals)
             admission_note(p->service.store, p->service.tokens, &has_noted);
             save_ms = clock_monotonic_ms() + SAVE_MS;
         }
-        if (beat_ms < 0 || clock_monotonic_ms() < beat_ms)
+        if (report_ms < 0 || clock_monotonic_ms() < report_ms)
             continue;
-        beat(p);
-        beat_ms = clock_monotonic_ms() + interval_ms;
+        report_liveness(p);
+        report_ms = clock_monotonic_ms() + interval_ms;
     }
 }
 
@@ -475,8 +476,8 @@ static bf_status serve(parts *p, const sigset_t *signals, bf_error *err)
     service_init(&p->service);
     bf_status status = start(p, err);
     if (status == BF_OK) {
-        announce(p);
-        int taken = attend(p, signals);
+        log_started(p);
+        int taken = run_until_signal(p, signals);
         admission_note(p->service.store, p->service.tokens, &(bool){ false });
         log_event(LOG_LEVEL_INFO, "stopping", "signal=%d", taken);
         notify_stopping("handing back what is being solved");

@@ -26,9 +26,9 @@ static api_credential identify(void *context, const char *token, api_identity *r
     return tokens_identify(((service *)context)->tokens, token, ret_who);
 }
 
-static api_credential recall(void *context, uint64_t token, api_identity *ret_who)
+static api_credential identify_by_id(void *context, uint64_t token, api_identity *ret_who)
 {
-    return tokens_recall(((service *)context)->tokens, token, ret_who);
+    return tokens_identify_by_id(((service *)context)->tokens, token, ret_who);
 }
 
 static void make_ticket(void *context, uint64_t token, api_ticket *ret_ticket)
@@ -73,10 +73,10 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     const uint64_t n_commits = store_count_commits(s->store);
     bf_status status = BF_OK;
 
-    if (!found_runs_look(&s->found, id, n_commits, ret_run)) {
+    if (!run_cache_look(&s->found, id, n_commits, ret_run)) {
         status = store_find(s->store, id, ret_run, err);
         if (status == BF_OK)
-            found_runs_remember(&s->found, n_commits, ret_run);
+            run_cache_remember(&s->found, n_commits, ret_run);
     }
     if (status == BF_OK)
         add_prediction(s, ret_run);
@@ -87,7 +87,7 @@ static bool holds(void *context, const char *id)
 {
     service *s = context;
 
-    return found_runs_look(&s->found, id, store_count_commits(s->store), NULL);
+    return run_cache_look(&s->found, id, store_count_commits(s->store), NULL);
 }
 
 static bf_status list(void *context, const api_list_query *query, api_run_list *ret_list,
@@ -370,7 +370,7 @@ api_services service_table(service *s)
 {
     return (api_services){ .context = s,
                            .identify = identify,
-                           .recall = recall,
+                           .identify_by_id = identify_by_id,
                            .make_ticket = make_ticket,
                            .read_ticket = read_ticket,
                            .submit = submit,
@@ -418,12 +418,12 @@ void service_init(service *s)
 {
     lock_init(&s->lock);
     lock_condition_init(&s->committed);
-    found_runs_init(&s->found);
+    run_cache_init(&s->found);
 }
 
 void service_fini(service *s)
 {
-    found_runs_fini(&s->found);
+    run_cache_fini(&s->found);
     lock_condition_fini(&s->committed);
     lock_fini(&s->lock);
 }

@@ -6,7 +6,7 @@
 
 #include "api/services.h"
 #include "server/base/lock.h"
-#include "server/daemon/found_runs.h"
+#include "server/daemon/run_cache.h"
 #include "server/run/predictor.h"
 #include "server/run/supervisor.h"
 #include "server/store/store.h"
@@ -25,7 +25,7 @@ typedef struct service {
     supervisor *supervisor;   ///< running
     studies *studies;         ///< at work
     predictor *predictor;     ///< running
-    found_runs found;         ///< runs that were found lately
+    run_cache found;          ///< runs that were found lately
     tokens *tokens;           ///< open
     const api_leases *leases; ///< NULL: this machine solves runs
     tickets tickets;          ///< drawn

@@ -276,13 +276,13 @@ static void drain_lingering(http *h, int64_t now_ms)
 // One look at everything; returns when the next one is due, or -1.
 static int64_t look(http *h, int64_t now_ms)
 {
-    bool looks_for_disconnected = now_ms >= h->looked_ms + WATCH_DISCONNECTED_MS;
+    bool looks_for_disconnected = now_ms >= h->polled_ms + WATCH_DISCONNECTED_MS;
 
     lock_assert_held(&h->lock);
     cut_off_late(h, now_ms);
     make_room(h, now_ms);
     if (looks_for_disconnected) {
-        h->looked_ms = now_ms;
+        h->polled_ms = now_ms;
         cut_off_disconnected(h);
     }
     drain_lingering(h, now_ms);

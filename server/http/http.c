@@ -224,7 +224,7 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
     h->listen_fd = -1;
     h->web_fd = -1;
     lock_init(&h->lock);
-    http_lengths_init(&h->lengths);
+    http_content_lengths_init(&h->lengths);
     lock_condition_init(&h->changed);
     bf_status status = open_web(h, options->web_directory, err);
     if (status == BF_OK)
@@ -305,7 +305,7 @@ http *http_stop(http *h)
     memory_free(h->cors_origins);
     memory_free(h->host_names);
     memory_free(h->listened);
-    http_lengths_fini(&h->lengths);
+    http_content_lengths_fini(&h->lengths);
     lock_condition_fini(&h->changed);
     lock_fini(&h->lock);
     memory_free(h);

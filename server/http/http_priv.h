@@ -20,9 +20,9 @@
 #include "server/base/lock.h"
 #include "server/base/metrics.h"
 #include "server/http/client.h"
+#include "server/http/content_lengths.h"
 #include "server/http/framing.h"
 #include "server/http/http.h"
-#include "server/http/lengths.h"
 #include "server/http/limit.h"
 #include "server/http/listen.h"
 #include "server/http/page.h"
@@ -129,7 +129,7 @@ struct http {
     _Atomic int64_t warned_ms;         ///< when a proxy was last warned of, clock_monotonic_ms()
     http_proxies proxies;              ///< whose X-Forwarded-For is trusted
     http_limit *limit;                 ///< rates of clients
-    http_lengths lengths;              ///< of what clients may have
+    http_content_lengths lengths;      ///< of what clients may have
     lock lock;                         ///< guards all that follows
     lock_condition changed;            ///< a connection came, a request went, or is_stopping
     http_connection *connections;      ///< open ones, those that became idle last before the others
@@ -142,7 +142,7 @@ struct http {
     bool is_stopping;                  ///< pulls end, nothing suspends any more
     bool has_watch;                    ///< watch runs
     bool watch_ends;                   ///< it shall not
-    int64_t looked_ms;                 ///< when it last looked for disconnected clients
+    int64_t polled_ms;                 ///< when it last looked for disconnected clients
     pthread_t watch;                   ///< deadlines, heartbeats, disconnected clients
     liveness watch_liveness;           ///< of that thread
     int probes[HTTP_PROBES_MAX];       ///< main's: connections to epoll threads; 0: none

@@ -230,7 +230,7 @@ void http_notify(http *h, const char *run_id)
         p->n_notified++;
         if (!p->is_parked)
             continue;
-        int64_t due_ms = p->looked_ms + p->interval_ms;
+        int64_t due_ms = p->polled_ms + p->interval_ms;
         if (due_ms <= now_ms) {
             queue(h, r);
         } else if (due_ms < p->due_ms) {
@@ -260,14 +260,14 @@ static void look_for_client(http_request *r)
 }
 
 // False: the token that a stream was asked for with does not count any more. Other bodies end by themselves.
-static bool is_welcome(const http_request *r)
+static bool is_token_valid(const http_request *r)
 {
     const api_services *services = &r->server->services;
     uint64_t token = r->response.who.token;
     api_identity who;
 
     return r->pull.kind != HTTP_PULL_STREAM || token == 0 ||
-           services->recall(services->context, token, &who) == API_CREDENTIAL_VALID;
+           services->identify_by_id(services->context, token, &who) == API_CREDENTIAL_VALID;
 }
 
 int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
@@ -284,7 +284,7 @@ int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
         if (p->source.heartbeat != NULL && now_ms - p->sent_ms >= h->options.heartbeat_ms)
             p->is_heartbeat_due = true;
         if (p->is_disconnected || p->is_heartbeat_due || now_ms >= p->due_ms ||
-            (looks_for_disconnected && !is_welcome(r)))
+            (looks_for_disconnected && !is_token_valid(r)))
             queue(h, r);
         else if (p->due_ms < next_ms)
             next_ms = p->due_ms;
@@ -319,7 +319,7 @@ static bool look(http_request *r, bool *ret_is_heartbeat_due)
     lock_release(&h->lock);
     const bool has_end = p->kind == HTTP_PULL_ARRAY || p->kind == HTTP_PULL_DOWNLOAD;
     p->has_failed = is_disconnected || (is_stopping && has_end);
-    if (is_stopping || clock_monotonic_ms() >= p->deadline_ms || !is_welcome(r))
+    if (is_stopping || clock_monotonic_ms() >= p->deadline_ms || !is_token_valid(r))
         p->state = BODY_DONE;
     return !p->has_failed && p->state != BODY_DONE;
 }
@@ -367,8 +367,8 @@ static bool leave(http_request *r)
     if (can_leave && p->state == BODY_MORE) {
         queue(h, r);
     } else if (can_leave) {
-        p->looked_ms = clock_monotonic_ms();
-        p->due_ms = has_news ? p->looked_ms + p->interval_ms : p->deadline_ms;
+        p->polled_ms = clock_monotonic_ms();
+        p->due_ms = has_news ? p->polled_ms + p->interval_ms : p->deadline_ms;
         p->is_parked = true;
         if (has_news)
             lock_wake_all(&h->changed);

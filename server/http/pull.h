@@ -45,7 +45,7 @@ typedef struct http_pull {
     bool is_disconnected;   ///< http.lock: the client is taken for gone
     bool
         is_heartbeat_due; ///< http.lock: nothing was sent for heartbeat_ms, or the client is in doubt
-    int64_t looked_ms;    ///< http.lock: when it was parked
+    int64_t polled_ms;    ///< http.lock: when it was parked
     int64_t due_ms;       ///< http.lock: when it is looked at again, without a wake-up
 } http_pull;
 

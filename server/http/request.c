@@ -346,7 +346,7 @@ static bool can_block(http_request *r)
 
     if (r->cost == API_COST_HEALTH)
         return strcmp(r->path, "/livez") != 0;
-    if (r->cost == API_COST_STORE && api_request_is_at_hand(&r->server->services, &request))
+    if (r->cost == API_COST_STORE && api_request_is_cached(&r->server->services, &request))
         return false;
     return r->cost > API_COST_HEALTH || http__page_may_have(r->server, r->path);
 }

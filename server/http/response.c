@@ -202,7 +202,7 @@ static void remember_length(http_request *r)
     const bool has_length = has_long_body(r) || !has_source(r);
 
     if (r->response.status == 200 && tag != NULL && has_length && r->file.fd < 0)
-        http_lengths_remember(&r->server->lengths, r->path, r->query, tag, length_of(r));
+        http_content_lengths_remember(&r->server->lengths, r->path, r->query, tag, length_of(r));
 }
 
 void http__finalize_response(http_request *r)
@@ -259,7 +259,7 @@ static struct MHD_Response *make_unchanged(http_request *r)
     const char *tag = api_response_find(&r->response, "ETag");
     uint64_t n;
 
-    if (tag == NULL || !http_lengths_find(&r->server->lengths, r->path, r->query, tag, &n))
+    if (tag == NULL || !http_content_lengths_find(&r->server->lengths, r->path, r->query, tag, &n))
         return make_without_length(r);
     return make_reader(r, n);
 }

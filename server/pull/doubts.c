@@ -37,7 +37,7 @@ void pull__refute_failures(pull_executor *e, const executor_job *job)
         pull__doubt *other = &e->doubts[k];
         if (strcmp(other->run, job->about.run) != 0)
             continue;
-        pull__blame(e, other->run, other->token, other->worker, other->why.text);
+        pull__attribute_fault(e, other->run, other->token, other->worker, other->why.text);
         other->run[0] = '\0';
     }
 }
@@ -51,7 +51,7 @@ static bool has_others(const pull_executor *e, uint64_t token, const char *name)
         const pull__worker *w = &e->workers[k];
         const bool is_other =
             w->about.token != token || (name != NULL && strcmp(w->about.name, name) != 0);
-        if (is_other && w->barred_until_ms <= now_ms)
+        if (is_other && w->suspended_until_ms <= now_ms)
             return true;
     }
     return false;

@@ -141,8 +141,8 @@ void pull__expire(pull_executor *e, int64_t now_ms)
         if (job->place == PULL_AWAITED && now_ms >= job->until_ms)
             pull__lose_job(e, job, "restart");
         else if (is_held(job, now_ms)) {
-            pull__blame(e, job->about.run, job->token, job->worker,
-                        "it renews the lease of a run that it does not begin");
+            pull__attribute_fault(e, job->about.run, job->token, job->worker,
+                                  "it renews the lease of a run that it does not begin");
             pull__lose_job(e, job, "not_begun");
         }
     }
@@ -232,7 +232,7 @@ bf_status pull__lease_jobs(void *context, const api_worker *who, api_lease *ret_
     batch b = { .n = 0 };
 
     bf_status status = pull__meet_worker(e, who, &worker, err);
-    if (status == BF_OK && worker->barred_until_ms <= clock_monotonic_ms()) {
+    if (status == BF_OK && worker->suspended_until_ms <= clock_monotonic_ms()) {
         b = begin_batch(e, who);
         add_waiting(&b, e, false, who);
         add_waiting(&b, e, true, who);

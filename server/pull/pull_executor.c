@@ -284,8 +284,8 @@ static executor_state poll_job(executor *base, executor_job *job, void *bytes, s
     return state;
 }
 
-void pull__blame(pull_executor *e, const char *run_id, uint64_t token, const char *name,
-                 const char *why)
+void pull__attribute_fault(pull_executor *e, const char *run_id, uint64_t token, const char *name,
+                           const char *why)
 {
     pull__worker *worker = pull__find_worker(e, token, name);
     char quoted[LOG_QUOTED_SIZE];
@@ -296,15 +296,16 @@ void pull__blame(pull_executor *e, const char *run_id, uint64_t token, const cha
     if (worker == NULL || ++worker->n_faults < PULL_FAULTS_MAX)
         return;
     worker->n_faults = 0;
-    worker->barred_until_ms = clock_monotonic_ms() + PULL_BARRED_MS;
-    log_event(LOG_LEVEL_ERROR, "worker_barred", "worker=%s s=%d", name, PULL_BARRED_MS / 1000);
+    worker->suspended_until_ms = clock_monotonic_ms() + PULL_SUSPENDED_MS;
+    log_event(LOG_LEVEL_ERROR, "worker_suspended", "worker=%s s=%d", name,
+              PULL_SUSPENDED_MS / 1000);
 }
 
-static bool blame(executor *base, executor_job *job, const bf_error *why)
+static bool attribute_fault(executor *base, executor_job *job, const bf_error *why)
 {
     pull_executor *e = pull__enter(base);
 
-    pull__blame(e, job->about.run, job->token, job->worker, why->text);
+    pull__attribute_fault(e, job->about.run, job->token, job->worker, why->text);
     lock_release(&e->lock);
     return true;
 }
@@ -374,7 +375,7 @@ bf_status pull_executor_create(executor **ret_executor, bf_error *err)
                                                   .stop = stop,
                                                   .update = update,
                                                   .poll = poll_job,
-                                                  .blame = blame,
+                                                  .attribute_fault = attribute_fault,
                                                   .confirm = confirm,
                                                   .cpu_s = cpu_s,
                                                   .external_id = external_id,
@@ -418,7 +419,7 @@ uint32_t pull_executor_count_cores(executor *base)
     return n;
 }
 
-bool pull_executor_knows(executor *base, const char *worker)
+bool pull_executor_has_worker(executor *base, const char *worker)
 {
     pull_executor *e = pull__enter(base);
     bool is_known = false;

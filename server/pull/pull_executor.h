@@ -3,7 +3,7 @@
 /// under one lock.
 ///
 /// Safety   what workers do wrong is theirs: a damaged stream or a job that cannot be begun brings the run back to the
-///          queue, and a worker with PULL_FAULTS_MAX of them gets nothing for PULL_BARRED_MS.
+///          queue, and a worker with PULL_FAULTS_MAX of them gets nothing for PULL_SUSPENDED_MS.
 /// Restart  a job outlives the daemon under the name "pull:RUN:ATTEMPT". After a restart it waits for its worker, which
 ///          sends all its frames again.
 
@@ -17,7 +17,7 @@ enum {
     PULL_JOB_BYTES_MAX = 1024 * 1024,  ///< of a job that wait for the supervisor
     PULL_BYTES_MAX = 64 * 1024 * 1024, ///< of all jobs together
     PULL_FAULTS_MAX = 3,               ///< of a worker, until it gets no jobs for a while
-    PULL_BARRED_MS = 600000,           ///< how long
+    PULL_SUSPENDED_MS = 600000,        ///< how long
 };
 
 /// Create one. BF_ENOMEM, BF_ESYSTEM: no memory or descriptor.
@@ -35,7 +35,7 @@ executor *pull_executor_destroy(executor *e);
 uint32_t pull_executor_count_cores(executor *e);
 
 /// True if a worker of this name was heard of in the last minute, or has a lease.
-bool pull_executor_knows(executor *e, const char *worker);
+bool pull_executor_has_worker(executor *e, const char *worker);
 
 /// The services for workers; the executor must outlive their use.
 api_leases pull_executor_leases(executor *e);

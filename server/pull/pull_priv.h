@@ -61,10 +61,10 @@ struct executor_job {
 
 /// A worker.
 typedef struct pull__worker {
-    api_worker about;        ///< as it describes itself
-    int64_t seen_ms;         ///< when it was last heard of
-    unsigned n_faults;       ///< of its, since it was last barred
-    int64_t barred_until_ms; ///< it gets nothing before that; 0: it does
+    api_worker about;           ///< as it describes itself
+    int64_t seen_ms;            ///< when it was last heard of
+    unsigned n_faults;          ///< of its, since it was last suspended
+    int64_t suspended_until_ms; ///< it gets nothing before that; 0: it does
 } pull__worker;
 
 /// A lease.
@@ -145,8 +145,8 @@ static inline bool pull__is_of(const pull__lease *lease, uint64_t token, const c
 }
 
 /// A worker is at fault for what became of a run; with PULL_FAULTS_MAX faults it gets nothing for a while.
-void pull__blame(pull_executor *e, const char *run_id, uint64_t token, const char *worker,
-                 const char *why);
+void pull__attribute_fault(pull_executor *e, const char *run_id, uint64_t token, const char *worker,
+                           const char *why);
 
 /// Register a worker or bring it up to date. BF_ECONFLICT: another version of the solver; BF_EBUSY: there are too many.
 BF_MUST_CHECK bf_status pull__meet_worker(pull_executor *e, const api_worker *who,

@@ -14,7 +14,7 @@ static void count_cores(pull_executor *e)
 
     e->n_cores = 0;
     for (size_t k = 0; k < e->n_workers; k++)
-        if (e->workers[k].barred_until_ms <= now_ms)
+        if (e->workers[k].suspended_until_ms <= now_ms)
             e->n_cores += e->workers[k].about.cores;
 }
 
@@ -73,9 +73,9 @@ void pull__drop_workers(pull_executor *e, int64_t now_ms)
 {
     for (size_t k = e->n_workers; k > 0; k--) {
         const pull__worker *worker = &e->workers[k - 1];
-        // One that is barred is remembered, so that it does not come back as a new one.
+        // One that is suspended is remembered, so that it does not come back as a new one.
         if (now_ms >= worker->seen_ms + API_LEASE_EXPIRES_S * 1000 &&
-            worker->barred_until_ms <= now_ms && !has_lease(e, worker))
+            worker->suspended_until_ms <= now_ms && !has_lease(e, worker))
             e->workers[k - 1] = e->workers[--e->n_workers];
     }
     count_cores(e);

@@ -124,7 +124,7 @@ typedef struct executor_functions {
     /// What came of this job is damaged, or it could not be begun. True: who solves it may be at fault rather than the
     /// run, which is to be queued again; the executor sees to it that the same one does not fail runs again and again.
     /// NULL: the run is at fault.
-    bool (*blame)(executor *e, executor_job *job, const bf_error *why);
+    bool (*attribute_fault)(executor *e, executor_job *job, const bf_error *why);
 
     /// Who solved the job says that its run fails for this reason, or, with NULL, its run has succeeded. True: that counts;
     /// false: the run is to be tried again, as nobody else has said the same. NULL: what a job says counts.

@@ -210,9 +210,9 @@ void supervisor__finish_batch(supervisor__task *task)
     task->moved_ms += clock_monotonic_ms() - task->write.begin_ms; // the job may have waited
     if (task->write.status == BF_OK)
         return;
-    task->is_trouble = !task->failed && supervisor__may_work_later(task->write.status);
+    task->is_store_error = !task->failed && supervisor__may_work_later(task->write.status);
     if (!task->failed && task->write.status == BF_ECORRUPT)
-        (void)supervisor__blame(task, &task->write.error);
+        (void)supervisor__attribute_fault(task, &task->write.error);
     supervisor__fail(task, &task->write.error);
 }
 
@@ -439,6 +439,6 @@ void supervisor__read_frames(supervisor__task *task)
     if (status == BF_OK)
         return;
     if (status == BF_ECORRUPT && !task->failed)
-        (void)supervisor__blame(task, &err);
+        (void)supervisor__attribute_fault(task, &err);
     supervisor__fail(task, &err);
 }

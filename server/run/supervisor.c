@@ -92,7 +92,7 @@ static bool allow_claim(supervisor *s)
 }
 
 // Of a job that ended before its run: its frames end too early, or nothing could be started.
-static void blame_for_end(supervisor__task *task)
+static void attribute_end(supervisor__task *task)
 {
     const executor_cause cause = task->exit.cause;
     bf_error why = task->exit.error;
@@ -105,7 +105,7 @@ static void blame_for_end(supervisor__task *task)
         (void)bf_fail(&why, BF_ECORRUPT, "", "the solver's output ends before the run");
     else if (cause != EXECUTOR_UNSTARTED)
         return;
-    (void)supervisor__blame(task, &why);
+    (void)supervisor__attribute_fault(task, &why);
 }
 
 // A failure that only one has seen, elsewhere, may be that one's: the run is tried again, and fails for good when another
@@ -133,7 +133,7 @@ static void begin_end(supervisor__task *task)
     supervisor *s = task->supervisor;
 
     metrics_add(METRICS_CHILD_EXITS, supervisor__exit_reason(task), 1);
-    blame_for_end(task);
+    attribute_end(task);
     task->ending = supervisor__classify_exit(task);
     doubt_failure(task);
     task->ending.last = last;
@@ -151,12 +151,12 @@ static void finish_end(supervisor *s, supervisor__task *task)
     bool is_back_unasked = task->job != NULL && task->ending.state == RUN_QUEUED &&
                            task->requested == SUPERVISOR_STOP_NONE;
     // Another worker takes the run.
-    bool is_of_worker = supervisor__has_workers(s) && !task->is_trouble;
+    bool is_of_worker = supervisor__has_workers(s) && !task->is_store_error;
 
     // What the store would not take, or cannot be of the scenario.
     if (task->ending.state == RUN_QUEUED && task->ending.error.code == BF_ECORRUPT &&
-        !task->is_blamed && task->job != NULL)
-        (void)supervisor__blame(task, &task->ending.error);
+        !task->is_fault_of_worker && task->job != NULL)
+        (void)supervisor__attribute_fault(task, &task->ending.error);
     if (task->is_solved && task->ending.state == RUN_SUCCEEDED && task->write.status == BF_OK &&
         s->executor->functions->confirm != NULL)
         (void)s->executor->functions->confirm(s->executor, task->job, NULL);

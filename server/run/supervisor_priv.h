@@ -57,25 +57,25 @@ struct supervisor__task {
     size_t n_columns;                   ///< of claimed.columns
     supervisor__stop requested;         ///< how it is to stop
     supervisor__stop signalled;         ///< how much of that the job was signalled
-    int64_t kill_at_ms;    ///< when it is stopped by force; -1: not planned, INT64_MAX: done
-    int64_t lost_at_ms;    ///< when it counts as lost; -1: not planned
-    double start_s;        ///< when its solving began, clock_monotonic_s(); 0: nobody has begun
-    executor_state state;  ///< as of the last poll
-    executor_end exit;     ///< valid if state is EXECUTOR_ENDED
-    bool has_more;         ///< the job may have more bytes than one turn takes
-    bool has_begun;        ///< FRAME_BEGIN came
-    bool has_ended;        ///< FRAME_END came
-    bool failed;           ///< it fails with error, regardless of later frames
-    bool is_trouble;       ///< the error is the store's, not the run's: it is queued again
-    bool is_blamed;        ///< who solved it is at fault, not the run: it is queued again
-    bool is_beyond_output; ///< it sent more than output_bytes
-    bool is_solved;        ///< it has succeeded: while its end is stored the next run may be solved
-    bool timed_out;        ///< it was stopped by force because a time was over
-    int64_t moved_ms;      ///< when it was last seen to go on, clock_monotonic_ms()
-    frame_begin begin;     ///< valid if has_begun
-    frame_end end;         ///< valid if has_ended
-    bf_error error;        ///< why it fails: sent by the job, or found here
-    bool has_progress;     ///< progress is not stored yet
+    int64_t kill_at_ms;      ///< when it is stopped by force; -1: not planned, INT64_MAX: done
+    int64_t lost_at_ms;      ///< when it counts as lost; -1: not planned
+    double start_s;          ///< when its solving began, clock_monotonic_s(); 0: nobody has begun
+    executor_state state;    ///< as of the last poll
+    executor_end exit;       ///< valid if state is EXECUTOR_ENDED
+    bool has_more;           ///< the job may have more bytes than one turn takes
+    bool has_begun;          ///< FRAME_BEGIN came
+    bool has_ended;          ///< FRAME_END came
+    bool failed;             ///< it fails with error, regardless of later frames
+    bool is_store_error;     ///< the error is the store's, not the run's: it is queued again
+    bool is_fault_of_worker; ///< who solved it is at fault, not the run: it is queued again
+    bool is_beyond_output;   ///< it sent more than output_bytes
+    bool is_solved;    ///< it has succeeded: while its end is stored the next run may be solved
+    bool timed_out;    ///< it was stopped by force because a time was over
+    int64_t moved_ms;  ///< when it was last seen to go on, clock_monotonic_ms()
+    frame_begin begin; ///< valid if has_begun
+    frame_end end;     ///< valid if has_ended
+    bf_error error;    ///< why it fails: sent by the job, or found here
+    bool has_progress; ///< progress is not stored yet
     frame_progress progress; ///< the newest
     bool has_figures;        ///< key figures are not stored yet
     double figures_t;        ///< of the newest key figures, s
@@ -191,7 +191,7 @@ BF_MUST_CHECK bf_status supervisor__check_claims(const supervisor__task *task, b
                                                  bf_error *err);
 
 /// Ask the executor whether who solves the task is at fault, and note it. Returns what it says.
-bool supervisor__blame(supervisor__task *task, const bf_error *why);
+bool supervisor__attribute_fault(supervisor__task *task, const bf_error *why);
 
 /// True if the executor, not n_workers, says how many jobs it takes.
 bool supervisor__has_workers(const supervisor *s);

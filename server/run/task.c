@@ -143,13 +143,13 @@ bool supervisor__count_output(supervisor__task *task, frame_type type, size_t n)
     return false;
 }
 
-bool supervisor__blame(supervisor__task *task, const bf_error *why)
+bool supervisor__attribute_fault(supervisor__task *task, const bf_error *why)
 {
     executor *e = task->supervisor->executor;
 
-    if (e->functions->blame == NULL || !e->functions->blame(e, task->job, why))
+    if (e->functions->attribute_fault == NULL || !e->functions->attribute_fault(e, task->job, why))
         return false;
-    task->is_blamed = true;
+    task->is_fault_of_worker = true;
     if (!task->failed)
         task->error = *why;
     return true;
@@ -186,12 +186,12 @@ static store_ending end_of_worker(const supervisor__task *task)
     store_ending ending = { .run_id = task->claimed.run.id,
                             .state = state_for(task->requested),
                             .attempt = STORE_ATTEMPT_FAILED,
-                            .error = task->is_blamed ? task->error : task->exit.error };
+                            .error = task->is_fault_of_worker ? task->error : task->exit.error };
 
     if (task->state == EXECUTOR_LOST)
         (void)bf_fail(&ending.error, BF_ESYSTEM, "", "whoever solved the run is gone");
     else if (cause == EXECUTOR_UNSTARTED ||
-             (!task->is_blamed && (cause == EXECUTOR_STOPPED || task->has_ended)))
+             (!task->is_fault_of_worker && (cause == EXECUTOR_STOPPED || task->has_ended)))
         ending.attempt = STORE_ATTEMPT_HAND_BACK;
     return ending;
 }
@@ -203,7 +203,7 @@ static bool may_be_workers(const supervisor__task *task)
 
     if (!supervisor__has_workers(task->supervisor))
         return false;
-    return task->is_blamed || task->has_ended || task->state == EXECUTOR_LOST ||
+    return task->is_fault_of_worker || task->has_ended || task->state == EXECUTOR_LOST ||
            cause == EXECUTOR_STOPPED || cause == EXECUTOR_KILLED || cause == EXECUTOR_UNSTARTED ||
            cause == EXECUTOR_EXITED;
 }
@@ -222,7 +222,7 @@ static store_ending end_failed(const supervisor__task *task)
                                    .state = RUN_FAILED,
                                    .error = task->error };
 
-    return task->is_trouble ? end_elsewhere(task, &task->error) : failure;
+    return task->is_store_error ? end_elsewhere(task, &task->error) : failure;
 }
 
 static store_ending end_done(const supervisor__task *task)
@@ -242,13 +242,13 @@ store_ending supervisor__classify_exit(const supervisor__task *task)
 
     if (task->requested == SUPERVISOR_STOP_KILL)
         ending.state = RUN_CANCELLED;
-    else if (task->failed && !task->is_blamed)
+    else if (task->failed && !task->is_fault_of_worker)
         ending = end_failed(task);
-    else if (!task->is_blamed && task->has_ended && !task->end.stopped)
+    else if (!task->is_fault_of_worker && task->has_ended && !task->end.stopped)
         ending = end_done(task);
     else if (!is_requested && may_be_workers(task))
         ending = end_of_worker(task);
-    else if (task->is_blamed)
+    else if (task->is_fault_of_worker)
         ending = end_elsewhere(task, &task->error);
     else if (task->has_ended && (is_requested || has_moved))
         ending.state = state_for(task->requested);
@@ -340,7 +340,7 @@ bf_status supervisor__store_ending(supervisor__task *task, bf_error *err)
         status = store_finish(s, ending, &after, err);
     // Only the supervisor's thread may ask who is at fault for what is damaged.
     const bool is_workers =
-        status == BF_ECORRUPT && task->supervisor->executor->functions->blame != NULL;
+        status == BF_ECORRUPT && task->supervisor->executor->functions->attribute_fault != NULL;
     if (status != BF_OK && !supervisor__may_work_later(status) && !is_workers) {
         *ending = (store_ending){
             .run_id = ending->run_id, .state = RUN_FAILED, .error = *err, .cpu_s = ending->cpu_s

@@ -60,7 +60,7 @@ static void cancel_failed(slurm *s, const slurm__queue *queue)
 }
 
 // A task on a node is a worker as long as its worker is heard of, or while it may still begin.
-static bool is_there(const slurm *s, const slurm__task *task)
+static bool counts_as_worker(const slurm *s, const slurm__task *task)
 {
     char name[SLURM_NAME_SIZE + 8];
 
@@ -68,7 +68,7 @@ static bool is_there(const slurm *s, const slurm__task *task)
         return true;
     (void)snprintf(name, sizeof name, "slurm-%s", task->name);
     return task->state == SLURM_STARTED &&
-           (task->runs_s < SLURM_BEGIN_S || pull_executor_knows(s->options.pull, name));
+           (task->runs_s < SLURM_BEGIN_S || pull_executor_has_worker(s->options.pull, name));
 }
 
 static void count(slurm *s, const slurm__queue *queue)
@@ -81,7 +81,7 @@ static void count(slurm *s, const slurm__queue *queue)
         const slurm__task *task = &queue->tasks[k];
         s->n_pending += task->state == SLURM_PENDING;
         n_running += task->state == SLURM_STARTED;
-        s->n_there += is_there(s, task);
+        s->n_there += counts_as_worker(s, task);
     }
     metrics_set(METRICS_SLURM_TASKS, METRICS_TASK_PENDING, (int64_t)s->n_pending);
     metrics_set(METRICS_SLURM_TASKS, METRICS_TASK_RUNNING, (int64_t)n_running);

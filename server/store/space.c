@@ -145,7 +145,7 @@ static bool shrink_some(store *s)
 }
 
 // True: there is more to be done at once.
-static bool tend(store *s)
+static bool maintain(store *s)
 {
     uint64_t n_free = 0;
 
@@ -156,14 +156,14 @@ static bool tend(store *s)
     return goes_on;
 }
 
-void store__tend_space(store *s)
+void store__maintain_space(store *s)
 {
     lock_assert_held(&s->lock);
     // Also before a stop: the next start may need the reserve.
     if (clock_monotonic_ms() < s->space.next_ms)
         return;
     lock_release(&s->lock);
-    bool goes_on = tend(s);
+    bool goes_on = maintain(s);
     lock_acquire(&s->lock);
     s->space.next_ms = goes_on ? 0 : INT64_MAX;
 }

@@ -40,7 +40,7 @@ bool store__spend_reserve(store *s);
 
 /// Under the store's lock, which is given meanwhile: if it is time, give a step of free pages back to the disk where
 /// that is short, or take the reserve again.
-void store__tend_space(store *s);
+void store__maintain_space(store *s);
 
 /// Under the store's lock, which is given meanwhile: do one step of the store's own work, if it is time.
 void store__apply_retention(store *s);

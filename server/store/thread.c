@@ -221,7 +221,7 @@ static void *write_groups(void *context)
         if (first != NULL)
             do_group(s, first);
         store__apply_retention(s);
-        store__tend_space(s);
+        store__maintain_space(s);
         count_if_due(s);
     }
     lock_release(&s->lock);

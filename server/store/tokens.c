@@ -190,7 +190,7 @@ api_credential tokens_identify(tokens *t, const char *text, api_identity *ret_wh
     return credential;
 }
 
-api_credential tokens_recall(tokens *t, uint64_t id, api_identity *ret_who)
+api_credential tokens_identify_by_id(tokens *t, uint64_t id, api_identity *ret_who)
 {
     api_credential credential = API_CREDENTIAL_UNUSED;
 

@@ -56,7 +56,7 @@ bool tokens_exist(tokens *t);
 api_credential tokens_identify(tokens *t, const char *text, api_identity *ret_who);
 
 /// The same of a token by its number.
-api_credential tokens_recall(tokens *t, uint64_t id, api_identity *ret_who);
+api_credential tokens_identify_by_id(tokens *t, uint64_t id, api_identity *ret_who);
 
 /// Copy all tokens to ret_tokens, which has room for TOKENS_MAX. Returns how many there are.
 size_t tokens_copy(tokens *t, tokens_record *ret_tokens);

@@ -289,7 +289,7 @@ static bf_status expire_studies(studies *s, bf_error *err)
     return status == BF_ENOTFOUND ? BF_OK : status;
 }
 
-static void tend_studies(studies *s)
+static void advance_studies(studies *s)
 {
     bf_error err = { 0 };
 
@@ -372,7 +372,7 @@ static void *run_loop(void *context)
 
     while (await_work(s, &has_news)) {
         if (has_news)
-            tend_studies(s);
+            advance_studies(s);
         if (work_on_tasks(s))
             studies_wake(s);
     }

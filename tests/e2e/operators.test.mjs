@@ -214,10 +214,10 @@ test("a store that hangs starves the watchdog, and feeds it again when it goes o
   await until(() => beats() >= 3, "three signs of life");
   const release = await holdStore(t, d);
   const answer = d.post("/v1/runs", { scenario: tiny() });
-  await until(() => /event=part_hangs store=hangs .*http=alive/.test(d.log), "the word of it");
+  await until(() => /event=subsystem_stalled store=hangs .*http=alive/.test(d.log), "the word of it");
   // Each turn of the watchdog has either a sign of life or this word.
   const before = beats();
-  const hangs = () => d.log.match(/event=part_hangs/g).length;
+  const hangs = () => d.log.match(/event=subsystem_stalled/g).length;
   const first = hangs();
   await until(() => hangs() >= first + 2, "the word of it again");
   assert.equal(beats(), before);

@@ -359,7 +359,7 @@ static void read_tokens(void)
     for (size_t k = 0; k < N_TOKENS; k++) {
         api_identity who = { .scopes = 0 };
         require_identity(tokens_identify(t, tokens_made[k], &who), &who);
-        require_identity(tokens_recall(t, k + 1, &who), &who);
+        require_identity(tokens_identify_by_id(t, k + 1, &who), &who);
     }
     (void)tokens_close(t);
 }

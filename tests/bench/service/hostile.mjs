@@ -57,14 +57,14 @@ async function lieAbout(tries) {
   await honest.renew(lease, [], [{ job: 0, bytes: good.length }]);
   await d.reached(first.id, "succeeded");
   const wanted = await curveOf(first);
-  const isBarred = (name) => new RegExp(`event=worker_barred .*worker=${name}[ \n]`).test(d.log.slice(-20000));
-  const found = { tries: 0, failed: 0, wrong: 0, liars: 0, barred: 0 };
+  const isSuspended = (name) => new RegExp(`event=worker_suspended .*worker=${name}[ \n]`).test(d.log.slice(-20000));
+  const found = { tries: 0, failed: 0, wrong: 0, liars: 0, suspended: 0 };
   for (let k = 0, name = 0; k < tries; k++) {
     const run = await submit();
     let liar = new PullWorker(d, `liar-${name}`);
     let { json } = await liar.ask();
     for (; json.id === null; ({ json } = await liar.ask())) {
-      if (!isBarred(liar.name)) await sleep(2);
+      if (!isSuspended(liar.name)) await sleep(2);
       else liar = new PullWorker(d, `liar-${++name}`);
     }
     const kind = random(damages.length + lies.length);
@@ -85,7 +85,7 @@ async function lieAbout(tries) {
     await d.request("DELETE", `/v1/runs/${run.id}`);
     found.liars = name + 1;
   }
-  found.barred = (d.log.match(/event=worker_barred/g) ?? []).length;
+  found.suspended = (d.log.match(/event=worker_suspended/g) ?? []).length;
   return found;
 }
 

@@ -199,7 +199,7 @@ static bool has_room(executor *base, bool is_trial)
     return has;
 }
 
-static bool blame(executor *base, executor_job *job, const bf_error *why)
+static bool attribute_fault(executor *base, executor_job *job, const bf_error *why)
 {
     helper_executor *e = (helper_executor *)base;
 
@@ -227,7 +227,8 @@ static bool confirm(executor *base, const executor_job *job, const bf_error *why
 
 void helper_executor_employ(helper_executor *e, size_t n)
 {
-    static const executor_functions functions = { FUNCTIONS, .has_room = has_room, .blame = blame,
+    static const executor_functions functions = { FUNCTIONS, .has_room = has_room,
+                                                  .attribute_fault = attribute_fault,
                                                   .confirm = confirm };
 
     lock_acquire(&e->lock);

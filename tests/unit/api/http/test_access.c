@@ -126,7 +126,7 @@ static api_credential identify(void *context, const char *token, api_identity *r
 }
 
 // Tokens by their numbers: 1 and 2 as above, 3 was revoked.
-static api_credential recall(void *context, uint64_t token, api_identity *ret_who)
+static api_credential identify_by_id(void *context, uint64_t token, api_identity *ret_who)
 {
     if (token == 3)
         return API_CREDENTIAL_REVOKED;
@@ -157,9 +157,10 @@ static void make_ticket(void *context, uint64_t token, api_ticket *ret_ticket)
     (void)snprintf(ret_ticket->text, sizeof ret_ticket->text, "ticket-%u", (unsigned)token);
 }
 
-static const api_services services = {
-    .identify = identify, .recall = recall, .read_ticket = read_ticket, .make_ticket = make_ticket
-};
+static const api_services services = { .identify = identify,
+                                       .identify_by_id = identify_by_id,
+                                       .read_ticket = read_ticket,
+                                       .make_ticket = make_ticket };
 
 static const char *find_header(void *context, const char *name)
 {

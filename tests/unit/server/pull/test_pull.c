@@ -384,7 +384,7 @@ static void a_worker_at_fault_gets_nothing_for_a_while(void **state)
         executor_job *job = start(f, RUN_A, false);
         api_lease l = lease(f, "liar", 1);
         assert_int_equal(l.n_jobs, 1);
-        assert_true(f->executor->functions->blame(f->executor, job, &why));
+        assert_true(f->executor->functions->attribute_fault(f->executor, job, &why));
         release(f, job);
         api_lease_fini(&l);
     }
@@ -662,7 +662,7 @@ static void a_worker_is_its_token_and_its_name(void **state)
     assert_int_equal(f->api.read_jobs(f->api.context, 1, l.id, &input, NULL), BF_OK);
     buffer_fini(&input);
     for (int k = 0; k < PULL_FAULTS_MAX; k++)
-        assert_true(f->executor->functions->blame(f->executor, job, &why)); // of token 1
+        assert_true(f->executor->functions->attribute_fault(f->executor, job, &why)); // of token 1
     executor_job *next = start(f, RUN_B, false);
     assert_int_equal(f->api.lease(f->api.context, &theirs, &other, NULL), BF_OK);
     assert_int_equal(other.n_jobs, 1);

@@ -79,7 +79,7 @@ static void without_tokens_nobody_needs_one(void **state)
     assert_false(tokens_exist(t));
     assert_int_equal(tokens_identify(t, NULL, &who), API_CREDENTIAL_UNUSED);
     assert_int_equal(tokens_identify(t, "bft_x", &who), API_CREDENTIAL_UNUSED);
-    assert_int_equal(tokens_recall(t, 1, &who), API_CREDENTIAL_UNUSED);
+    assert_int_equal(tokens_identify_by_id(t, 1, &who), API_CREDENTIAL_UNUSED);
     assert_int_equal(who.token, 7);
     assert_null(tokens_close(t));
 }
@@ -152,12 +152,12 @@ static void what_is_expired_or_revoked_does_not_count(void **state)
     assert_int_equal(tokens_identify(t, old, &who), API_CREDENTIAL_EXPIRED);
     assert_int_equal(tokens_identify(t, revoked, &who), API_CREDENTIAL_REVOKED);
     assert_int_equal(who.token, 0);
-    assert_int_equal(tokens_recall(t, 1, &who), API_CREDENTIAL_EXPIRED);
-    assert_int_equal(tokens_recall(t, gone.id, &who), API_CREDENTIAL_REVOKED);
-    assert_int_equal(tokens_recall(t, 99, &who), API_CREDENTIAL_UNKNOWN);
+    assert_int_equal(tokens_identify_by_id(t, 1, &who), API_CREDENTIAL_EXPIRED);
+    assert_int_equal(tokens_identify_by_id(t, gone.id, &who), API_CREDENTIAL_REVOKED);
+    assert_int_equal(tokens_identify_by_id(t, 99, &who), API_CREDENTIAL_UNKNOWN);
     assert_int_equal(who.token, 0);
     assert_int_equal(tokens_identify(t, later, &who), API_CREDENTIAL_VALID);
-    assert_int_equal(tokens_recall(t, 2, &who), API_CREDENTIAL_VALID);
+    assert_int_equal(tokens_identify_by_id(t, 2, &who), API_CREDENTIAL_VALID);
     assert_string_equal(who.owner, "later");
     assert_null(tokens_close(t));
     // None that counts is left, and still requests need one.

@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { FOUND_RUNS_MAX = 256 }; ///< runs that are remembered
+enum { RUN_CACHE_MAX = 256 }; ///< runs that are remembered
 
 /// A run, and when it was read.
 typedef struct found_run {
@@ -19,19 +19,19 @@ typedef struct found_run {
     api_run record;     ///< id "": none
 } found_run;
 
-/// The runs. Zero-initialise, found_runs_init().
-typedef struct found_runs {
+/// The runs. Zero-initialise, run_cache_init().
+typedef struct run_cache {
     lock lock; ///< guards runs
     found_run
-        runs[FOUND_RUNS_MAX]; ///< each at the place of its id; a newer one takes an older one's
-} found_runs;
+        runs[RUN_CACHE_MAX]; ///< each at the place of its id; a newer one takes an older one's
+} run_cache;
 
 /// Prepare the lock of *f, and free it.
-void found_runs_init(found_runs *f);
-void found_runs_fini(found_runs *f);
+void run_cache_init(run_cache *f);
+void run_cache_fini(run_cache *f);
 
 /// Copy the run of this id to *ret_run (NULL: do not), if it was read when the store had made n_commits. False: it was not.
-bool found_runs_look(found_runs *f, const char *id, uint64_t n_commits, api_run *ret_run);
+bool run_cache_look(run_cache *f, const char *id, uint64_t n_commits, api_run *ret_run);
 
 /// Remember a run that was read after the store had made n_commits.
-void found_runs_remember(found_runs *f, uint64_t n_commits, const api_run *record);
+void run_cache_remember(run_cache *f, uint64_t n_commits, const api_run *record);

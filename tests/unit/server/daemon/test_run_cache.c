@@ -1,6 +1,6 @@
 // Runs in memory: what is remembered holds until the next commit of the store.
 
-#include "server/daemon/found_runs.h"
+#include "server/daemon/run_cache.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <stdio.h>
@@ -16,48 +16,48 @@ static api_run make_run(const char *id)
 
 static void test_a_run_is_remembered_until_the_next_commit(void **state)
 {
-    static found_runs f;
+    static run_cache f;
     const api_run record = make_run("0190a0b0-0000-7000-8000-000000000001");
     api_run found;
 
     (void)state;
-    found_runs_init(&f);
-    assert_false(found_runs_look(&f, record.id, 5, &found));
-    found_runs_remember(&f, 5, &record);
-    assert_true(found_runs_look(&f, record.id, 5, NULL));
-    assert_true(found_runs_look(&f, record.id, 5, &found));
+    run_cache_init(&f);
+    assert_false(run_cache_look(&f, record.id, 5, &found));
+    run_cache_remember(&f, 5, &record);
+    assert_true(run_cache_look(&f, record.id, 5, NULL));
+    assert_true(run_cache_look(&f, record.id, 5, &found));
     assert_memory_equal(&found, &record, sizeof record);
-    assert_false(found_runs_look(&f, record.id, 6, &found));
-    assert_false(found_runs_look(&f, "0190a0b0-0000-7000-8000-000000000002", 5, &found));
-    assert_true(found_runs_look(&f, record.id, 5, NULL));
-    found_runs_fini(&f);
+    assert_false(run_cache_look(&f, record.id, 6, &found));
+    assert_false(run_cache_look(&f, "0190a0b0-0000-7000-8000-000000000002", 5, &found));
+    assert_true(run_cache_look(&f, record.id, 5, NULL));
+    run_cache_fini(&f);
 }
 
 static void test_many_runs_take_the_places_of_older_ones(void **state)
 {
-    static found_runs f;
+    static run_cache f;
     size_t n_found = 0;
     char id[API_ID_SIZE];
     api_run found;
 
     (void)state;
-    found_runs_init(&f);
-    for (unsigned k = 0; k < 10 * FOUND_RUNS_MAX; k++) {
+    run_cache_init(&f);
+    for (unsigned k = 0; k < 10 * RUN_CACHE_MAX; k++) {
         snprintf(id, sizeof id, "0190a0b0-0000-7000-8000-%012u", k);
         const api_run record = make_run(id);
-        found_runs_remember(&f, 1, &record);
-        assert_true(found_runs_look(&f, id, 1, &found));
+        run_cache_remember(&f, 1, &record);
+        assert_true(run_cache_look(&f, id, 1, &found));
         assert_string_equal(found.id, id);
     }
-    for (unsigned k = 0; k < 10 * FOUND_RUNS_MAX; k++) {
+    for (unsigned k = 0; k < 10 * RUN_CACHE_MAX; k++) {
         snprintf(id, sizeof id, "0190a0b0-0000-7000-8000-%012u", k);
-        if (found_runs_look(&f, id, 1, &found)) {
+        if (run_cache_look(&f, id, 1, &found)) {
             assert_string_equal(found.id, id);
             n_found++;
         }
     }
-    assert_true(n_found > FOUND_RUNS_MAX / 2 && n_found <= FOUND_RUNS_MAX);
-    found_runs_fini(&f);
+    assert_true(n_found > RUN_CACHE_MAX / 2 && n_found <= RUN_CACHE_MAX);
+    run_cache_fini(&f);
 }
 
 // What a listener sees of the count of commits.

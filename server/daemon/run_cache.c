@@ -1,25 +1,25 @@
-#include "server/daemon/found_runs.h"
+#include "server/daemon/run_cache.h"
 
 #include "core/base/digest.h"
 
 #include <string.h>
 
-void found_runs_init(found_runs *f)
+void run_cache_init(run_cache *f)
 {
     lock_init(&f->lock);
 }
 
-void found_runs_fini(found_runs *f)
+void run_cache_fini(run_cache *f)
 {
     lock_fini(&f->lock);
 }
 
-static found_run *place_of(found_runs *f, const char *id)
+static found_run *place_of(run_cache *f, const char *id)
 {
-    return &f->runs[digest_add(DIGEST_START, id, strlen(id)) % FOUND_RUNS_MAX];
+    return &f->runs[digest_add(DIGEST_START, id, strlen(id)) % RUN_CACHE_MAX];
 }
 
-bool found_runs_look(found_runs *f, const char *id, uint64_t n_commits, api_run *ret_run)
+bool run_cache_look(run_cache *f, const char *id, uint64_t n_commits, api_run *ret_run)
 {
     lock_acquire(&f->lock);
     const found_run *found = place_of(f, id);
@@ -30,7 +30,7 @@ bool found_runs_look(found_runs *f, const char *id, uint64_t n_commits, api_run 
     return is_found;
 }
 
-void found_runs_remember(found_runs *f, uint64_t n_commits, const api_run *record)
+void run_cache_remember(run_cache *f, uint64_t n_commits, const api_run *record)
 {
     lock_acquire(&f->lock);
     *place_of(f, record->id) = (found_run){ n_commits, *record };
