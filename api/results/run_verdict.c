@@ -1,5 +1,6 @@
 #include "api/results/run_verdict.h"
 
+#include "core/base/number_text.h"
 #include "core/feed/arrivals.h"
 #include "core/feed/capacity.h"
 
@@ -158,8 +159,9 @@ static bf_status say_limited(const run_verdict_subject *of, size_t k, double off
                     feed->id);
     say_rate(v, of);
     verdict_say(v, " of %s offered. ", verdict_number(offered_per_h, (double)NAN, offered));
-    verdict_say(v, "%s of %.0f parts have not entered by the end.",
-                verdict_number(kept_out(of, k), (double)NAN, out), value_of(of, FIGURE_OFFERED, k));
+    verdict_say(v, "%s of %s parts have not entered by the end.",
+                verdict_number(kept_out(of, k), (double)NAN, out),
+                verdict_number(value_of(of, FIGURE_OFFERED, k), (double)NAN, offered));
     verdict_advise(v, is_queue ? "Offer less, widen the narrowest opening, or run the belt faster."
                                : "Deliver along a longer line or over more places, offer less, or "
                                  "run the belt faster.");
@@ -209,15 +211,16 @@ static void say_heap(const run_verdict_subject *of, verdicts *all)
     const double drained = value_of(of, FIGURE_DRAINED_AT, 0);
     const double sustained = value_of(of, FIGURE_SUSTAINED, 0);
     const double left = of->end->parts_start - of->end->parts_end - of->end->parts_fallen;
-    char number[VERDICT_NUMBER_SIZE];
+    char number[VERDICT_NUMBER_SIZE], start[VERDICT_NUMBER_SIZE], time[NUMBER_TEXT_SIZE];
 
     verdict *v = verdict_add(all, isfinite(drained) ? "drained" : "not_drained");
     if (isfinite(drained))
-        verdict_say(v, "The belt has been empty since %.4g s.", drained);
+        verdict_say(v, "The belt has been empty since %s s.", number_text(drained, 4, time));
     else
-        verdict_say(v, "%s of %.0f parts are still on the belt after %.4g s.",
-                    verdict_number(of->end->parts_end, (double)NAN, number), of->end->parts_start,
-                    of->end->t);
+        verdict_say(v, "%s of %s parts are still on the belt after %s s.",
+                    verdict_number(of->end->parts_end, (double)NAN, number),
+                    verdict_number(of->end->parts_start, (double)NAN, start),
+                    number_text(of->end->t, 4, time));
     if (isfinite(sustained) && left > 0.0)
         verdict_say(v, " While they passed, %s parts/h came through.",
                     verdict_number(sustained, (double)NAN, number));
@@ -242,6 +245,7 @@ static bool may_stand(const scene *s)
 static void say_jams(const run_verdict_subject *of, verdicts *all)
 {
     const double n = value_of(of, FIGURE_JAM_COUNT, 0);
+    char time[NUMBER_TEXT_SIZE];
     double blocked = 0.0;
 
     if (!(n > 0.0))
@@ -255,10 +259,10 @@ static void say_jams(const run_verdict_subject *of, verdicts *all)
         verdict_say(v, "Parts stood before the plates and held each other: nothing");
     else
         verdict_say(v, "Nothing");
-    verdict_say(v, " left for %.4g s, ", value_of(of, FIGURE_JAM_TOTAL, 0));
+    verdict_say(v, " left for %s s, ", number_text(value_of(of, FIGURE_JAM_TOTAL, 0), 4, time));
     if (n > 1.0)
         verdict_say(v, "%.0f times, the first ", n);
-    verdict_say(v, "from %.4g s on.", value_of(of, FIGURE_JAM_FIRST, 0));
+    verdict_say(v, "from %s s on.", number_text(value_of(of, FIGURE_JAM_FIRST, 0), 4, time));
     if (is_bridge)
         verdict_advise(v, "Widen the narrowest opening; several runs of other substreams say how "
                           "often it happens.");
@@ -271,6 +275,7 @@ static void say_stalls(const run_verdict_subject *of, verdicts *all)
 {
     const double n = value_of(of, FIGURE_STALL_COUNT, 0);
     const scene *s = of->scene;
+    char first[NUMBER_TEXT_SIZE], total[NUMBER_TEXT_SIZE];
     size_t n_moving = 0, last = 0;
 
     if (!(n > 0.0))
@@ -289,8 +294,9 @@ static void say_stalls(const run_verdict_subject *of, verdicts *all)
         verdict_say(v, "Cargo stopped plates, which could not push it away: ");
     if (n > 1.0)
         verdict_say(v, "%.0f times, the first ", n);
-    verdict_say(v, "at %.4g s, for %.4g s together.", value_of(of, FIGURE_STALL_FIRST, 0),
-                value_of(of, FIGURE_STALL_TOTAL, 0));
+    verdict_say(v, "at %s s, for %s s together.",
+                number_text(value_of(of, FIGURE_STALL_FIRST, 0), 4, first),
+                number_text(value_of(of, FIGURE_STALL_TOTAL, 0), 4, total));
     verdict_advise(v, "Let it move while less cargo lies in its way, slower or less far; "
                       "`force_limit_n` says how much its drive can push.");
     verdict_rests_on(v, "stall.count", "", n);

@@ -1,9 +1,13 @@
 #include "api/results/verdict.h"
 
+#include "core/base/number_text.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+enum { DIGITS = 3 };
 
 #define AT(place) offsetof(verdict_figure, place)
 static const member figure_members[] = {
@@ -83,19 +87,15 @@ void verdict_rests_on(verdict *v, const char *name, const char *of, double value
     figure->value = value;
 }
 
-static int append_number(double value, char *text, size_t size)
-{
-    return snprintf(text, size, fabs(value) < 99.95 ? "%.3g" : "%.0f", value);
-}
-
 const char *verdict_number(double value, double half_width, char text[VERDICT_NUMBER_SIZE])
 {
-    int n = append_number(value, text, VERDICT_NUMBER_SIZE);
+    char number[NUMBER_TEXT_SIZE], half[NUMBER_TEXT_SIZE];
 
-    if (isfinite(half_width) && half_width > 0.0 && n < VERDICT_NUMBER_SIZE) {
-        n += snprintf(text + n, (size_t)(VERDICT_NUMBER_SIZE - n), " ± ");
-        if (n < VERDICT_NUMBER_SIZE)
-            append_number(half_width, text + n, (size_t)(VERDICT_NUMBER_SIZE - n));
-    }
+    (void)number_text(value, DIGITS, number);
+    if (isfinite(half_width) && half_width > 0.0)
+        snprintf(text, VERDICT_NUMBER_SIZE, "%s ± %s", number,
+                 number_text(half_width, DIGITS, half));
+    else
+        snprintf(text, VERDICT_NUMBER_SIZE, "%s", number);
     return text;
 }

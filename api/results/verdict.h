@@ -14,7 +14,7 @@ enum {
     VERDICT_FIGURE_SIZE = 80,  ///< bytes of the name of a figure
     VERDICT_FIGURES_MAX = 8,   ///< of one verdict; further ones are dropped
     VERDICTS_MAX = 16,         ///< of one answer; further ones are dropped
-    VERDICT_NUMBER_SIZE = 32,  ///< bytes of a number for people
+    VERDICT_NUMBER_SIZE = 80,  ///< bytes of a number for people
 };
 
 /// A figure that a verdict rests on.
@@ -56,6 +56,6 @@ __attribute__((format(printf, 2, 3))) void verdict_advise(verdict *v, const char
 /// Add a figure; one that is not finite is left out.
 void verdict_rests_on(verdict *v, const char *name, const char *of, double value);
 
-/// A number with the digits that matter to people, "8730" or "12.3"; with a half width that is finite and positive,
-/// "8730 ± 120". Returns `text`.
+/// A number with the digits that matter to people, "8,730" or "12.3"; with a half width that is finite and positive,
+/// "8,730 ± 120". Returns `text`.
 const char *verdict_number(double value, double half_width, char text[VERDICT_NUMBER_SIZE]);

@@ -2,6 +2,7 @@
 
 #include "api/study/study_priv.h"
 #include "core/base/memory.h"
+#include "core/base/number_text.h"
 #include "core/feed/arrivals.h"
 #include "core/study/study_front.h"
 
@@ -10,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { LISTED = 6 };
+enum { LISTED = 6, PARAMETER_DIGITS = 6, TRY_DIGITS = 4 };
 
 static const double s_per_h = 3600.0, confidence_of_means = 0.95;
 
@@ -50,6 +51,7 @@ static void say_name(verdict *v, const char *pointer)
 static void say_points(verdict *v, const about *a, const bool *are_meant)
 {
     double least = (double)INFINITY, largest = -(double)INFINITY;
+    char number[NUMBER_TEXT_SIZE];
     size_t n = 0, n_between = 0, n_all = 0;
 
     for (size_t p = a->choice->first; p < a->choice->end; p++)
@@ -69,13 +71,15 @@ static void say_points(verdict *v, const about *a, const bool *are_meant)
     }
     say_name(v, a->document->parameters[0].pointer);
     if (n >= 3 && n_between == n) {
-        verdict_say(v, " %.6g to %.6g", least, largest);
+        verdict_say(v, " %s to ", number_text(least, PARAMETER_DIGITS, number));
+        verdict_say(v, "%s", number_text(largest, PARAMETER_DIGITS, number));
         return;
     }
     const char *separator = " ";
     for (size_t p = a->choice->first; p < a->choice->end; p++)
         if (are_meant[p]) {
-            verdict_say(v, "%s%.6g", separator, value_of(a, p, 0));
+            verdict_say(v, "%s%s", separator,
+                        number_text(value_of(a, p, 0), PARAMETER_DIGITS, number));
             separator = ", ";
         }
 }
@@ -98,7 +102,7 @@ static void say_equal(const about *a)
     const bool has_chance = study_has_chance(a->study, c->best);
     const size_t n_runs = study_point_at(a->study, c->best).n_trials;
     verdict *v = verdict_add(a->verdicts, c->n_set > 1 ? "equal" : "alone");
-    char word[STUDY_DOCUMENT_COLUMN];
+    char word[STUDY_DOCUMENT_COLUMN], number[VERDICT_NUMBER_SIZE];
 
     study_document_column(d, 0, word);
     if (c->n_set > 1) {
@@ -110,7 +114,8 @@ static void say_equal(const about *a)
     } else {
         verdict_say(v, "No other of the %zu points is as good. ", c->n_candidates);
     }
-    verdict_say(v, "Less than %.3g %s%scounts as equal", c->indifference, unit != NULL ? unit : "",
+    verdict_say(v, "Less than %s %s%scounts as equal",
+                verdict_number(c->indifference, (double)NAN, number), unit != NULL ? unit : "",
                 unit != NULL ? " " : "");
     if (has_chance)
         verdict_say(v, ", and what chance leaves open with %.4g %% confidence",
@@ -149,11 +154,13 @@ static void say_edges(const about *a)
                                       : (is_log ? high * step * step : high + 2.0 * step);
         if (low > 0.0 && from <= 1e-6 * low)
             from = 0.5 * low;
+        char number[NUMBER_TEXT_SIZE];
         verdict *v = verdict_add(a->verdicts, "edge");
         verdict_say(v, "The best point is at the edge of the range, ");
         say_name(v, p->pointer);
-        verdict_say(v, " %.6g.", best);
-        verdict_advise(v, "Try %.4g to %.4g.", from, to);
+        verdict_say(v, " %s.", number_text(best, PARAMETER_DIGITS, number));
+        verdict_advise(v, "Try %s to ", number_text(from, TRY_DIGITS, number));
+        verdict_advise(v, "%s.", number_text(to, TRY_DIGITS, number));
         verdict_rests_on(v, p->pointer, "", best);
         verdict_rests_on(v, "try_from", "", from);
         verdict_rests_on(v, "try_to", "", to);
@@ -193,13 +200,13 @@ static void say_demanded(verdict *v, const about *a)
 {
     const size_t best = a->choice->best;
     const statistics_sample sample = study_sample(a->study, best, 0);
-    char word[STUDY_DOCUMENT_COLUMN];
+    char word[STUDY_DOCUMENT_COLUMN], number[NUMBER_TEXT_SIZE];
 
     study_document_column(a->document, 0, word);
     for (size_t k = 0; k < a->document->n_parameters; k++) {
         verdict_say(v, k == 0 ? "" : ", ");
         say_name(v, a->document->parameters[k].pointer);
-        verdict_say(v, " %.6g", value_of(a, best, k));
+        verdict_say(v, " %s", number_text(value_of(a, best, k), PARAMETER_DIGITS, number));
         verdict_rests_on(v, a->document->parameters[k].pointer, "", value_of(a, best, k));
     }
     verdict_say(v, ", with ");
@@ -345,8 +352,10 @@ static bf_status say_through(const about *a, bool *are_meant, bf_error *err)
     }
     if (n == 0)
         return BF_OK;
+    char number[VERDICT_NUMBER_SIZE];
     verdict *v = verdict_add(a->verdicts, "everything_through");
-    verdict_say(v, "Everything that is offered, %.6g parts/h, gets through at ", offered);
+    verdict_say(v, "Everything that is offered, %s parts/h, gets through at ",
+                verdict_number(offered, (double)NAN, number));
     say_points(v, a, are_meant);
     verdict_say(v, ".");
     verdict_rests_on(v, "offered_per_h", "", offered);

@@ -47,7 +47,7 @@ const figure figure_table[FIGURE_COUNT] = {
                                OF(RUN, BOTH) },
     [FIGURE_JAM_COUNT] = { "jam", "count", NULL,
                            "Jams after the warm-up: times of at least `jam_time_s` in which less "
-                           "than one part left while at least one was queued (of a "
+                           "than one part left while at least one was held back (of a "
                            "density without feeds: inside)",
                            OF(RUN, BOTH) },
     [FIGURE_JAM_FIRST] = { "jam", "first_s", "s", "When the first jam began", OF(RUN, BOTH) },
@@ -61,11 +61,13 @@ const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_STALL_TOTAL] = { "stall", "total_s", "s", "For how long, all plates together",
                              OF(RUN, BOTH) },
     [FIGURE_QUEUE_END] = { "queue_end_m", NULL, "m",
-                           "Longest queue of what is queued, slower than 0.8 of the belt under it: "
+                           "Longest queue of what is held back, slower than 0.8 of the belt under "
+                           "it: "
                            "the largest distance, against the belt's direction, from the "
-                           "downstream end of the next plate to what is queued before it, or where "
+                           "downstream end of the next plate to what is held back before it, or "
+                           "where "
                            "there is no plate from the first to the last of it; 0 where nothing "
-                           "was queued",
+                           "was held back",
                            OF(RUN, BOTH_FED) },
     [FIGURE_PEAK] = { "peak_density", NULL, NULL,
                       "Largest density after the warm-up, 1 being close packing, of all samples "
@@ -103,13 +105,15 @@ const figure figure_table[FIGURE_COUNT] = {
                              OF(COUNTER, BOTH) },
     [FIGURE_STATE_FREE] = { "state_share", "free", NULL,
                             "Share of the time that parts spent in the counter in which they were "
-                            "faster than 0.8 of the belt under them; in the rest they were queued",
+                            "faster than 0.8 of the belt under them; in the rest they were held "
+                            "back: queued, or blocked",
                             OF(COUNTER, BOTH_FED) },
     [FIGURE_STATE_QUEUED] = { "state_share", "queued", NULL,
-                              "Share in which they were queued and moved, neither free nor blocked",
+                              "Share in which they were held back and moved",
                               OF(COUNTER, BOTH_FED) },
     [FIGURE_STATE_BLOCKED] = { "state_share", "blocked", NULL,
-                               "Share in which they were queued and stood: slower than 0.05 of the "
+                               "Share in which they were held back and stood: slower than 0.05 of "
+                               "the "
                                "belt under them, or that one stood",
                                OF(COUNTER, BOTH_FED) },
     [FIGURE_GAP_MIN] = { "gap_m", "min", "m",

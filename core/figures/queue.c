@@ -12,7 +12,7 @@ static const double free_speed = 0.8, blocked_speed = 0.05;
 // A piece of a plate that is less inclined to its belt than this, rad, guides cargo and does not hold it back.
 static const double guide_angle = 0.01;
 
-// Of the ends of a queue: what does not count, in parts and of what is queued.
+// Of the ends of a queue: what does not count, in parts and of what is held back.
 static const double thin_parts = 0.5, thin_portion = 0.05;
 
 queue_state queue_state_of(double speed, double belt_speed)

@@ -1,6 +1,8 @@
 // What is said about the results of a scenario before it is solved.
 
 #include "core/run/review.h"
+
+#include "core/base/number_text.h"
 #include "core/feed/arrivals.h"
 #include "core/feed/capacity.h"
 #include "core/micro/hardness.h"
@@ -14,6 +16,7 @@
 #include <math.h>
 #include <stdio.h>
 
+enum { DIGITS = 4 };        ///< of numbers in sentences
 enum { BEAM_POINTS = 101 }; ///< of a beam that belts are looked for under
 
 review_warning *review_add(review_warnings *w, const char *pointer, const char *title)
@@ -50,12 +53,13 @@ static bf_status review_rate(const scene *s, size_t k, review_warnings *ret_warn
     snprintf(pointer, sizeof pointer, "/feeds/%zu/%s", k, members[feed->demand]);
     if (rate <= capacity)
         return BF_OK;
+    char due[NUMBER_TEXT_SIZE], carried[NUMBER_TEXT_SIZE];
     review_warning *item =
         review_add(ret_warnings, pointer, "More parts arrive than the belt carries away");
     snprintf(item->meaning, sizeof item->meaning,
-             "The feed '%s' delivers up to %.4g parts/s, but belts carry at most %.4g parts/s "
+             "The feed '%s' delivers up to %s parts/s, but belts carry at most %s parts/s "
              "away from its line: the others wait.",
-             feed->id, rate, capacity);
+             feed->id, number_text(rate, DIGITS, due), number_text(capacity, DIGITS, carried));
     return BF_OK;
 }
 
@@ -240,10 +244,11 @@ static bf_status review_hardness(const scene *s, review_warnings *ret_warnings, 
              "A queue may press them into each other and into plates: more come through than in "
              "reality, and beyond %.3g %% of a radius the run fails.",
              100.0 * s->micro.overlap_limit);
+    char divisor[NUMBER_TEXT_SIZE];
     snprintf(item->detail, sizeof item->detail,
-             "With moduli divided by %.4g an overlap of %.3g %% of the smallest radius is to be "
+             "With moduli divided by %s an overlap of %.3g %% of the smallest radius is to be "
              "expected, more than %.3g %%.%s",
-             reduction, 100.0 * overlap, 100.0 * run_overlap_trusted,
+             number_text(reduction, DIGITS, divisor), 100.0 * overlap, 100.0 * run_overlap_trusted,
              s->micro.modulus_reduction > 0.0
                  ? " Without modulus_reduction the program chooses what is hard enough."
                  : " Their materials bear no more: kinds of very different mass or size press on "

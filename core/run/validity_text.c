@@ -1,30 +1,24 @@
 #include "core/run/validity_text.h"
 
+#include "core/base/number_text.h"
 #include "core/run/validity_table.h"
 
 #include <math.h>
 #include <stdio.h>
 
+enum { DIGITS = 4 };
+
 #define UNKNOWN_DENSITY                                                                            \
     "How well the density model predicts this was not measured: solve it with the microscopic "    \
     "model, too."
 
-/// A number with four digits, or all of its whole part.
-static void print_value(double value, char *ret_text, size_t size)
-{
-    if (isnan(value))
-        snprintf(ret_text, size, "an unknown value");
-    else
-        snprintf(ret_text, size, fabs(value) < 10000.0 ? "%.4g" : "%.0f", value);
-}
-
 static void print_range(const validity_item *item, char *ret_text, size_t size)
 {
     const validity_row *row = &validity_table[item->figure];
-    char minimum[32], maximum[32];
+    char minimum[NUMBER_TEXT_SIZE], maximum[NUMBER_TEXT_SIZE];
 
-    print_value(item->minimum, minimum, sizeof minimum);
-    print_value(item->maximum, maximum, sizeof maximum);
+    (void)number_text(item->minimum, DIGITS, minimum);
+    (void)number_text(item->maximum, DIGITS, maximum);
     if (row->only != NULL)
         snprintf(ret_text, size, "%s", row->only);
     else if (!isfinite(item->minimum))
@@ -71,14 +65,14 @@ void validity_complete(validity_item *item, validity_subject of, validity_way wa
     const validity_range *range = &row->ranges[of];
     const subject_text *subject = &subjects[of];
     const char *then = expectation_of(item, range, way);
-    char value[32], between[160];
+    char value[NUMBER_TEXT_SIZE], between[160];
 
     item->unit = row->unit;
     item->minimum = range->minimum;
     item->maximum = range->maximum;
     item->meaning = then == NULL ? subject->unknown : then;
-    print_value(item->value, value, sizeof value);
-    snprintf(item->title, sizeof item->title, "%s %s%s", row->before, value, row->after);
+    snprintf(item->title, sizeof item->title, "%s %s%s", row->before,
+             number_text(item->value, DIGITS, value), row->after);
     if (way == VALIDITY_NEVER_COMPARED)
         snprintf(between, sizeof between, "was never compared with %s for this", subject->with);
     else {

@@ -195,7 +195,7 @@ test("several runs of a scenario are a study of one point, with the interval of 
   const { mean: jams, interval_95: range } = best.values["jam.count"].jam_probability;
   assert.ok(jams === 0 && range[0] === 0 && Math.abs(range[1] - 0.4345) < 1e-3, JSON.stringify(range));
   assert.deepEqual(verdicts.map(({ kind }) => kind), ["replications", "jams"]);
-  assert.match(verdicts[0].text, /^[0-9.]+ ± [0-9.]+ parts\/h is the mean of 5 runs .* 15 more runs would halve it\.$/);
+  assert.match(verdicts[0].text, /^[0-9.,]+ ± [0-9.,]+ parts\/h is the mean of 5 runs .* 15 more runs would halve it\.$/);
   const csv = (await d.get(`/v1/studies/${study.id}/trials?format=csv`)).text.trim().split("\n");
   assert.equal(csv.length, 6);
 });

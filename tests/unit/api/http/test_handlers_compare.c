@@ -86,7 +86,7 @@ static void two_runs_are_told_apart_in_a_sentence(void **state)
     json_t *root = helper_json(&ask_response);
     const json_t *said = json_array_get(json_object_get(root, "verdicts"), 0);
     assert_string_equal(text_at(said, "kind"), "models_disagree");
-    assert_non_null(strstr(text_at(said, "text"), "1100 against 1000 parts/h"));
+    assert_non_null(strstr(text_at(said, "text"), "1,100 against 1,000 parts/h"));
     assert_true(json_is_null(json_object_get(root, "density")));
     json_decref(root);
     ask_get("/v1/compare", "runs=" ID_1 "," ID_2 "&densities=2", NULL, 400);

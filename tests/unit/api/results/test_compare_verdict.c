@@ -47,7 +47,7 @@ static void models_of_one_line_agree_or_not(void **unused)
     macro.throughput_per_h = 1090.0;
     const verdict *v = say(&micro, &macro);
     assert_string_equal(v->kind, "models_disagree");
-    assert_non_null(strstr(v->text, "1090 against 1000 ± 10 parts/h"));
+    assert_non_null(strstr(v->text, "1,090 against 1,000 ± 10 parts/h"));
     assert_non_null(strstr(v->text, "+9.0 %"));
     assert_string_equal(v->advice, "Trust the microscopic model.");
     micro.is_compared = false;

@@ -98,7 +98,7 @@ static void everything_gets_through_up_to_what_chance_leaves_open(void **unused)
     feed(t, 7100.0, 200.0, 199.0);
     set(t, FIGURE_THROUGHPUT_ERROR, 120.0);
     const verdict *v = say(t, "everything_through");
-    assert_non_null(strstr(v->text, "7100 ± 120 parts/h of 7200 offered"));
+    assert_non_null(strstr(v->text, "7,100 ± 120 parts/h of 7,200 offered"));
     assert_string_equal(v->advice, "");
     assert_string_equal(v->figures[0].name, "throughput_per_h");
     assert_true(v->figures[0].value == 7100.0);

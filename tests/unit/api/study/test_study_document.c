@@ -463,7 +463,7 @@ static void a_deterministic_study_is_solved_once_and_names_what_is_equal(void **
                                          "parts/h counts as equal. Of them this one was chosen by "
                                          "residence_s.mean, then as the middle.\"",
                                          "{\"kind\":\"everything_through\",\"text\":\"Everything "
-                                         "that is offered, 7200 parts/h, gets "
+                                         "that is offered, 7,200 parts/h, gets "
                                          "through at angle_deg 45 to 63.\"",
                                          "{\"kind\":\"no_chance\",",
                                          NULL };
@@ -479,9 +479,9 @@ static void a_demand_says_where_it_is_met_or_what_is_nearest(void **state)
     static const double throughputs[] = { 6000.0, 7100.0, 7200.0, 7150.0, 6500.0 };
     static const char *const met[] = {
         "\"best\":{\"point\":2,", "\"demand\":7128,\"is_met\":true,",
-        "{\"kind\":\"demand_met\",\"text\":\"The least is angle_deg 54, with 7200 parts/h. "
+        "{\"kind\":\"demand_met\",\"text\":\"The least is angle_deg 54, with 7,200 parts/h. "
         "Demanded is "
-        "throughput_per_h of at least 7128 parts/h, 99 % of what is offered. It is met at "
+        "throughput_per_h of at least 7,128 parts/h, 99 % of what is offered. It is met at "
         "angle_deg "
         "54, 63.\"",
         NULL
@@ -489,7 +489,7 @@ static void a_demand_says_where_it_is_met_or_what_is_nearest(void **state)
     static const char *const not_met[] = {
         "\"set\":[],\"demand\":9000,\"is_met\":false,",
         "{\"kind\":\"demand_not_met\",\"text\":\"None of angle_deg 36 to 72 does; the nearest is "
-        "angle_deg 54, with 7200 parts/h. Demanded is throughput_per_h of at least 9000 parts/h. "
+        "angle_deg 54, with 7,200 parts/h. Demanded is throughput_per_h of at least 9,000 parts/h. "
         "Vary ",
         NULL
     };
