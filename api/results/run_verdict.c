@@ -106,7 +106,8 @@ static void say_missing(const run_verdict_subject *of, double offered_per_h, dou
     say_rate(v, of);
     verdict_say(v, " of %s offered, and ", verdict_number(offered_per_h, (double)NAN, number));
     if (waiting >= waiting_least)
-        verdict_say(v, "%.0f parts wait at the inlet: ", waiting);
+        verdict_say(v,
+                    "%s parts wait at the inlet: ", verdict_number(waiting, (double)NAN, number));
     else
         verdict_say(v, "nothing waits at the inlet: ");
     verdict_rests_on(v, "offered_per_h", "", offered_per_h);
