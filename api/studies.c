@@ -22,15 +22,6 @@ static const state_row trials[] = {
 #undef X
 };
 
-static unsigned find(const state_row *rows, unsigned n, const char *word)
-{
-    unsigned state = 0;
-
-    while (state < n && strcmp(rows[state].word, word) != 0)
-        state++;
-    return state;
-}
-
 const char *api_study_state_word(api_study_state state)
 {
     BF_CHECK(state < API_STUDY_STATES);
@@ -45,12 +36,11 @@ const char *api_trial_state_word(api_trial_state state)
 
 api_study_state api_study_state_find(const char *word)
 {
-    return (api_study_state)find(studies, API_STUDY_STATES, word);
-}
+    unsigned state = 0;
 
-api_trial_state api_trial_state_find(const char *word)
-{
-    return (api_trial_state)find(trials, API_TRIAL_STATES, word);
+    while (state < API_STUDY_STATES && strcmp(studies[state].word, word) != 0)
+        state++;
+    return (api_study_state)state;
 }
 
 bool api_study_state_is_end(api_study_state state)

@@ -159,9 +159,8 @@ typedef enum api_study_text {
 const char *api_study_state_word(api_study_state state);
 const char *api_trial_state_word(api_trial_state state);
 
-/// The state of a word; API_STUDY_STATES, API_TRIAL_STATES: it is none.
+/// The state of a word; API_STUDY_STATES: it is none.
 api_study_state api_study_state_find(const char *word);
-api_trial_state api_trial_state_find(const char *word);
 
 /// True if nothing may follow.
 bool api_study_state_is_end(api_study_state state);

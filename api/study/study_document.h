@@ -106,10 +106,9 @@ typedef struct study_document {
     int priority;        ///< in the service, see API_PRIORITY_MAX
 } study_document;
 
-/// The document as a table, and the words of methods and of a trial's models.
+/// The document as a table, and the words of methods.
 extern const member_table study_document_members;
 extern const char *const study_document_methods[];
-extern const char *const study_document_models[];
 
 /// Read a document and check it, its base, too. All faults that can be found are noted in *faults. BF_OK: *ret_document is
 /// the caller's, study_document_fini(). Else the status of the first fault, or BF_ENOMEM, and *ret_document is untouched.

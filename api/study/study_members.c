@@ -16,7 +16,6 @@ _Static_assert(sizeof study_document_methods / sizeof *study_document_methods ==
                "a word each");
 // Methods begin with the sweeps.
 static const char *const sweep_words[] = { "grid", "list", "lhs", "sobol", NULL };
-const char *const study_document_models[] = { "base", "macro", "micro" };
 static const char *const goal_words[] = { "minimize", "maximize", NULL };
 static const char *const scale_words[] = { "linear", "log", NULL };
 
