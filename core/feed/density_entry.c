@@ -18,6 +18,7 @@ typedef struct cell_entry {
     size_t cell;
     size_t
         inner; // of a line on a side: the cell behind it, which takes what this one cannot; else the same
+    vec2 at;         // of its line the point that is nearest to its centre
     double weight;   // of its share: the length of the line in it
     double capacity; // most density in a step at the factor 1 of its belt; INFINITY: no bound
     size_t belt;
@@ -81,6 +82,15 @@ static size_t inner_cell(const bf_grid *grid, scene_side side, size_t cell)
     }
 }
 
+static vec2 nearest_on(const vec2 *line, vec2 to)
+{
+    const vec2 along = vec2_sub(line[1], line[0]);
+    const double square = vec2_dot(along, along);
+    const double part = square > 0.0 ? vec2_dot(vec2_sub(to, line[0]), along) / square : 0.0;
+
+    return vec2_add(line[0], vec2_scale(along, fmin(fmax(part, 0.0), 1.0)));
+}
+
 static bf_status make_line(const feed_density *d, const scene_feed *f, double dt,
                            feed_line *ret_line, bf_error *err)
 {
@@ -109,6 +119,7 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
         ret_line->cells[k] =
             (cell_entry){ .cell = cell,
                           .inner = f->is_edge ? inner_cell(&grid, f->edge, cell) : cell,
+                          .at = nearest_on(f->line, centre),
                           .weight = cells[k].length,
                           .capacity = capacity,
                           .belt = belt };
@@ -219,9 +230,9 @@ static void fill_cell(const feed_density *d, const cell_entry *c, double amount,
     const double first = c->inner != c->cell ? fmin(amount, free_in(d, c->cell, field)) : amount;
 
     if (first > 0.0)
-        field->add(field->context, c->cell, first);
+        field->add(field->context, c->cell, first, c->at);
     if (amount > first)
-        field->add(field->context, c->inner, amount - first);
+        field->add(field->context, c->inner, amount - first, c->at);
 }
 
 // Spreads a demand, a sum of densities, over the cells of a line. Returns what they took.
@@ -301,6 +312,15 @@ double feed_density_admitted(const feed_density *d)
 
     for (size_t k = 0; k < d->n_feeds; k++)
         sum += d->states[k].admitted;
+    return sum;
+}
+
+double feed_density_offered(const feed_density *d, double t)
+{
+    double sum = 0.0;
+
+    for (size_t k = 0; k < d->n_feeds; k++)
+        sum += feed_arrivals_until(d->lines[k].arrivals, t);
     return sum;
 }
 

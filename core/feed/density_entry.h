@@ -42,8 +42,8 @@ typedef struct feed_field {
     double (*density)(const void *context, size_t cell);
     /// The factor on the velocity of a belt in the step that begins now; n_belts: off every belt.
     double (*factor)(const void *context, size_t belt);
-    /// Add a density > 0 to a cell.
-    void (*add)(void *context, size_t cell, double density);
+    /// Add a density > 0 to a cell; it enters at a place on the feed's line, m.
+    void (*add)(void *context, size_t cell, double density, vec2 at);
 } feed_field;
 
 /// The entry of all feeds of a scene; opaque. It borrows the scene, which must outlive it.
@@ -67,6 +67,9 @@ feed_balance feed_density_balance(const feed_density *d, size_t feed);
 
 /// Parts that entered, of all feeds.
 double feed_density_admitted(const feed_density *d);
+
+/// Parts that all feeds offer until a time, s.
+double feed_density_offered(const feed_density *d, double t);
 
 /// True if less than a millionth of a part waits at each feed and as little will arrive.
 bool feed_density_is_exhausted(const feed_density *d);

@@ -32,7 +32,7 @@ const figure figure_table[FIGURE_COUNT] = {
                                 "Mean time from entering (or the start) to leaving the domain, of "
                                 "each part that was inside after the warm-up, those still inside "
                                 "counting as longer than their age (Kaplan-Meier; with feeds; of a "
-                                "density by the times of entry that it carries along), or of each "
+                                "density of each tracer that moves with it), or of each "
                                 "part that left (without)",
                                 OF(RUN, BOTH) },
     [FIGURE_RESIDENCE_P50] = { "residence_s", "p50", "s",

@@ -3,9 +3,9 @@
 #include "core/base/memory.h"
 #include "core/base/team.h"
 #include "core/macro/congested.h"
-#include "core/macro/entry_times.h"
 #include "core/macro/macro_priv.h"
 #include "core/macro/muscl.h"
+#include "core/macro/tracers.h"
 
 #include <math.h>
 #include <string.h>
@@ -278,7 +278,7 @@ static bf_status init_arrays(macro_solver *s, const macro_def *def)
         init_state(s, &s->now) != BF_OK || init_state(s, &s->next) != BF_OK ||
         init_speeds(s, def) != BF_OK || macro__faces_init(s, def) != BF_OK)
         return BF_ENOMEM;
-    if (def->has_entry_times && entry_times_create(s, &s->entries) != BF_OK)
+    if (def->tracer_portion > 0.0 && tracers_create(s, &s->tracers) != BF_OK)
         return BF_ENOMEM;
     if (def->closure == SCENE_CONGESTED)
         return congested_create(s, def, &s->congested);
@@ -337,7 +337,7 @@ macro_solver *macro_destroy(macro_solver *s)
         band_fini(&s->bands[k]);
     memory_free(s->bands);
     congested_destroy(s->congested);
-    entry_times_destroy(s->entries);
+    tracers_destroy(s->tracers);
     macro__faces_fini(s);
     fini_state(&s->now);
     fini_state(&s->next);
@@ -415,14 +415,15 @@ void macro_step(macro_solver *s)
         swap_states(s);
     } else {
         for (s->stage = 0; s->stage < s->n_stages; s->stage++) {
+            s->records = s->tracers != NULL && s->stage == 0;
             partition_rows(s);
             team_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
             swap_states(s);
         }
     }
-    if (s->entries != NULL)
-        entry_times_follow(s);
     for (ptrdiff_t j = 0; s->off != NULL && j < s->n2; j++)
         drop_row(s, j);
     s->steps++;
+    if (s->tracers != NULL)
+        tracers_follow(s);
 }

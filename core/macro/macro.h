@@ -63,8 +63,9 @@ typedef struct macro_def {
     const scene_belt *belts; ///< with checked speed schedules, which scale v1, v2 and I
     const uint16_t *belt1;   ///< with belts: index of that under each x1-face, n_belts: none
     const uint16_t *belt2;   ///< same for the x2-faces
-    const uint8_t *off;   ///< nonzero: what is in this cell after a step falls (default NULL: none)
-    bool has_entry_times; ///< when cargo entered is carried along (entry_times.h; default false)
+    const uint8_t *off; ///< nonzero: what is in this cell after a step falls (default NULL: none)
+    double
+        tracer_portion; ///< that a tracer stands for, in densities of a cell; 0: none (tracers.h; default 0)
     bool mirror[4]; ///< west, east, south, north: the convolution sees the density mirrored at
                     ///< this edge instead of zero outside (default false)
     int n_threads;  ///< threads to use, >= 1 (default 1)
@@ -80,10 +81,19 @@ typedef struct macro_totals {
     double fallen; ///< integral of what fell since t = 0, m2
 } macro_totals;
 
-/// What left the grid through the outer side of a cell in a step.
+/// A point that moves with the cargo and stands for a portion of it (tracers.h).
+typedef struct macro_tracer {
+    double at1;      ///< place in its cell along x1, 0 to 1
+    double at2;      ///< same along x2
+    double entered;  ///< when it did, s
+    uint32_t column; ///< of its cell
+    uint32_t row;    ///< same
+} macro_tracer;
+
+/// A tracer that left the grid in a step.
 typedef struct macro_exit {
-    double density; ///< in densities of a cell
-    double entered; ///< when, s; of what mixed the mean
+    double entered; ///< when, s
+    double left;    ///< same
 } macro_exit;
 
 /// The defaults above.
@@ -101,19 +111,24 @@ macro_solver *macro_destroy(macro_solver *s);
 BF_MUST_CHECK bf_status macro_set_density(macro_solver *s, const double *rho, size_t n,
                                           bf_error *err);
 
-/// Add a density that entered at a time, s, to a cell, layout of grid.h, between two steps; one below 0 takes some of
-/// what there is.
-void macro_add(macro_solver *s, size_t cell, double density, double entered);
+/// Add a density to a cell, layout of grid.h, between two steps; one below 0 takes some of what there is.
+void macro_add(macro_solver *s, size_t cell, double density);
 
-/// When the cargo of a cell entered in the mean, s; 0 without has_entry_times.
-double macro_entered(const macro_solver *s, size_t cell);
+/// A density, in that of a cell, which was added enters now at a place, m: tracers are placed there for it. Without tracers
+/// no effect.
+void macro_trace(macro_solver *s, vec2 at, double density);
 
-/// How fast the cargo of the cell of a column and a row left it in the last step, m/s; 0 without has_entry_times, and
-/// before the first step.
-double macro_speed(const macro_solver *s, size_t column, size_t row);
+/// Move the tracers of a cell into another one.
+void macro_hand_on_tracers(macro_solver *s, size_t from, size_t to);
 
-/// What left in the last step, *ret_n exits; without has_entry_times none. Borrowed until the next non-const call.
-const macro_exit *macro_exits(const macro_solver *s, size_t *ret_n);
+/// The tracers in the grid, and those that left in the last step, *ret_n of them, each for *ret_portion. Borrowed until the
+/// next non-const call.
+const macro_tracer *macro_tracers(const macro_solver *s, size_t *ret_n, double *ret_portion);
+const macro_exit *macro_exits(const macro_solver *s, size_t *ret_n, double *ret_portion);
+
+/// How fast the cargo of each cell of a row leaves it, m/s, by the last step or one of the few before it; 0 without
+/// tracers, and before the first step.
+void macro_speeds(const macro_solver *s, size_t row, double *ret_speeds);
 
 /// True if what is in a cell falls.
 bool macro_is_off(const macro_solver *s, size_t cell);

@@ -120,10 +120,11 @@ macro_sweep_fn *macro__sweep_of(scene_scheme scheme, cpu_level level, bool is_na
 struct macro_solver {
     macro_def def;               ///< without its arrays
     struct congested *congested; ///< of SCENE_CONGESTED; else NULL
-    struct entry_times *entries; ///< of has_entry_times; else NULL
+    struct tracers *tracers;     ///< of tracer_portion; else NULL
     macro_sweep_fn *sweep;       ///< macro__sweep_of()
     int n_stages;                ///< of a step
     int stage;                   ///< the present one, from 0
+    bool records;                ///< it records velocities of cargo (cargo_velocity.h)
     mollifier along;             ///< weights along x1
     mollifier across;            ///< weights along x2
     double lambda1;              ///< dt/dx1

@@ -4,8 +4,8 @@
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/macro/congested.h"
-#include "core/macro/entry_times.h"
 #include "core/macro/macro_priv.h"
+#include "core/macro/tracers.h"
 #include "core/scene/definition.h"
 
 #include <math.h>
@@ -84,29 +84,18 @@ bf_status macro_set_density(macro_solver *s, const double *rho, size_t n, bf_err
         memset(s->fallen, 0, grid_cells(&s->def.grid) * sizeof *s->fallen);
     if (s->congested != NULL)
         congested_reset(s);
-    if (s->entries != NULL)
-        entry_times_reset(s);
+    if (s->tracers != NULL)
+        tracers_reset(s);
     return BF_OK;
 }
 
-// The mean of the times of what is in a cell and of what comes.
-static void add_entry(const macro_solver *s, ptrdiff_t i, ptrdiff_t j, double before,
-                      double density, double entered)
-{
-    double *time = macro__row(s, s->entries->times, j) + i;
-
-    *time = (before * *time + density * entered) / (before + density);
-}
-
-void macro_add(macro_solver *s, size_t cell, double density, double entered)
+void macro_add(macro_solver *s, size_t cell, double density)
 {
     const ptrdiff_t j = (ptrdiff_t)cell / s->n1, i = (ptrdiff_t)cell % s->n1, b = i / BLOCK_CELLS;
     double *row = macro__row(s, s->now.rho, j);
 
     if (density == 0.0)
         return;
-    if (s->entries != NULL && density > 0.0)
-        add_entry(s, i, j, row[i], density, entered);
     row[i] += density;
     s->now.span[j] = block_span_hull(s->now.span[j], (block_span){ b, b + 1 });
     if (row[i] >= active_from(s))
@@ -116,44 +105,12 @@ void macro_add(macro_solver *s, size_t cell, double density, double entered)
     macro__fill_margins(s, row);
 }
 
-double macro_entered(const macro_solver *s, size_t cell)
+void macro_speeds(const macro_solver *s, size_t row, double *ret_speeds)
 {
-    return s->entries != NULL
-               ? macro__row(s, s->entries->times, (ptrdiff_t)cell / s->n1)[(ptrdiff_t)cell % s->n1]
-               : 0.0;
-}
-
-// fmax() is a call, and this is asked of all cells at every sample.
-static inline double positive(double x)
-{
-    return x > 0.0 ? x : 0.0;
-}
-
-double macro_speed(const macro_solver *s, size_t column, size_t row)
-{
-    const ptrdiff_t i = (ptrdiff_t)column, j = (ptrdiff_t)row;
-
-    if (s->entries == NULL)
-        return 0.0;
-    const double *x1 = macro__row(s, s->entries->flux1, j) + i;
-    const double west = x1[-1], east = x1[0];
-    const double south = macro__row(s, s->entries->flux2, j)[i];
-    const double north = macro__row(s, s->entries->flux2, j + 1)[i];
-    const double out1 = positive(east) + positive(-west);
-    const double out2 = positive(north) + positive(-south);
-    const double in = positive(-east) + positive(west) + positive(-north) + positive(south);
-    // Of the density before the step; what was added to the cell since then has not had the time to leave it.
-    const double now = macro__row(s, s->now.rho, j)[i], before = now + out1 + out2 - in;
-    const double density = now < before ? now : before;
-    const double d1 = out1 * s->def.grid.d1, d2 = out2 * s->def.grid.d2;
-
-    return density > 0.0 ? sqrt(d1 * d1 + d2 * d2) / (s->def.dt * density) : 0.0;
-}
-
-const macro_exit *macro_exits(const macro_solver *s, size_t *ret_n)
-{
-    *ret_n = s->entries != NULL ? s->entries->n_exits : 0;
-    return s->entries != NULL ? s->entries->exits : NULL;
+    if (s->tracers != NULL && s->steps > 0)
+        cargo_velocity_speeds(s, (ptrdiff_t)row, ret_speeds);
+    else
+        memset(ret_speeds, 0, s->def.grid.n1 * sizeof *ret_speeds);
 }
 
 bool macro_is_off(const macro_solver *s, size_t cell)
@@ -321,7 +278,7 @@ uint64_t macro__digest_definition(const macro_def *def)
     uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
 
     digest = digest_add(digest, def->mirror, sizeof def->mirror);
-    digest = digest_add(digest, &def->has_entry_times, sizeof def->has_entry_times);
+    digest = digest_add(digest, &def->tracer_portion, sizeof def->tracer_portion);
     digest = digest_add(digest, def->v1, def->v1 == NULL ? 0 : n_faces1 * sizeof *def->v1);
     digest = digest_add(digest, def->v2, def->v2 == NULL ? 0 : n_faces2 * sizeof *def->v2);
     digest = digest_add(digest, def->closed1, def->closed1 == NULL ? 0 : n_faces1);
@@ -348,7 +305,6 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
     enum { SMALL_STATE_BYTES = 65536 }; // of all else
     const size_t n_arrays = grid_cells(&s->def.grid) * sizeof(double) +
                             (s->fallen != NULL ? grid_cells(&s->def.grid) * sizeof(double) : 0) +
-                            (s->entries != NULL ? grid_cells(&s->def.grid) * sizeof(double) : 0) +
                             (s->congested != NULL ? congested_state_size(s) : 0);
     checkpoint_writer w;
 
@@ -361,8 +317,8 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
         checkpoint_write(&w, macro_row(s, j), s->def.grid.n1 * sizeof(double));
     if (s->fallen != NULL)
         checkpoint_write(&w, s->fallen, grid_cells(&s->def.grid) * sizeof *s->fallen);
-    if (s->entries != NULL)
-        entry_times_save(s, &w);
+    if (s->tracers != NULL)
+        tracers_save(s, &w);
     if (s->congested != NULL)
         congested_save(s, &w);
     belt_speeds_save(&s->speeds, &w);
@@ -383,7 +339,7 @@ bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err
     if (rho != NULL)
         take_density(s, rho);
     if (rho == NULL || (s->fallen != NULL && !checkpoint_read(&r, s->fallen, n_bytes)) ||
-        (s->entries != NULL && !entry_times_load(s, &r)) ||
+        (s->tracers != NULL && !tracers_load(s, &r)) ||
         (s->congested != NULL && !congested_load(s, &r)) || !belt_speeds_load(&s->speeds, &r) ||
         r.n_left != 0)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");

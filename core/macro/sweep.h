@@ -3,10 +3,10 @@
 
 #pragma once
 
-#include "core/macro/entry_times.h"
 #include "core/macro/flux.h"
 #include "core/macro/macro_priv.h"
 #include "core/macro/skip.h"
+#include "core/macro/tracers.h"
 
 #include <math.h>
 
@@ -88,32 +88,25 @@ static inline double sweep_row_cost(const macro_solver *s, const uint64_t *dispe
            cost_of_dispersion * block_set_count(dispersion, macro__words(s));
 }
 
-/// skip_find_special(); where times of entry follow the fluxes, all blocks of the span are special.
-static inline void sweep_find_special(macro_band *band, ptrdiff_t r, block_span span)
-{
-    skip_find_special(band, r, span);
-    for (size_t w = 0; band->solver->entries != NULL && w < macro__words(band->solver); w++)
-        band->special[w] = block_set_span_word(span, w);
-}
-
-/// Where times of entry follow them, record the fluxes of a row of the band whose cells in the span were updated by flux1.
-static inline void sweep_record_flux_x1(const macro_band *band, ptrdiff_t r, block_span span)
+/// Record the velocities of cargo across the x1-faces of a row of the band.
+static inline void sweep_record_x1(const macro_band *band, ptrdiff_t r, const double *near,
+                                   const double *far)
 {
     const macro_solver *s = band->solver;
-    const block_span faces = { span.first - 1, span.last }, none = { 0, 0 };
+    const cargo_velocity_fluxes of = { band->flux1, near, far, band->active_faces };
 
-    if (s->entries != NULL && r >= band->first && r < band->last)
-        entry_times_record(s, s->entries->flux1, r, band->flux1,
-                           span.first < span.last ? faces : none, s->lambda1 / s->n_stages,
-                           s->stage == 0);
+    if (s->records && r >= band->first && r < band->last)
+        cargo_velocity_put(s, &s->faces1, &of, r, s->tracers->record.u1);
 }
 
-/// The same of the x2 fluxes south of row r; the last ones of a band are those of the next one.
-static inline void sweep_record_flux_x2(const macro_band *band, ptrdiff_t r)
+/// The same of the x2-faces south of row r, whose dynamic fluxes are in the blocks band->wanted; the last ones of a band are
+/// those of the next one.
+static inline void sweep_record_x2(const macro_band *band, ptrdiff_t r, const double *near,
+                                   const double *far)
 {
     const macro_solver *s = band->solver;
+    const cargo_velocity_fluxes of = { band->flux2[r & 1], near, far, band->wanted };
 
-    if (s->entries != NULL && (r < band->last || r == s->n2))
-        entry_times_record(s, s->entries->flux2, r, band->flux2[r & 1],
-                           (block_span){ 0, s->n_blocks }, s->lambda2 / s->n_stages, s->stage == 0);
+    if (s->records && (r < band->last || r == s->n2))
+        cargo_velocity_put(s, &s->faces2, &of, r, s->tracers->record.u2);
 }

@@ -98,7 +98,7 @@ static void sweep_x1(macro_band *band, ptrdiff_t r, block_span span, row_update 
     ptrdiff_t b = -1;
     block_span run;
 
-    sweep_find_special(band, r, span);
+    skip_find_special(band, r, span);
     for (ptrdiff_t done = span.first; done < span.last; done = run.last) {
         if (!block_set_next_run(band->special, macro__words(s), &b, &run))
             run = (block_span){ span.last, span.last };
@@ -113,7 +113,7 @@ static void sweep_x1(macro_band *band, ptrdiff_t r, block_span span, row_update 
                    band->states1.far, faces, band->active_faces, band->flux1);
         update_x1(rho, s->lambda1, band->flux1, run, out);
     }
-    sweep_record_flux_x1(band, r, span);
+    sweep_record_x1(band, r, band->states1.near, band->states1.far);
 }
 
 // Blocks of the x2-faces south of row r whose dynamic flux may not be 0, in word w of a set.
@@ -183,7 +183,7 @@ static void flux_x2(macro_band *band, ptrdiff_t r)
     while (block_set_next_run(band->flux2_set[r & 1], macro__words(s), &b, &run))
         sweep_flux(s, macro__row(s, s->faces2.v, r), band->dispersion[(r - 1) & 1].i2, near, far,
                    run, band->wanted, band->flux2[r & 1]);
-    sweep_record_flux_x2(band, r);
+    sweep_record_x2(band, r, near, far);
 }
 
 // The stage of row r along x2, and what is known of the result. After x1 the density was in span.

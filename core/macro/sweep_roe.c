@@ -63,7 +63,7 @@ static void sweep_row_x1(macro_band *band, ptrdiff_t r, macro_row_after_x1 *afte
     ptrdiff_t b = -1, done = after_x1->span.first;
     block_span run;
 
-    sweep_find_special(band, r, after_x1->span);
+    skip_find_special(band, r, after_x1->span);
     while (done < after_x1->span.last) {
         if (!block_set_next_run(band->special, macro__words(s), &b, &run))
             run = (block_span){ after_x1->span.last, after_x1->span.last };
@@ -79,7 +79,7 @@ static void sweep_row_x1(macro_band *band, ptrdiff_t r, macro_row_after_x1 *afte
         done = run.last;
     }
     skip_mark_active(s, after_x1->span, after_x1->active, after_x1->active_first);
-    sweep_record_flux_x1(band, r, after_x1->span);
+    sweep_record_x1(band, r, rho, rho + 1);
 }
 
 // Makes I of row r where its x1 sweep needs it, and where its x2 flux probably will.
@@ -146,7 +146,7 @@ static void flux_x2(macro_band *band, ptrdiff_t r)
         sweep_flux(s, macro__row(s, s->faces2.v, r), band->dispersion[(r - 1) & 1].i2,
                    band->after_x1[(r - 1) & 1].rho, band->after_x1[r & 1].rho, run, band->wanted,
                    band->flux2[r & 1]);
-    sweep_record_flux_x2(band, r);
+    sweep_record_x2(band, r, band->after_x1[(r - 1) & 1].rho, band->after_x1[r & 1].rho);
 }
 
 // The x2 sweep of row r, in place, with the fluxes on both its sides.

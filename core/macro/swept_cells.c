@@ -241,7 +241,7 @@ static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, dou
                 continue;
             const double taken = fmin(density, fmax(0.0, x->full - density_of(x, to)));
             if (taken > 0.0)
-                macro_add(x->solver, to, taken, macro_entered(x->solver, start));
+                macro_add(x->solver, to, taken);
             density -= taken;
             if (density <= 0.0)
                 return 0.0;
@@ -251,7 +251,7 @@ static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, dou
 }
 
 // Spreads what found no room over the cells that were found. False: there is none.
-static bool spread(const hand_on_context *x, double density, double entered)
+static bool spread(const hand_on_context *x, double density)
 {
     const swept_cells *c = x->cells;
     size_t n = 0;
@@ -260,20 +260,33 @@ static bool spread(const hand_on_context *x, double density, double entered)
         n += !is_swept(c, c->queue[k]);
     for (size_t k = 0; k < c->n_queue; k++)
         if (!is_swept(c, c->queue[k]))
-            macro_add(x->solver, c->queue[k], density / (double)n, entered);
+            macro_add(x->solver, c->queue[k], density / (double)n);
     return n > 0;
+}
+
+// What is pushed stays before the plate: its tracers go to the nearest cell that was found.
+static void hand_on_tracers(const hand_on_context *x, size_t cell)
+{
+    const swept_cells *c = x->cells;
+
+    for (size_t k = 1; k < c->n_queue; k++)
+        if (!is_swept(c, c->queue[k])) {
+            macro_hand_on_tracers(x->solver, cell, c->queue[k]);
+            return;
+        }
 }
 
 static void hand_on_cell(void *context, size_t cell, vec2 ahead)
 {
     const hand_on_context *x = context;
-    const double density = density_of(x, cell), entered = macro_entered(x->solver, cell);
+    const double density = density_of(x, cell);
 
     if (density == 0.0)
         return;
     const double left = fill_cells(x, cell, ahead, density);
-    const bool is_done = left == 0.0 || spread(x, left, entered);
-    macro_add(x->solver, cell, is_done ? -density : left - density, entered);
+    const bool is_done = left == 0.0 || spread(x, left);
+    macro_add(x->solver, cell, is_done ? -density : left - density);
+    hand_on_tracers(x, cell);
 }
 
 void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,

@@ -21,6 +21,7 @@ typedef struct macro_run {
     size_t n_belts;
     const scene_belt *belts; // borrowed from the scene
     uint16_t *belt_of;       // under each cell, n_belts off every one; NULL without feeds
+    double *speeds;          // scratch: of a row's cells; same
     feed_density *feeds;
     moving_plates *plates; // NULL: no obstacle moves
     double packing;        // parts/m2 at density 1
@@ -88,7 +89,22 @@ static void complete_congested(const scene *s, const velocity_field *f, macro_de
             s->edges[side] != SCENE_EDGE_OUTFLOW || scene_is_fed(s, (scene_side)side);
 }
 
-static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
+// Enough tracers for a 95th percentile: about a thousand of what is offered, more where more than twice what the belts
+// hold comes through.
+static double tracer_portion(const scene *s, const macro_run *run)
+{
+    const double of_run = 1024.0, of_full_belts = 512.0;
+    const double parts_per_cell = run->packing * run->grid.d1 * run->grid.d2;
+    const double offered = feed_density_offered(run->feeds, s->duration);
+    const double held = (double)grid_cells(&run->grid) / of_full_belts;
+
+    if (!run->is_fed)
+        return 0.0;
+    return offered > 0.0 ? fmin(offered / (of_run * parts_per_cell), held) : held;
+}
+
+static macro_def def_of(const scene *s, const macro_run *run, const velocity_field *f,
+                        int n_threads)
 {
     macro_def def = macro_def_default();
 
@@ -103,7 +119,7 @@ static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
     def.closed1 = f->closed1;
     def.closed2 = f->closed2;
     def.off = f->off;
-    def.has_entry_times = s->n_feeds > 0;
+    def.tracer_portion = tracer_portion(s, run);
     if (f->belt1 != NULL) {
         def.n_belts = s->n_belts;
         def.belts = s->belts;
@@ -132,7 +148,7 @@ static bf_status create_solver(const scene *s, int n_threads, macro_run *run, bf
     if (status != BF_OK)
         return status;
     const velocity_field *field = run->plates != NULL ? moving_plates_field(run->plates) : f;
-    const macro_def def = def_of(s, field, n_threads);
+    const macro_def def = def_of(s, run, field, n_threads);
     run->may_drop = field->off != NULL;
     status = macro_create(&def, &run->solver, err);
     velocity_field_destroy(f);
@@ -209,6 +225,7 @@ static void destroy_run(void *solver)
     moving_plates_destroy(run->plates);
     crossings_destroy(run->crossings);
     memory_free(run->belt_of);
+    memory_free(run->speeds);
     for (size_t k = 0; k < run->n_eyes; k++)
         beam_cells_fini(&run->beams[k]);
     memory_free(run);
@@ -235,7 +252,8 @@ static bf_status find_belts(const scene *s, macro_run *run, bf_error *err)
     run->n_belts = s->n_belts;
     run->belts = s->belts;
     run->belt_of = memory_alloc(grid_cells(g), sizeof *run->belt_of);
-    if (run->belt_of == NULL)
+    run->speeds = memory_alloc(g->n1, sizeof *run->speeds);
+    if (run->belt_of == NULL || run->speeds == NULL)
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for %zu cells", grid_cells(g));
     for (size_t cell = 0; cell < grid_cells(g); cell++) {
         const vec2 at = { grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) };
@@ -259,10 +277,10 @@ static bf_status create_run(const scene *s, int n_threads, void **ret_solver, ru
     run->n_counters = s->n_counters;
     for (size_t k = 0; k < s->n_counters; k++)
         run->counters[k] = counter_cells_of(&s->counters[k], &run->grid);
-    if ((status = create_solver(s, n_threads, run, err)) != BF_OK ||
+    if ((status = feed_density_create(s, scene_macro_step(s), &run->feeds, err)) != BF_OK ||
+        (status = create_solver(s, n_threads, run, err)) != BF_OK ||
         (status = create_eyes(s, run, err)) != BF_OK ||
         (run->is_fed && (status = find_belts(s, run, err)) != BF_OK) ||
-        (status = feed_density_create(s, scene_macro_step(s), &run->feeds, err)) != BF_OK ||
         (status = place_parts(s, run, &n_parts, err)) != BF_OK) {
         destroy_run(run);
         return status;
@@ -299,11 +317,12 @@ static double factor_of_belt(const void *context, size_t belt)
     return macro_belt_factor(run->solver, belt);
 }
 
-static void add_to_cell(void *context, size_t cell, double density)
+static void add_to_cell(void *context, size_t cell, double density, vec2 at)
 {
     const macro_run *run = context;
 
-    macro_add(run->solver, cell, density, macro_time(run->solver));
+    macro_add(run->solver, cell, density);
+    macro_trace(run->solver, at, density);
 }
 
 static bool is_dense(const macro_run *run, size_t eye)
@@ -435,29 +454,32 @@ static run_load measure_run(const void *solver)
 // What density thins out to without end is no cargo that has a time.
 static const double least_density = 1e-9;
 
+static double parts_of(const macro_run *run, double density)
+{
+    return run->packing * run->grid.d1 * run->grid.d2 * density;
+}
+
 static void tell_exits(const void *solver, figures *to)
 {
     const macro_run *run = solver;
-    const double now = macro_time(run->solver), parts = run->packing * run->grid.d1 * run->grid.d2;
+    double portion;
     size_t n;
-    const macro_exit *exits = macro_exits(run->solver, &n);
+    const macro_exit *exits = macro_exits(run->solver, &n, &portion);
 
     for (size_t k = 0; k < n; k++)
-        if (exits[k].density > least_density)
-            figures_exit(to, fmax(now - exits[k].entered, 0.0), parts * exits[k].density);
+        figures_exit(to, exits[k].left - exits[k].entered, parts_of(run, portion));
 }
 
 static void tell_ages(const void *solver, figures *to)
 {
     const macro_run *run = solver;
-    const double now = macro_time(run->solver), parts = run->packing * run->grid.d1 * run->grid.d2;
+    double portion;
+    size_t n;
+    const macro_tracer *tracers = macro_tracers(run->solver, &n, &portion);
 
     figures_forget_ages(to);
-    for (size_t cell = 0; cell < grid_cells(&run->grid); cell++) {
-        const double density = density_of_cell(run, cell);
-        if (density > least_density)
-            figures_add_age(to, fmax(now - macro_entered(run->solver, cell), 0.0), parts * density);
-    }
+    for (size_t k = 0; k < n; k++)
+        figures_add_age(to, macro_time(run->solver) - tracers[k].entered, parts_of(run, portion));
 }
 
 static void tell_row(const macro_run *run, const double *speeds, size_t j, figures *to)
@@ -466,11 +488,12 @@ static void tell_row(const macro_run *run, const double *speeds, size_t j, figur
     const double *densities = macro_row(run->solver, j), parts = run->packing * g->d1 * g->d2;
     const uint16_t *belts = run->belt_of + j * g->n1;
 
+    macro_speeds(run->solver, j, run->speeds);
     for (size_t i = 0; i < g->n1; i++) {
         if (densities[i] <= least_density || belts[i] == run->n_belts)
             continue;
         const figures_cargo cargo = { .at = { grid_x1(g, i), grid_x2(g, j) },
-                                      .speed = macro_speed(run->solver, i, j),
+                                      .speed = run->speeds[i],
                                       .belt_speed = speeds[belts[i]],
                                       .parts = parts * densities[i],
                                       .age = (double)NAN };

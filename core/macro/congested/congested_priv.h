@@ -119,11 +119,6 @@ typedef struct congested_kernels {
     /// rho = rho* - dt div G of these cells of a row, both colours, in place in `next`.
     void (*correct)(const macro_solver *s, const congested *c, ptrdiff_t row,
                     congested_range cells);
-    /// Record what the upwind transport of blocks of a row moves through its x1-faces and those south of it, and what the
-    /// correction does around these cells, both colours, in the rows of entry_times.h.
-    void (*record_transport)(const macro_solver *s, ptrdiff_t row, block_span span);
-    void (*record_correction)(const macro_solver *s, const congested *c, ptrdiff_t row,
-                              congested_range cells);
     /// True if G takes more out of one of these cells than the part CONGESTED_MOST_LOST of what it holds in `next`.
     bool (*is_overdrawn)(const macro_solver *s, const congested *c, ptrdiff_t row,
                          congested_range cells);

@@ -4,7 +4,6 @@
 #include "core/base/simd_pairs.h"
 #include "core/macro/congested/congested_priv.h"
 #include "core/macro/congested/transport.h"
-#include "core/macro/entry_times.h"
 
 // The law along the belt: slope 1, then `slope`, then none. It is concave, so the least of its pieces; `outer` is the
 // second.
@@ -357,36 +356,6 @@ static void correct(const macro_solver *s, const congested *c, ptrdiff_t row, co
         rho[i] = 0.0;
 }
 
-// Adds dt/dx1 times the fluxes of a side of the cells of a row, both colours, in their order: of cell 2 k at place 2 k.
-static inline void record_side(const macro_solver *s, const row_fluxes *even, const row_fluxes *odd,
-                               congested_side side, congested_range cells, double *row)
-{
-    const ptrdiff_t end = last_in_row(s, cells);
-
-    for (ptrdiff_t k = cells.first; k < end; k += SIMD_LANES) {
-        const simd of_even = simd_load_floats(even->side[side] + k);
-        const simd of_odd = simd_load_floats(odd->side[side] + k);
-        double *low = row + 2 * k, *high = low + SIMD_LANES;
-        simd_store(low, simd_load(low) + s->lambda1 * simd_pairs_low(of_even, of_odd));
-        simd_store(high, simd_load(high) + s->lambda1 * simd_pairs_high(of_even, of_odd));
-    }
-}
-
-static void record_correction(const macro_solver *s, const congested *c, ptrdiff_t row,
-                              congested_range cells)
-{
-    const row_fluxes even = fluxes_of(c, row, (int)(row & 1));
-    const row_fluxes odd = fluxes_of(c, row, 1 - (int)(row & 1));
-    const entry_times *e = s->entries;
-    double *x1 = macro__row(s, e->flux1, row);
-
-    x1[2 * cells.first - 1] += s->lambda1 * (double)even.side[CONGESTED_WEST][cells.first];
-    record_side(s, &even, &odd, CONGESTED_EAST, cells, x1);
-    record_side(s, &even, &odd, CONGESTED_SOUTH, cells, macro__row(s, e->flux2, row));
-    if (row + 1 == s->n2)
-        record_side(s, &even, &odd, CONGESTED_NORTH, cells, macro__row(s, e->flux2, row + 1));
-}
-
 // By how much more cells k to k + SIMD_LANES - 1 of a half row lose through all their faces than they may.
 static inline simd overdraft(const macro_solver *s, const row_fluxes *f, ptrdiff_t k, simd rho)
 {
@@ -427,7 +396,5 @@ const congested_kernels congested__kernels = { .relax = relax,
                                                .muscl_update = congested__muscl_update,
                                                .set_excess = set_excess,
                                                .correct = correct,
-                                               .record_transport = congested__record_transport,
-                                               .record_correction = record_correction,
                                                .is_overdrawn = is_overdrawn,
                                                .make_thresholds = make_thresholds };

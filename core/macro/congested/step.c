@@ -281,8 +281,6 @@ static void correct_row(macro_solver *s, const congested *c, ptrdiff_t row)
 
     if (cells.first < cells.last) {
         c->kernels.correct(s, c, row, cells);
-        if (s->entries != NULL)
-            c->kernels.record_correction(s, c, row, cells);
         span = block_span_hull(
             span, (block_span){ 2 * cells.first / BLOCK_CELLS, 2 * cells.last / BLOCK_CELLS });
         span.last = span.last < s->n_blocks ? span.last : s->n_blocks;

@@ -7,7 +7,6 @@
 // where no stage has a bound on the density: the correction that follows is of rho* alone.
 
 #include "core/macro/congested/transport.h"
-#include "core/macro/entry_times.h"
 
 #include <string.h>
 
@@ -45,8 +44,6 @@ static void transport_upwind(macro_solver *s, const congested *c, ptrdiff_t firs
         memset(star - s->margin, 0, (size_t)s->stride * sizeof *star);
         if (span.first < span.last)
             c->kernels.transport(s, row, span.first * BLOCK_CELLS, span.last * BLOCK_CELLS, star);
-        if (s->entries != NULL)
-            c->kernels.record_transport(s, row, span);
         clear_behind(s, star);
         s->next.span[row] = span;
     }
@@ -61,23 +58,6 @@ static void make_flux_x2(const macro_solver *s, const congested *c, const conges
 
     c->kernels.muscl_states_x2(s, stage, r, block_span_hull(flux, reached(s, stage->from, r + 1)));
     c->kernels.muscl_flux_x2(s, stage, r, flux);
-}
-
-// Records the fluxes of a row that was just made; each stage counts half.
-static void record_stage(const macro_solver *s, const congested_stage *stage, ptrdiff_t row,
-                         block_span span)
-{
-    const entry_times *e = s->entries;
-    const congested_rows *rows = stage->rows;
-    const bool is_first = stage->begin == NULL;
-    const block_span faces =
-        span.first < span.last ? (block_span){ span.first - 1, span.last } : span;
-
-    entry_times_record(s, e->flux1, row, rows->flux1, faces, 0.5 * s->lambda1, is_first);
-    entry_times_record(s, e->flux2, row, rows->flux2[row & 1], span, 0.5 * s->lambda2, is_first);
-    if (row + 1 == s->n2)
-        entry_times_record(s, e->flux2, row + 1, rows->flux2[(row + 1) & 1], span, 0.5 * s->lambda2,
-                           is_first);
 }
 
 static void transport_stage(const macro_solver *s, const congested *c, const congested_stage *stage,
@@ -98,8 +78,6 @@ static void transport_stage(const macro_solver *s, const congested *c, const con
             c->kernels.muscl_update(s, stage, row, span);
         clear_behind(s, rho);
         stage->to->span[row] = span;
-        if (s->entries != NULL)
-            record_stage(s, stage, row, span);
     }
 }
 

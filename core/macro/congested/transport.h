@@ -1,4 +1,4 @@
-/// The transport by v_stat: rho* = rho - dt div(rho v_stat) by both schemes, and what it moves, for the times of entry.
+/// The transport by v_stat: rho* = rho - dt div(rho v_stat) by both schemes.
 
 #pragma once
 
@@ -11,13 +11,11 @@ void congested__transport(macro_solver *s, int member, ptrdiff_t first, ptrdiff_
 #ifdef CPU_BUILD
 /// What transport_kernels.c gives to the table of each build, see congested_kernels.
 #define congested__transport_upwind CPU_NAME(congested__transport_upwind)
-#define congested__record_transport CPU_NAME(congested__record_transport)
 #define congested__muscl_states_x2  CPU_NAME(congested__muscl_states_x2)
 #define congested__muscl_flux_x2    CPU_NAME(congested__muscl_flux_x2)
 #define congested__muscl_update     CPU_NAME(congested__muscl_update)
 void congested__transport_upwind(const macro_solver *s, ptrdiff_t row, ptrdiff_t i_min,
                                  ptrdiff_t i_max, double *ret_rho);
-void congested__record_transport(const macro_solver *s, ptrdiff_t row, block_span span);
 void congested__muscl_states_x2(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,
                                 block_span span);
 void congested__muscl_flux_x2(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,

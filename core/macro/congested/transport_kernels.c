@@ -2,7 +2,6 @@
 // terms of an update have the order of sweep_muscl.c: where no cargo is packed the density has the same bits.
 
 #include "core/macro/congested/transport.h"
-#include "core/macro/entry_times.h"
 #include "core/macro/flux.h"
 #include "core/macro/muscl.h"
 
@@ -25,32 +24,6 @@ void congested__transport_upwind(const macro_solver *s, ptrdiff_t row, ptrdiff_t
         const simd down = flux_upwind_one(simd_load(v2 + i), simd_load(south + i), here);
         simd_store(ret_rho + i, here - s->lambda1 * (east - west) - s->lambda2 * (up - down));
     }
-}
-
-// A row of part times the upwind flux through faces; 0 outside the blocks.
-static inline void record_row(const macro_solver *s, const double *v, const double *near,
-                              const double *far, block_span span, double part, double *ret_row)
-{
-    entry_times_clear(s, ret_row, span);
-    for (ptrdiff_t i = span.first * BLOCK_CELLS; i < span.last * BLOCK_CELLS; i += SIMD_LANES)
-        simd_store(ret_row + i, part * flux_upwind_one(simd_load(v + i), simd_load_any(near + i),
-                                                       simd_load_any(far + i)));
-}
-
-void congested__record_transport(const macro_solver *s, ptrdiff_t row, block_span span)
-{
-    const entry_times *e = s->entries;
-    const double *nothing = s->zero_row + s->margin, *rho = macro__row(s, s->now.rho, row);
-    const block_span faces =
-        span.first < span.last ? (block_span){ span.first - 1, span.last } : span;
-
-    record_row(s, macro__row(s, s->faces1.v, row), rho, rho + 1, faces, s->lambda1,
-               macro__row(s, e->flux1, row));
-    record_row(s, macro__row(s, s->faces2.v, row), row > 0 ? rho - s->stride : nothing, rho, span,
-               s->lambda2, macro__row(s, e->flux2, row));
-    if (row + 1 == s->n2)
-        record_row(s, macro__row(s, s->faces2.v, row + 1), rho, nothing, span, s->lambda2,
-                   macro__row(s, e->flux2, row + 1));
 }
 
 void congested__muscl_states_x2(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,

@@ -30,7 +30,7 @@ macro_def helper_macro_def(const scene *s, const velocity_field *f)
     def.v2 = f->v2;
     def.closed1 = f->closed1;
     def.closed2 = f->closed2;
-    def.has_entry_times = s->n_feeds > 0;
+    def.tracer_portion = s->n_feeds > 0 ? 1.0 : 0.0;
     def.n_belts = f->belt1 != NULL ? s->n_belts : 0;
     def.belts = s->belts;
     def.belt1 = f->belt1;

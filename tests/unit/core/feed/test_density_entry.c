@@ -18,6 +18,7 @@ enum { N1 = 10, N2 = 4 };
 typedef struct cells {
     double rho[N1 * N2];
     double factor;
+    vec2 place[N1 * N2]; // where what a cell has got came in
 } cells;
 
 static double density(const void *context, size_t cell)
@@ -31,11 +32,12 @@ static double factor(const void *context, size_t belt)
     return ((const cells *)context)->factor;
 }
 
-static void add(void *context, size_t cell, double amount)
+static void add(void *context, size_t cell, double amount, vec2 at)
 {
     cells *c = context;
 
     assert_true(amount > 0.0);
+    c->place[cell] = at;
     c->rho[cell] += amount;
 }
 
@@ -97,9 +99,13 @@ static void equal_cells_take_equal_amounts(void **state)
     make_scene(&s, 1, 800.0);
     feed_density *d = make_density(&s, &c);
     advance(d, 0.05, &c);
-    for (size_t j = 0; j < N2; j++)
+    for (size_t j = 0; j < N2; j++) {
         assert_near(c.rho[j * N1], 0.1, 1e-14);
+        assert_near(c.place[j * N1].x, 0.0, 1e-15);
+        assert_near(c.place[j * N1].y, 0.1 * (double)j + 0.05, 1e-15);
+    }
     check_balance(d, 0, 40.0, 40.0, 0.0);
+    assert_near(feed_density_offered(d, 0.1), 80.0, 1e-12);
     feed_density_destroy(d);
     scene_fini(&s);
 }
@@ -225,6 +231,8 @@ static void a_line_inside_has_no_bound_but_its_room(void **state)
     advance(d, dt, &c);
     assert_near(c.rho[2 * N1 + 4], 0.04, 1e-14);
     assert_near(c.rho[2 * N1 + 5], 0.02, 1e-14);
+    assert_near(c.place[2 * N1 + 4].x, 0.45, 1e-15);
+    assert_near(c.place[2 * N1 + 4].y, 0.25, 1e-15);
     advance(d, 1e3, &c);
     assert_near(c.rho[2 * N1 + 4], 0.93, 1e-14);
     assert_near(c.rho[2 * N1 + 5], 0.93, 1e-14);

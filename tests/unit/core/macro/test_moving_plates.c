@@ -75,6 +75,7 @@ static model start(const scene *s, int n_threads)
     const velocity_field *f = moving_plates_field(m.plates);
     macro_def def = helper_macro_def(s, f);
     def.n_threads = n_threads;
+    def.tracer_portion = 1.0;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         def.mirror[side] = def.one_way[side] = true;
     assert_int_equal(macro_create(&def, &m.solver, NULL), BF_OK);
@@ -129,6 +130,23 @@ static double mass_behind(const model *m, double turned)
     return sum * m->grid.d1 * m->grid.d2;
 }
 
+// Tracers in cells on that side.
+static size_t tracers_behind(const model *m, double turned)
+{
+    const vec2 along = { -sin(turned), cos(turned) };
+    double portion;
+    size_t n, n_behind = 0;
+    const macro_tracer *inside = macro_tracers(m->solver, &n, &portion);
+
+    assert_near(portion * (double)n * m->grid.d1 * m->grid.d2, mass_of(m), 0.01 * mass_of(m));
+    for (size_t k = 0; k < n; k++) {
+        const vec2 to = { grid_x1(&m->grid, inside[k].column) - 0.4,
+                          grid_x2(&m->grid, inside[k].row) };
+        n_behind += vec2_dot(vec2_turn_left(along), to) < 0.0;
+    }
+    return n_behind;
+}
+
 // Loose cargo upstream of the plate, which turns against it by 30 degrees and back, with the tip at up to 0.5 m/s.
 static void nothing_passes_a_plate_that_sweeps_through_a_heap(void **state)
 {
@@ -145,12 +163,14 @@ static void nothing_passes_a_plate_that_sweeps_through_a_heap(void **state)
             const double mass = mass_of(&m);
             advance(&m, 400);
             assert_true(mass_behind(&m, 30.0 * degree) <= 1e-12 * mass);
+            assert_int_equal(tracers_behind(&m, 30.0 * degree), 0);
             assert_near(mass_of(&m), mass, 1e-12 * mass);
             // Where the belt stands nothing else moves the cargo: there is room, and it is filled up to `full`.
             if (moves == 0)
                 assert_near(macro_measure(m.solver).peak, kinds[k].full, 1e-12);
             advance(&m, 600);
             assert_true(mass_behind(&m, 0.0) <= 1e-12 * mass);
+            assert_int_equal(tracers_behind(&m, 0.0), 0);
             assert_near(mass_of(&m), mass, 1e-12 * mass);
             stop(&m);
             scene_fini(&s);
