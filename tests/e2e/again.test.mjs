@@ -136,10 +136,13 @@ test("a run that was not solved tells what it would have told", async (t) => {
   const second = (await d.post("/v1/runs", { scenario: tiny() })).json;
   assert.equal(second.cached, true);
   const again = await (await d.events(second.id)).rest();
-  const results = (events, id) =>
-    events
-      .filter(({ event }) => ["curve", "snapshot", "figures"].includes(event))
+  // Of key figures the last ones; a run that takes longer has told earlier ones, too.
+  const results = (events, id) => {
+    const figures = events.filter(({ event }) => event === "figures").slice(0, -1);
+    return events
+      .filter((one) => ["curve", "snapshot", "figures"].includes(one.event) && !figures.includes(one))
       .map(({ event, data }) => [event, JSON.stringify(data).replaceAll(id, "ID")]);
+  };
   assert.deepEqual(results(again, second.id), results(told, first.id));
   const { key_figures } = (await d.get(`/v1/runs/${second.id}/summary`)).json;
   assert.deepEqual(again.filter(({ event }) => event === "figures").at(-1).data.key_figures, key_figures);
