@@ -163,6 +163,14 @@ const comparison_row comparisons_table[] = {
     { VALIDITY_PARTS_MODEL, 0.0036, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.1973, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // coin
     { VALIDITY_PARTS_MODEL, 0.0099, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.15, 0.19, 1, 0.7722, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can at 1 m/s
     { VALIDITY_PARTS_MODEL, 0.0099, { 60, 60, 5.5, NAN, 154.7, 86.25, 0.15, 0.19, 1, 0.1236, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can, 120 widths of belt
+    { VALIDITY_PARTS_MODEL, 0.0056, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.27, 0.27, 0.25, 0.4942, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can on acetal
+    { VALIDITY_PARTS_MODEL, -0.0007, { 45, 45, 7, NAN, 135.4, 16, 0.27, 0.27, 0.25, 0.4942, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can on acetal, 45 degrees
+    { VALIDITY_PARTS_MODEL, -0.0034, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.27, 0.27, 0.55, 0.2247, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // can on rubber
+    { VALIDITY_PARTS_MODEL, 0.0025, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.245, 0.25, 0.25, 1.203, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // bottle on steel
+    { VALIDITY_PARTS_MODEL, -0.0003, { 75, 75, 8, NAN, 156.5, 19.93, 0.245, 0.25, 0.22, 0.4361, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // jar on acetal, 75 degrees
+    { VALIDITY_PARTS_MODEL, -0.0018, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.375, 0.265, 0.25, 1.977, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // PET bottle on acetal
+    { VALIDITY_PARTS_MODEL, 0.0041, { 60, 60, 5.5, NAN, 154.7, 17.25, 0.27, 0.27, 0.27, 0.04144, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // keg on steel
+    { VALIDITY_PARTS_MODEL, -0.0014, { 90, 90, 7, NAN, 170.9, 21, 0.3, 0.16, 0.45, 0.09439, NAN, NAN, NAN, NAN, NAN, 0, 1, NAN, 1, 1, NAN, NAN, NAN, NAN, NAN } }, // bucket on rubber, 90 degrees
 };
 // clang-format on
 

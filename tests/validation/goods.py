@@ -4,7 +4,8 @@
 Each scene is a belt with a plate from its right side, fed with more parts than come through. What is asked: is the rate
 that of parts 100 times as hard, within 3 %; is the largest overlap at most 5 % of a radius; is no part behind the plate.
 The constants of core/micro/hardness.h and the steps in space were chosen with the set `development`; nothing is fitted to
-the set `apart`.
+the sets `apart` and `surfaces`. The latter has goods with their own frictions, on belts that they are conveyed on; the
+others have the paper's.
 """
 
 import ast
@@ -36,6 +37,8 @@ class Scene:
     across: float = 12.0  # width of the belt, widths
     along: float = 28.0  # its length, widths
     seconds: float = 60.0
+    surface: str | None = None  # of the parts; None: the paper's frictions
+    conveyor: str | None = None  # what the belt is made of
 
     @property
     def tip(self):
@@ -50,7 +53,8 @@ class Scene:
             "domain": {"x_m": [0, self.along * self.width], "y_m": [0, self.across * self.width]},
             "belts": [{"velocity_m_s": [self.speed, 0]}],
             "obstacles": [{"from_m": [foot, 0], "to_m": [x, y]}],
-            "cargo": {"shape": self.shape, "mass_kg": self.mass},
+            "cargo": {"shape": self.shape, "mass_kg": self.mass, **({"surface": self.surface} if self.surface else {})},
+            **({"surfaces": {"conveyor": self.conveyor}} if self.conveyor else {}),
             "feeds": [{"edge": "west", "arrivals": "poisson",
                        "rate_per_s": round(1.5 * self.opening * self.speed / self.width, 4)}],
             "output": {"curve_every_s": 0.1, "snapshot_every_s": self.seconds / 8},
@@ -105,6 +109,18 @@ SCENES = [
     Scene("apart", "octagonal tub", {"type": "prism", "height_m": 0.06, "outline_m": [
         [0.05 * math.cos(math.radians(45 * k)), 0.05 * math.sin(math.radians(45 * k))] for k in range(8)]},
         0.25, 0.1, **IN_SPACE),
+    Scene("surfaces", "can on acetal", cylinder(0.066, 0.115), 0.35, 0.066, surface="steel", conveyor="acetal"),
+    Scene("surfaces", "can on acetal, 45 degrees", cylinder(0.066, 0.115), 0.35, 0.066, angle=45.0, opening=7.0,
+          surface="steel", conveyor="acetal"),
+    Scene("surfaces", "can on rubber", cylinder(0.066, 0.115), 0.35, 0.066, surface="steel", conveyor="rubber"),
+    Scene("surfaces", "bottle on steel", cylinder(0.061, 0.23), 0.56, 0.061, speed=0.6, surface="glass", conveyor="steel"),
+    Scene("surfaces", "jar on acetal, 75 degrees", cylinder(0.085, 0.12), 1.1, 0.085, angle=75.0, opening=8.0,
+          surface="glass", conveyor="acetal"),
+    Scene("surfaces", "PET bottle on acetal", cylinder(0.066, 0.2), 0.53, 0.066, speed=0.8, surface="pet", conveyor="acetal"),
+    Scene("surfaces", "keg on steel", cylinder(0.41, 0.4), 12.5, 0.41, speed=0.3, seconds=200.0, surface="steel",
+          conveyor="steel"),
+    Scene("surfaces", "bucket on rubber, 90 degrees", cylinder(0.3, 0.3), 14.8, 0.3, speed=0.5, angle=90.0, opening=7.0,
+          seconds=120.0, surface="pe", conveyor="rubber"),
 ]
 
 
