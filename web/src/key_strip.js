@@ -16,13 +16,16 @@ function entered({ figures: known, summary, snapshots }) {
 // What an interval lacks, of a run of parts that are fed by chance.
 function lackOf({ run, figures: known }) {
   if (!known || known.throughput_error_per_h > 0 || run.model === "macro") return "";
-  return known.throughput_needs_s > 0 ? ` Too short for an interval: it needs about ${quantity(known.throughput_needs_s, "s", 2)}.` : "";
+  return known.throughput_needs_s > 0 ? `Too short for an interval: it needs about ${quantity(known.throughput_needs_s, "s", 2)}.` : "";
 }
 
 // A density knows no bridges: its throughput is none where parts bridge the opening.
 const isBridged = ({ run, summary }) => run.model === "macro" && Boolean(summary?.validity?.outside.some(({ what }) => what === "bridges"));
 
-// name(data); value(data): a number, or null: not known; text(value, data): without its unit; sentence(data).
+// What is said of some runs, each sentence once.
+const sentencesOf = (runs, sentence) => [...new Set(runs.flatMap(sentence))].filter(Boolean).join(" ");
+
+// name(data); value(data): a number, or null: not known; text(value, data): without its unit; sentence(data): one, or several.
 const figures = [
   {
     name: () => "Drained at",
@@ -39,10 +42,10 @@ const figures = [
     text: (value, { figures: known }) => {
       if (value === null) return "–";
       const error = known?.throughput_error_per_h;
-      return `${number(value, 6)}${error > 0 ? ` ± ${parts(error, 2)}` : ""}`;
+      return `${number(value >= 1000 ? Math.round(value) : value, 6)}${error > 0 ? ` ± ${parts(error, 2)}` : ""}`;
     },
     sentence: (data) => (isBridged(data) ? "Parts bridge this opening: solve it with the microscopic model."
-      : isFed(data.scenario) ? `Parts that left the belt, after the warm-up.${lackOf(data)}`
+      : isFed(data.scenario) ? ["Parts that left the belt, after the warm-up.", lackOf(data)]
       : `While the middle 80 % of the parts passed counter “${data.scenario.counters[0].id}”.`),
   },
   {
@@ -88,7 +91,7 @@ export class KeyStrip {
 
   show(data) {
     this.list.replaceChildren(...figures.map(({ name, unit, value, text, sentence }) => h("div", {},
-      h("dt", {}, name(data)), h("dd", {}, withUnit(text(value(data), data), unit)), h("dd", { class: "hint" }, sentence(data)))));
+      h("dt", {}, name(data)), h("dd", {}, withUnit(text(value(data), data), unit)), h("dd", { class: "hint" }, sentencesOf([data], sentence)))));
     const falls = fallsOf(data.curve);
     this.doubts.hidden = falls.length === 0;
     this.doubts.replaceChildren(...falls.map(([words, values]) =>
@@ -119,7 +122,7 @@ export class KeyTable {
       ...runs.map((data, k) => h("th", { scope: "col" }, headOf(k))));
     this.body.replaceChildren(...figures.map(({ name, unit, value, text, sentence }) => {
       const values = runs.map(value);
-      const words = [...new Set(runs.map(sentence))].join(" ");
+      const words = sentencesOf(runs, sentence);
       return h("tr", {}, h("th", { scope: "row" }, [...new Set(runs.map(name))].join(", "), h("small", {}, unit), h("small", { class: "sentence" }, words)), values.map((one, k) =>
         h("td", {}, text(one, runs[k]), h("small", {}, k === reference ? "" : moreThan(one, values[reference])))));
     }));
