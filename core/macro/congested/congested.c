@@ -173,7 +173,7 @@ static void limit_pressures(const macro_solver *s, congested *c)
     double fastest = 0.0;
 
     for (size_t k = 0; k < c->n_belts; k++)
-        fastest = fmax(fastest, vec2_length(c->belts[k]));
+        fastest = fmax(fastest, fmax(s->factors[k], 1.0) * vec2_length(c->belts[k]));
     const float most = (float)(c->jam_density * fastest * (double)(s->n1 + s->n2));
     for (int colour = 0; colour < 2; colour++)
         for (ptrdiff_t row = 0; row < s->n2; row++)
