@@ -3,8 +3,8 @@
 //     node web/build.mjs OUT MODULES
 //
 // OUT is emptied first; MODULES is the node_modules folder that `npm ci` made of package-lock.json.
-// The editor of JSON, which the page imports when it is needed, becomes a bundle of its own. Below OUT/docs are the pages that
-// web/docs makes of api/openapi.json.
+// The editor of JSON, which the page imports when it is needed, becomes a bundle of its own. scenario_schemas.json and the pages
+// below OUT/docs, which web/docs makes, follow from api/openapi.json.
 
 import { mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -66,13 +66,28 @@ function packFolder(folder) {
   }
 }
 
+const description = JSON.parse(readFileSync(path.join(here, "../api/openapi.json"), "utf8"));
+
+// What a scenario may have, for the form that is made of it: its schema, and all that it refers to.
+function scenarioSchemas() {
+  const { schemas } = description.components;
+  const found = {};
+  const take = (name) => {
+    if (found[name]) return;
+    found[name] = schemas[name];
+    for (const [, other] of JSON.stringify(schemas[name]).matchAll(/"#\/components\/schemas\/(\w+)"/g)) take(other);
+  };
+  take("Scenario");
+  return JSON.stringify(found);
+}
+
 // The pages of /docs. Their generator is bundled, too, so that it finds its packages.
 async function writeDocs() {
   const tool = path.join(out, "docs.tool.mjs");
   await build({ entryPoints: [path.join(here, "docs/pages.mjs")], outfile: tool, bundle: true, format: "esm", platform: "node", nodePaths: [modules] });
   const { makePages } = await import(pathToFileURL(tool));
   rmSync(tool);
-  const { pages, found } = makePages(JSON.parse(readFileSync(path.join(here, "../api/openapi.json"), "utf8")));
+  const { pages, found } = makePages(description);
   for (const { path: name, html } of pages) {
     mkdirSync(path.dirname(path.join(out, name)), { recursive: true });
     writeFileSync(path.join(out, name), html);
@@ -86,6 +101,7 @@ for (const name of readdirSync(out)) rmSync(path.join(out, name), { recursive: t
 copyFolder(path.join(here, "static"), out);
 await bundle(path.join(here, "src/main.js"), out, { external: ["./code_editor.js"] });
 await bundle(path.join(here, "src/code_editor.js"), out);
+writeFileSync(path.join(out, "scenario_schemas.json"), scenarioSchemas());
 const docs = path.join(out, "docs");
 copyFolder(path.join(here, "docs/static"), docs);
 await bundle(path.join(here, "docs/main.js"), docs);

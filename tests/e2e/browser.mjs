@@ -47,9 +47,9 @@ export async function closeBrowser() {
 
 // A page of its own for this story. Whatever goes wrong in it fails the story at its end; refused
 // requests are provoked by the stories, so those are only counted.
-export async function openPage(t, d, { scheme = "light", size = "wide", motion = "no-preference" } = {}) {
+export async function openPage(t, d, { scheme = "light", size = "wide", motion = "no-preference", locale = "en-US" } = {}) {
   const context = await (await launch()).newContext({
-    baseURL: d.url, viewport: sizes[size], colorScheme: scheme, reducedMotion: motion, acceptDownloads: true,
+    baseURL: d.url, viewport: sizes[size], colorScheme: scheme, reducedMotion: motion, locale, acceptDownloads: true,
   });
   const page = await context.newPage();
   const faults = [];

@@ -12,6 +12,7 @@ import { formatJson } from "../../web/src/json_text.js";
 import { residenceOf } from "../../web/src/key_figures.js";
 import { parameterAt } from "../../web/src/parameters.js";
 import { bodyOf } from "../../web/src/plate.js";
+import { marksOf, readNumber, writeNumber } from "../../web/src/numbers.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
 import { columnsOf, contentOf, differenceOf, fallsOf, flowOf, rateOf, valueAt } from "../../web/src/series.js";
@@ -243,4 +244,19 @@ test("the trials of a point have a mean and its 95 % interval by Student's distr
   const trial = (point, model, values) => ({ point, model, parameters: { "/a": point }, values });
   const points = pointsOf([trial(0, "macro", { f: 1 }), trial(0, "micro", { f: 3 }), trial(0, "macro", { f: 3 }), trial(1, "macro", {})], "f");
   assert.deepEqual(points.map(({ point, model, n, mean: m }) => [point, model, n, m]), [[0, "macro", 2, 2], [0, "micro", 1, 3]]);
+});
+
+test("numbers are read by the decimal mark that they make sense with, and those of two meanings are not taken", () => {
+  const read = (text, hasComma) => readNumber(text, hasComma).value;
+  for (const hasComma of [true, false]) {
+    for (const [text, value] of [["62,5", 62.5], ["62.5", 62.5], ["1.010,5", 1010.5], ["1,010.5", 1010.5], ["1 010", 1010], ["0,125", 0.125], ["0.125", 0.125],
+      ["1.000.000", 1e6], ["\u22123", -3], ["1e-5", 1e-5], ["2,5e3", 2500]]) assert.equal(read(text, hasComma), value, text);
+    for (const text of ["", "x", "1,2,3", "--1", "0x10", "1.2.3", "Infinity", "12,34.5"]) assert.equal(readNumber(text, hasComma).fault, "must be a number", text);
+  }
+  assert.deepEqual([read("1.010", false), read("1,010", false)], [1.01, 1010]); // as the page writes them
+  assert.equal(readNumber("1.010", true).fault, "may mean 1.01 or 1010: write 1.01 or 1010");
+  assert.equal(readNumber("1,125", true).fault, "may mean 1125 or 1.125: write 1125 or 1.1250");
+  for (const value of [1.125, 0.125, 1125, 12.5, -3.125, 1e-7, 1234567.125]) assert.equal(read(writeNumber(value, true), true), value);
+  assert.deepEqual([marksOf(["50,0", "1.010"]), marksOf(["50.0", "1,010"]), marksOf(["50", "1.010"]), marksOf(["50", ""]), marksOf(["5,5", "5.5"])],
+    [[","], ["."], [".", ","], ["."], []]);
 });

@@ -143,7 +143,7 @@ test("what both models say of the best points, and how a fit agrees with the cou
   await said.getByText("A fit needs counts").waitFor();
   assert.ok(await file.evaluate((box) => box === document.activeElement), "the way on has the focus");
   await file.setInputFiles(hall([...lines.slice(0, 2), "0,05;", ...lines.slice(3)]));
-  await said.getByText("hall.csv: Line 3: “0,05” is not a time in seconds and a number of parts.").waitFor();
+  await said.getByText("hall.csv: Line 3: “0,05” is not a time and a number of parts.").waitFor();
   await assertAccessible(page, "counts at fault");
   await file.setInputFiles(hall(lines));
   await said.getByText("hall.csv is stored and chosen.").waitFor();

@@ -3,9 +3,18 @@
 // the solvers are folded away.
 
 import { goodsFields } from "./goods.js";
+import { readNumber } from "./numbers.js";
 import { angleOf, plateOf, tidy, turnedTo, withPlate } from "./plate.js";
 
-const plateIn = (scenario) => plateOf(scenario.obstacles?.[0]);
+const LEAST_DEGREES = 10;
+const MOST_DEGREES = 170;
+
+// The first plate, if it is a straight one across the belt; a guide along it has no opening.
+function plateIn(scenario) {
+  const plate = plateOf(scenario.obstacles?.[0]);
+  const angle = plate ? Math.abs(angleOf(plate)) : 0;
+  return angle >= LEAST_DEGREES && angle <= MOST_DEGREES ? plate : null;
+}
 
 function setAngle(scenario, angle) {
   scenario.obstacles[0] = { ...withPlate(scenario.obstacles[0], turnedTo(plateIn(scenario), angle)), angle_deg: angle };
@@ -23,6 +32,14 @@ function setSpeed(scenario, speed) {
     const velocity = belt.velocity_m_s ?? [0.395, 0];
     return { ...belt, velocity_m_s: now > 0 ? velocity.map((value) => tidy((value * speed) / now)) : [speed, 0] };
   });
+}
+
+// How far the rectangle that is looked at goes along an axis; what stands on it stays.
+function sizeOf(axis) {
+  return {
+    get: ({ domain }) => (Array.isArray(domain?.[axis]) ? tidy(domain[axis][1] - domain[axis][0]) : null),
+    set: (scenario, value) => (scenario.domain = { ...scenario.domain, [axis]: [scenario.domain[axis][0], tidy(scenario.domain[axis][0] + value)] }),
+  };
 }
 
 function member(section, name, fallback) {
@@ -59,20 +76,24 @@ function setOpening(plate, opening, domain) {
 }
 
 export const fields = [
-  { id: "angle", label: "Deflector angle", unit: "°", at: ["/obstacles/0", "/obstacles"], least: 10, most: 170, step: 5,
+  { id: "angle", label: "Deflector angle", unit: "°", at: ["/obstacles/0", "/obstacles"], least: LEAST_DEGREES, most: MOST_DEGREES, step: 5,
     hint: "from the direction of x; its tip and the opening stay", get: (scenario) => (plateIn(scenario) ? angleOf(plateIn(scenario)) : null), set: setAngle },
-  { id: "opening", label: "Opening", unit: "m", at: [], above: 0, step: 0.01, hint: "from the tip to the far side; the angle stays",
+  { id: "opening", label: "Opening", unit: "m", at: [], least: 0, step: 0.01, hint: "from the tip to the far side; the angle stays",
     ...ofPlate(openingOf, setOpening) },
   { id: "tip-x", label: "Tip, x", unit: "m", at: [], step: 0.01, hint: "the foot stays",
     ...ofPlate(({ to }) => to[0], ({ from, to }, x) => ({ from, to: [x, to[1]] })) },
   { id: "foot-x", label: "Foot, x", unit: "m", at: [], step: 0.01, hint: "the tip stays",
     ...ofPlate(({ from }) => from[0], ({ from, to }, x) => ({ from: [x, from[1]], to })) },
+  { id: "domain-length", label: "Line, along x", unit: "m", at: ["/domain/x_m"], above: 0, step: 0.1, hint: "what is looked at; what stands there stays", ...sizeOf("x_m") },
+  { id: "domain-width", label: "Line, along y", unit: "m", at: ["/domain/y_m"], above: 0, step: 0.05, hint: "the belt’s width, where it fills it", ...sizeOf("y_m") },
   { id: "speed", label: "Belt speed", unit: "m/s", at: ["/belts"], least: 0, step: 0.005, hint: "of the first belt; others in proportion",
     get: speedOf, set: setSpeed },
   { id: "rate", label: "Feed", unit: "parts/s", at: ["/feeds/0/rate_per_s"], above: 0, step: 1, hint: "how many parts arrive, of the first feed",
     get: (scenario) => scenario.feeds?.[0]?.rate_per_s, set: (scenario, value) => (scenario.feeds[0].rate_per_s = value) },
   { id: "duration", label: "Duration", unit: "s", at: ["/duration_s"], above: 0, step: 0.5, hint: "simulated time",
     get: (scenario) => scenario.duration_s, set: (scenario, value) => (scenario.duration_s = value) },
+  { id: "warmup", label: "Warm-up", unit: "s", at: ["/warmup_s"], least: 0, step: 0.5, hint: "is not counted; shorter than the duration",
+    get: (scenario) => scenario.warmup_s, set: (scenario, value) => (scenario.warmup_s = value) },
   ...goodsFields,
   { id: "closure", isSolvers: true, label: "Closure", unit: "", at: ["/macro/closure"], model: "macro",
     choices: [["congested", "congested: packing is held"], ["dispersive", "dispersive (paper)"]], ...member("macro", "closure", "congested") },
@@ -83,10 +104,10 @@ export const fields = [
     get: ({ macro }) => macro?.step_s ?? (macro?.closure === "dispersive" && (macro.cell_m ?? "auto") !== "auto" ? 0.00125 : "auto"),
     set: (scenario, value) => (scenario.macro = { ...scenario.macro, step_s: value }) },
   { id: "integrator", isSolvers: true, label: "Integration", unit: "", at: ["/micro/integrator"], model: "micro",
-    choices: [["verlet", "Verlet (paper)"], ["implicit", "implicit, longer steps"]], ...member("micro", "integrator", "verlet") },
+    choices: [["auto", "chosen: implicit"], ["verlet", "Verlet (paper)"], ["implicit", "implicit, longer steps"]], ...member("micro", "integrator", "auto") },
   { id: "micro-step", isSolvers: true, label: "Time step", unit: "s", at: ["/micro/step_s"], above: 0, step: 0.00001, model: "micro", auto: true,
     hint: "empty: chosen, and stable",
-    get: (scenario) => scenario.micro?.step_s ?? (scenario.micro?.integrator === "implicit" ? "auto" : 1e-5),
+    get: (scenario) => scenario.micro?.step_s ?? (scenario.micro?.integrator === "verlet" ? 1e-5 : "auto"),
     set: (scenario, value) => (scenario.micro = { ...scenario.micro, step_s: value }) },
 ];
 
@@ -94,8 +115,8 @@ export const fields = [
 export function faultOf(field, text) {
   if (field.choices) return "";
   if (text.trim() === "") return field.auto ? "" : "must be given";
-  const value = Number(text);
-  if (!Number.isFinite(value)) return "must be a number";
+  const { value, fault } = readNumber(text);
+  if (fault) return fault;
   if (field.above !== undefined && !(value > field.above)) return `must be greater than ${field.above}`;
   if (field.least !== undefined && value < field.least) return `must be at least ${field.least}`;
   if (field.most !== undefined && value > field.most) return `must be at most ${field.most}`;

@@ -11,7 +11,7 @@ const keys = [
   ["+ − 0", "zoom in, out, whole belt; so does the wheel with Ctrl"],
   ["W A S D", "move what is seen up, left, down, right, where it is zoomed"],
   ["Tab to the belt, then arrows", "move the probe that shows the density; with Shift by single pixels"],
-  ["Ctrl+Z", "take back a deletion, while it is told"],
+  ["Ctrl+Z, with Shift", "of a line that is edited: undo, redo; elsewhere take back a deletion, while it is told"],
   ["?", "this list"],
 ];
 

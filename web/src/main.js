@@ -8,6 +8,7 @@ import "../style/watch.css";
 import "../style/curves.css";
 import "../style/compare.css";
 import "../style/new.css";
+import "../style/board.css";
 import "../style/studies.css";
 import "../style/print.css";
 

@@ -4,33 +4,36 @@ import Papa from "papaparse";
 
 import { getJson, post } from "./api.js";
 import { h } from "./dom.js";
+import { marksOf, numberWith } from "./numbers.js";
+import { tidy } from "./plate.js";
 
-// With another separator the comma may be the decimal mark.
-function valueOf(cell = "") {
-  return cell.trim() === "" ? NaN : Number(cell.trim().replace(",", "."));
+// Seconds of a time: a number, or a time of day as 7:05 or 07:05:30.5; NaN is neither.
+function secondsOf(text, mark) {
+  const clock = /^(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d+)?))?$/.exec(text);
+  return clock ? 3600 * Number(clock[1]) + 60 * Number(clock[2]) + Number((clock[3] ?? "0").replace(",", ".")) : numberWith(text, mark);
 }
 
-// { name, t, v } of CSV with times in seconds and counts of parts, with or without a header, separated by commas, semicolons or
-// tabs. Throws with the line at fault.
+const isClock = (text) => text.includes(":");
+
+// { name, t, v } of CSV with times and counts of parts, with or without a header, separated by commas, semicolons or tabs. Times
+// are seconds, or times of day, which then count from the first. Throws with the line at fault.
 export function readMeasured(text) {
   const delimiter = [";", "\t", ","].find((mark) => text.includes(mark));
-  const { data: lines } = Papa.parse(text.replace(/^\uFEFF/, ""), { delimiter });
+  const { data } = Papa.parse(text.replace(/^\uFEFF/, ""), { delimiter });
+  const lines = data.map((cells, k) => ({ line: k + 1, t: cells[0]?.trim() ?? "", v: cells[1]?.trim() ?? "" })).filter(({ t, v }) => t + v !== "");
   const curve = { name: "", t: [], v: [] };
-  lines.forEach((cells, k) => {
-    const [t, v] = cells.map(valueOf);
-    if (cells.join("").trim() === "") return;
-    if (k === 0 && Number.isNaN(t)) {
-      curve.name = (cells[1] ?? "").trim();
-      return;
-    }
-    if (!Number.isFinite(t) || !Number.isFinite(v)) {
-      throw new Error(`Line ${k + 1}: “${cells.join(" ").trim()}” is not a time in seconds and a number of parts.`);
-    }
-    if (t <= curve.t.at(-1)) throw new Error(`Line ${k + 1}: times must rise.`);
+  if (lines.length > 0 && !/\d/.test(lines[0].t)) curve.name = lines.shift().v;
+  const [mark = ".", other] = delimiter === "," ? ["."] : marksOf(lines.flatMap(({ t, v }) => (isClock(t) ? [v] : [t, v])));
+  if (other !== undefined) throw new Error("It is not clear whether “.” and “,” are decimal marks or between thousands: write thousands without a mark.");
+  for (const { line, t: time, v: count } of lines) {
+    const [t, v] = [secondsOf(time, mark), numberWith(count, mark)];
+    if (!Number.isFinite(t) || !Number.isFinite(v)) throw new Error(`Line ${line}: “${`${time} ${count}`.trim()}” is not a time and a number of parts.`);
+    if (t <= curve.t.at(-1)) throw new Error(`Line ${line}: times must rise.`);
     curve.t.push(t);
     curve.v.push(v);
-  });
+  }
   if (curve.t.length < 2) throw new Error("There are not two samples.");
+  if (isClock(lines[0].t)) curve.t = curve.t.map((t) => tidy(t - curve.t[0], 9));
   return curve;
 }
 

@@ -5,6 +5,7 @@ import { h, setText } from "./dom.js";
 import { figureTitle, figureUnit, studied } from "./figures.js";
 import { span } from "./format.js";
 import { fileButton, listMeasured, storeFile } from "./measured.js";
+import { readNumber, writeNumber } from "./numbers.js";
 import { address, go } from "./router.js";
 import { ScenarioSource } from "./scenario_source.js";
 import { baseFor, studyParameters } from "./study_parameters.js";
@@ -17,6 +18,8 @@ const methods = [
   ["calibrate", "Fit to counts", "finds the value that agrees best with counts from the hall"],
 ];
 const CONFIRMED = 3;
+
+const numberIn = (box) => readNumber(box.value).value;
 
 export class NewStudyView {
   constructor() {
@@ -181,14 +184,14 @@ export class NewStudyView {
 
   chooseParameter() {
     const { range: [from, to], unit } = this.parameter;
-    this.fromBox.value = String(from);
-    this.toBox.value = String(to);
+    this.fromBox.value = writeNumber(from);
+    this.toBox.value = writeNumber(to);
     for (const element of this.units) setText(element, unit);
     this.change();
   }
 
   chooseFigure() {
-    this.indifferenceBox.value = String(this.figure.indifference);
+    this.indifferenceBox.value = writeNumber(this.figure.indifference);
     setText(this.indifferenceUnit, figureUnit(this.figureBox.value));
     this.change();
   }
@@ -215,21 +218,35 @@ export class NewStudyView {
 
   // How many runs there will be at most.
   trials() {
-    const [steps, runs, trials] = [this.stepsBox, this.runsBox, this.trialsBox].map((box) => Math.max(1, Math.round(Number(box.value)) || 1));
+    const [steps, runs, trials] = [this.stepsBox, this.runsBox, this.trialsBox].map((box) => Math.max(1, Math.round(numberIn(box)) || 1));
     if (this.method === "grid") return steps * runs;
     return this.method === "screen" ? Math.max(trials, steps + CONFIRMED * Math.max(2, runs)) : trials;
   }
 
   change() {
     if (!this.parameter) return;
-    const range = [Number(this.fromBox.value), Number(this.toBox.value)];
+    const range = [numberIn(this.fromBox), numberIn(this.toBox)];
     const { label, unit } = this.parameter;
-    if (!this.isNamed) {
+    if (!this.isNamed && range.every(Number.isFinite)) {
       const goal = this.method === "calibrate" ? "Fit" : figureTitle(this.figureBox.value);
       this.nameBox.value = `${goal}, ${label} ${range[0]} to ${range[1]}${unit === "°" ? "°" : unit ? ` ${unit}` : ""}`;
     }
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.predict(), 300);
+    if (!this.hasBadNumbers()) this.timer = setTimeout(() => this.predict(), 300);
+  }
+
+  // Boxes whose text is no number; they are marked, and said.
+  hasBadNumbers() {
+    const boxes = [["Values", this.stepsBox], ["Trials", this.trialsBox], ["Runs of each", this.runsBox], ["From", this.fromBox], ["To", this.toBox],
+      ["Does not matter below", this.indifferenceBox]];
+    if (this.demandBox.value.trim() !== "" && !/^[a-z]+$/i.test(this.demandBox.value.trim())) boxes.push(["At least", this.demandBox]);
+    const bad = boxes.filter(([label, box]) => {
+      const { fault } = readNumber(box.value);
+      box.setAttribute("aria-invalid", String(fault !== ""));
+      return fault !== "" && !box.closest("[hidden]");
+    });
+    if (bad.length > 0) this.say(bad.map(([label, box]) => `${label}: ${readNumber(box.value).fault}`).join("; "));
+    return bad.length > 0;
   }
 
   async predict() {
@@ -238,7 +255,7 @@ export class NewStudyView {
       const known = await Promise.all(models.map((model) => post("v1/validate", { scenario: this.scenario, model })));
       const each = known.map(({ predicted_s: seconds }) => seconds);
       const n = this.trials();
-      const steps = Math.max(1, Math.round(Number(this.stepsBox.value)) || 1);
+      const steps = Math.max(1, Math.round(numberIn(this.stepsBox)) || 1);
       const seconds = this.method === "screen" ? steps * each[0] + (n - steps) * each[1] : n * each[0];
       this.say(each.includes(null) ? `At most ${n} runs.` : `At most ${n} runs, about ${span(seconds)} of computing on one core.`, "good");
     } catch (error) {
@@ -247,32 +264,32 @@ export class NewStudyView {
   }
 
   document() {
-    const range = [Number(this.fromBox.value), Number(this.toBox.value)];
+    const range = [numberIn(this.fromBox), numberIn(this.toBox)];
     const { pointer } = this.parameter;
     const goal = ({ figure, of, goal: way }) => ({ figure, ...(of ? { of } : {}), goal: way });
     const others = studied.filter(({ figure, of }) => figure !== this.figure.figure && !of).slice(0, 5);
     const isGrid = this.method === "grid" || this.method === "screen";
-    const number = (box) => Number(box.value);
     const asked = this.method === "grid" ? this.demandBox.value.trim() : "";
-    const demand = asked === "" ? {} : { demand: Number.isFinite(Number(asked)) ? Number(asked) : asked };
+    const demand = asked === "" ? {} : { demand: Number.isFinite(numberIn(this.demandBox)) ? numberIn(this.demandBox) : asked };
     const common = {
       name: this.nameBox.value,
       base: { scenario: baseFor(this.scenario, this.parameter, range), model: this.method === "screen" ? "macro" : this.model },
-      parameters: [{ pointer, range, ...(isGrid ? { steps: number(this.stepsBox) } : {}) }],
+      parameters: [{ pointer, range, ...(isGrid ? { steps: numberIn(this.stepsBox) } : {}) }],
     };
     if (this.method === "calibrate") {
       return { ...common, curves: [{ counter: this.counterBox.value, measurement: this.countsBox.value }],
         method: { type: "calibrate", points: 4 }, limits: { trials: this.trials() } };
     }
-    const method = this.method === "screen" ? { type: "screen", sweep: "grid", confirm: Math.min(CONFIRMED, number(this.stepsBox)), indifference: number(this.indifferenceBox) }
+    const method = this.method === "screen" ? { type: "screen", sweep: "grid", confirm: Math.min(CONFIRMED, numberIn(this.stepsBox)), indifference: numberIn(this.indifferenceBox) }
       : { type: this.method };
-    const runs = number(this.runsBox);
+    const runs = numberIn(this.runsBox);
     return { ...common, method, objectives: [{ ...goal(this.figure), ...demand }, ...others.map(goal)],
       replications: this.method === "screen" ? Math.max(2, runs) : runs,
       ...(this.method === "grid" ? {} : { limits: { trials: this.trials() } }) };
   }
 
   async submit() {
+    if (this.hasBadNumbers()) return;
     if (this.method === "calibrate" && this.counts.length === 0) {
       this.noteCounts("A fit needs counts: add a file of them.");
       this.parts.counts.querySelector("input").focus();

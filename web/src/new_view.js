@@ -1,15 +1,23 @@
-// A new run: an example or a past run to begin with, the belt and the numbers that matter, or the JSON itself. The server
-// validates it while it is edited; faults and warnings are shown at their fields and lines.
+// A new run: a line, an example or a past run to begin with, the belt and what stands on it, the numbers that matter, or the JSON
+// itself. The server validates it while it is edited; faults and warnings are shown at their fields and lines. Each change is kept in
+// the browser and can be undone.
 
 import { getJson, post, Problem } from "./api.js";
+import { Board } from "./board/board.js";
+import { History } from "./board/history.js";
+import { newLineId, saveLine } from "./board/lines.js";
+import { loadSchemas } from "./board/schema.js";
 import { nameOfVariant } from "./differences.js";
 import { h } from "./dom.js";
-import { quantity, span } from "./format.js";
+import { fileNameOf, quantity, span } from "./format.js";
 import { JsonEditor } from "./json_editor.js";
 import { formatJson } from "./json_text.js";
+import { fileButton } from "./measured.js";
+import { saveBlob } from "./picture.js";
+import { readNumber } from "./numbers.js";
 import { address, go, note } from "./router.js";
 import { ScenarioForm } from "./scenario_form.js";
-import { ScenarioSource, setDraft } from "./scenario_source.js";
+import { ScenarioSource } from "./scenario_source.js";
 import { SceneEditor } from "./scene_editor.js";
 import { segments } from "./transport.js";
 
@@ -29,7 +37,7 @@ export class NewView {
     this.tab = query.get("tab") === "json" ? "json" : "form";
     root.append(h("p", { class: "loading" }, "Loading …"));
     this.source = new ScenarioSource(query, (begun) => this.begin(begun), (error) => this.say(error.message, "fault"));
-    [this.goods] = await Promise.all([getJson("v1/goods"), this.source.load()]);
+    [this.goods] = await Promise.all([getJson("v1/goods"), this.source.load(), loadSchemas()]);
     if (this.isGone) return;
     root.replaceChildren(...this.build());
     await this.source.begin();
@@ -45,21 +53,24 @@ export class NewView {
 
   build() {
     this.editor = new JsonEditor(() => this.takeText());
-    this.form = new ScenarioForm((set) => this.change(set), () => this.sayFaults(""), this.goods);
-    this.scene = new SceneEditor((set) => this.change(set));
+    this.history = new History();
+    this.form = new ScenarioForm((set, what) => this.change(set, what), () => this.sayFaults(""), this.goods);
+    this.board = new Board({ onChange: (set, what) => this.change(set, what), onChoose: () => this.showScene(), onFault: () => this.sayFaults("") });
+    this.scene = new SceneEditor((set, what) => this.change(set, what), (list, k) => this.board.choose(list, k));
     this.verdict = h("p", { class: "verdict", role: "status" });
     this.others = h("ul", { class: "faults", "aria-label": "Other faults" });
     this.warnings = h("ul", { class: "warnings", "aria-label": "Warnings", hidden: true });
-    this.formPart = h("div", { class: "tab" }, h("div", { class: "scene-form" }, this.scene.element, this.form.main), this.advanced(), this.others);
+    this.formPart = h("div", { class: "tab" }, h("div", { class: "scene-form" }, h("div", {}, this.scene.element, this.board.stand),
+      h("div", {}, this.board.thing, this.form.main)), this.advanced(), this.others);
     this.jsonPart = h("div", { class: "tab" }, this.editor.element);
-    const form = h("form", { class: "new-run", novalidate: true, on: { submit: (event) => {
+    const form = h("form", { class: "new-run", novalidate: true, on: { keydown: (event) => this.undoByKey(event), submit: (event) => {
       event.preventDefault();
       this.submit([this.model]);
     } } },
     h("section", { class: "card", "aria-labelledby": "from-title" }, h("h2", { id: "from-title" }, "Begin with"),
       this.source.element, this.about()),
     h("section", { class: "card", "aria-labelledby": "what-title" },
-      h("div", { class: "card-head" }, h("h2", { id: "what-title" }, "Scenario"),
+      h("div", { class: "card-head" }, h("h2", { id: "what-title" }, "Scenario"), this.editRow(),
         segments("Edit", [["form", "Belt and numbers"], ["json", "JSON"]], this.tab, (tab) => this.showTab(tab)).element),
       this.formPart, this.jsonPart),
     this.warnings, this.submitRow());
@@ -75,6 +86,48 @@ export class NewView {
     const runs = h("label", { class: "field inline", title: "With other arrivals; several give a mean with its interval" },
       h("span", {}, "Runs of each"), this.runsBox);
     return h("div", { class: "submit-row" }, this.buttons, runs, button("Study …", () => this.study()), this.verdict);
+  }
+
+  // Undo and redo, and the scenario as a file, out and in.
+  editRow() {
+    const button = (text, onClick) => h("button", { type: "button", on: { click: onClick } }, text);
+    this.undoButtons = [[-1, button("Undo", () => this.go(-1))], [1, button("Redo", () => this.go(1))]];
+    const save = () => saveBlob(new Blob([this.editor.text], { type: "application/json" }), `${fileNameOf(this.scenario?.name ?? "scenario")}.json`);
+    return h("div", { class: "palette" }, this.undoButtons.map(([, element]) => element), button("Save as a file", save),
+      fileButton("Open a file …", (file) => this.open(file), { accept: ".json,application/json" }));
+  }
+
+  async open(file) {
+    this.editor.text = await file.text();
+    this.takeText();
+    if (this.scenario) this.editor.text = formatJson(this.scenario);
+    else this.showTab("json");
+  }
+
+  // One step back or on in what was edited.
+  go(by) {
+    if (!this.history.canGo(by)) return;
+    this.editor.text = this.history.go(by);
+    this.scenario = JSON.parse(this.editor.text);
+    this.keep();
+    this.fillForm();
+    this.judgeSoon();
+  }
+
+  // Boxes and the editor of JSON have their own.
+  undoByKey(event) {
+    const isUndo = (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z";
+    if (!isUndo || event.target.closest("input, textarea, .json-box")) return;
+    event.preventDefault();
+    this.go(event.shiftKey ? 1 : -1);
+  }
+
+  // In the browser, under the line's own id from the first change on.
+  keep() {
+    for (const [by, element] of this.undoButtons) element.disabled = !this.history.canGo(by);
+    if (!this.scenario || !this.isEdited) return;
+    if (this.line === null) note({ line: (this.line = newLineId()), blank: "", from: "", example: "" });
+    saveLine({ id: this.line, scenario: this.scenario, model: this.model, label: this.labelBox.value, isNamed: this.isNamed });
   }
 
   about() {
@@ -115,14 +168,16 @@ export class NewView {
     if (this.judged) this.showWarnings(this.judged);
   }
 
-  begin({ scenario, model, label }) {
+  begin({ scenario, model, label, line = null, isNamed = false }) {
     if (model && !this.query.has("model")) this.chooseModel(this.model = model, false);
     if (label !== undefined) this.labelBox.value = label;
     this.scenario = scenario;
     this.origin = structuredClone(scenario);
-    this.isNamed = false;
-    this.validation = null;
+    Object.assign(this, { line, isNamed, isEdited: false, validation: null });
+    this.board.chosen = null;
     this.editor.text = formatJson(scenario);
+    this.history.begin(this.editor.text);
+    this.keep();
     this.fillForm();
     this.judgeSoon(0);
   }
@@ -130,7 +185,19 @@ export class NewView {
   fillForm() {
     if (document.activeElement !== this.nameBox) this.nameBox.value = this.scenario?.name ?? "";
     this.form.fill(this.scenario, this.model);
-    if (this.validation) this.scene.show(this.scenario, this.validation);
+    this.board.show(this.scenario, this.validation?.resolved ?? null);
+    this.showScene();
+  }
+
+  showScene() {
+    if (this.validation) this.scene.show(this.scenario, this.validation, this.board.chosen);
+  }
+
+  // After each change of the scenario.
+  take(what) {
+    this.isEdited = true;
+    this.history.take(formatJson(this.scenario), what);
+    this.keep();
   }
 
   // An empty name is made from the parameters again.
@@ -148,12 +215,13 @@ export class NewView {
     return true;
   }
 
-  // A change by the form or the scene, into the scenario and its text.
-  change(set) {
+  // A change by the form, the board or the scene, into the scenario and its text; what: names the box or handle that is used.
+  change(set, what = null) {
     if (!this.scenario) return;
     set(this.scenario);
     this.nameIt();
     this.editor.text = formatJson(this.scenario);
+    this.take(what);
     this.fillForm();
     this.judgeSoon();
   }
@@ -166,13 +234,14 @@ export class NewView {
       this.scenario = null;
     }
     this.isNamed ||= this.scenario !== null && (this.scenario.name ?? "") !== this.nameBox.value;
+    if (this.scenario) this.take("json");
     this.fillForm();
     this.judgeSoon();
   }
 
   body(model = this.model) {
-    const rest = JSON.stringify({ model, label: this.labelBox.value, priority: Number(this.priorityBox.value) || 0,
-      replications: Number(this.runsBox.value) });
+    const rest = JSON.stringify({ model, label: this.labelBox.value, priority: readNumber(this.priorityBox.value).value || 0,
+      replications: readNumber(this.runsBox.value).value });
     return `${PREFIX}${this.editor.text.trim() === "" ? "null" : this.editor.text},${rest.slice(1)}`;
   }
 
@@ -197,11 +266,12 @@ export class NewView {
   accept(validation) {
     const { predicted_s: seconds, warning_details: warnings } = validation;
     this.validation = validation;
-    this.scene.show(this.scenario, validation);
+    this.board.show(this.scenario, validation.resolved);
+    this.showScene();
     this.showWarnings(warnings);
     if (seconds === null) this.judgeSoon(ASK_TIME_AFTER_MS); // a server that has just begun does not know its speed yet
     const n = warnings.length;
-    if (this.form.countFaults() > 0) this.sayFaults("");
+    if (this.form.countFaults() + this.board.countFaults() > 0) this.sayFaults("");
     else {
       const doubt = n === 0 ? "" : ` Read the ${n === 1 ? "warning" : `${n} warnings`} first.`;
       const time = seconds === null ? "" : ` It takes about ${span(seconds)}.`;
@@ -232,13 +302,13 @@ export class NewView {
   // Each fault at the field that it is about, the rest below the form; all of them at their lines.
   showFaults(errors) {
     this.editor.showFaults(errors);
-    this.others.replaceChildren(...this.form.showFaults(errors).map(({ pointer, detail }) => h("li", {},
+    this.others.replaceChildren(...this.board.showFaults(this.form.showFaults(errors)).map(({ pointer, detail }) => h("li", {},
       h("span", { class: "place" }, pointer || "the document"), detail)));
   }
 
   // How many fields and other places there are to mend; without any, the server's own words.
   sayFaults(otherwise) {
-    const n = this.form.countFaults() + this.others.childElementCount;
+    const n = this.form.countFaults() + this.board.countFaults() + this.others.childElementCount;
     this.say(n === 0 ? otherwise : `${n} ${n === 1 ? "fault" : "faults"} to mend`, "fault");
   }
 
@@ -250,8 +320,8 @@ export class NewView {
   // A number that is out of its limits never came into the scenario, so it must be mended first.
   isReady() {
     clearTimeout(this.timer);
-    if (this.form.hasBadNumbers()) {
-      this.form.focusFault();
+    if (this.form.hasBadNumbers() || this.board.hasFaults()) {
+      if (!this.form.focusFault()) this.board.focusFault();
       return false;
     }
     if (this.nameIt()) this.editor.text = formatJson(this.scenario);
@@ -270,7 +340,7 @@ export class NewView {
     } catch (error) {
       this.refuse(error);
       if (this.tab === "json") this.editor.list.querySelector("button")?.focus();
-      else this.form.focusFault();
+      else if (!this.form.focusFault()) this.board.focusFault();
     } finally {
       for (const button of this.buttons) button.disabled = false;
     }
@@ -278,8 +348,9 @@ export class NewView {
 
   study() {
     if (!this.isReady() || !this.scenario) return;
-    setDraft({ scenario: this.scenario, model: this.model, label: this.labelBox.value });
-    go(address("studies", "new", { draft: "1" }));
+    this.isEdited = true;
+    this.keep();
+    go(address("studies", "new", { line: this.line }));
   }
 }
 

@@ -4,6 +4,7 @@
 import { h } from "./dom.js";
 import { faultOf, fields, limitsOf } from "./fields.js";
 import { noGoods } from "./goods.js";
+import { readNumber, writeNumber } from "./numbers.js";
 
 function read(field, scenario, goods) {
   try {
@@ -16,7 +17,7 @@ function read(field, scenario, goods) {
 const isAt = (field, pointer) => field.at.some((at) => pointer === at || pointer.startsWith(`${at}/`));
 
 export class ScenarioForm {
-  // onChange(set): a number is good and goes into the scenario by set(scenario); onFault(): it is not; goods: their table.
+  // onChange(set, id): the number of this field is good and goes into the scenario by set(scenario); onFault(): it is not; goods: their table.
   constructor(onChange, onFault, goods = noGoods) {
     Object.assign(this, { onChange, onFault, goods, scenario: null, model: "macro" });
     this.boxes = new Map(fields.map((field) => [field.id, this.build(field)]));
@@ -46,11 +47,11 @@ export class ScenarioForm {
   nudge(event, field) {
     const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
     const { box } = this.boxes.get(field.id);
-    const value = Number(box.value);
-    if (!by || box.value.trim() === "" || !Number.isFinite(value)) return;
+    const { value, fault } = readNumber(box.value);
+    if (!by || fault) return;
     event.preventDefault();
     const least = field.least ?? (field.above === undefined ? -Infinity : field.step);
-    box.value = String(Number(Math.min(Math.max(value + by * field.step, least), field.most ?? Infinity).toPrecision(9)));
+    box.value = writeNumber(Number(Math.min(Math.max(value + by * field.step, least), field.most ?? Infinity).toPrecision(9)));
     this.take(field);
   }
 
@@ -59,7 +60,7 @@ export class ScenarioForm {
     const fault = faultOf(field, text);
     this.showFault(field.id, fault);
     if (fault !== "") this.onFault();
-    else this.onChange((scenario) => field.set(scenario, field.choices ? text : text.trim() === "" ? "auto" : Number(text), this.goods));
+    else this.onChange((scenario) => field.set(scenario, field.choices ? text : text.trim() === "" ? "auto" : readNumber(text).value, this.goods), field.id);
   }
 
   // Only what the model uses and the scenario has. What is typed just now stays as it is typed.
@@ -67,7 +68,7 @@ export class ScenarioForm {
     Object.assign(this, { scenario, model });
     for (const { field, box, element, fault, warning } of this.boxes.values()) {
       const value = read(field, scenario, this.goods);
-      if (document.activeElement !== box) box.value = value === null || value === "auto" ? "" : String(value);
+      if (document.activeElement !== box) box.value = value === null || value === "auto" ? "" : field.choices ? value : writeNumber(value);
       element.hidden = (field.model && field.model !== model) || value === null;
       if (element.hidden) fault.hidden = warning.hidden = true;
     }

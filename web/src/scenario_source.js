@@ -1,50 +1,34 @@
-// What a new run or study begins with: an example, a past run, or the scenario that was edited last in the form.
+// What a new run or study begins with: a blank line, one that was edited in this browser, an example, or a past run.
 
 import { getJson, listRuns, paths } from "./api.js";
+import { blankLine, savedLines } from "./board/lines.js";
 import { h } from "./dom.js";
 import { age, nameOf } from "./format.js";
 import { note } from "./router.js";
-
-const KEY = "beltflow-draft";
-
-// The scenario that the form hands on: { scenario, model, label }. It lasts as long as the tab.
-export function setDraft(draft) {
-  try {
-    sessionStorage.setItem(KEY, JSON.stringify(draft));
-  } catch {
-    // Where the browser stores nothing, the study begins with an example.
-  }
-}
-
-function draft() {
-  try {
-    return JSON.parse(sessionStorage.getItem(KEY));
-  } catch {
-    return null;
-  }
-}
 
 // The paper's first scenario.
 const firstOf = (examples) => examples.find(({ name }) => name === "example-1") ?? examples[0];
 
 export class ScenarioSource {
-  // onChoose({ scenario, run, model, label }), onFault(error).
+  // onChoose({ scenario, run, model, label, line }), line: the id of one that was edited in this browser; onFault(error).
   constructor(query, onChoose, onFault) {
     Object.assign(this, { query, onChoose, onFault });
     this.box = h("select", { on: { change: () => this.take(this.box.value) } });
-    this.element = h("label", { class: "field wide" }, h("span", {}, "Example or past run"), this.box);
+    this.element = h("label", { class: "field wide" }, h("span", {}, "A line, an example or a past run"), this.box);
   }
 
   async load() {
     const [{ examples }, { runs }] = await Promise.all([getJson("v1/examples"), listRuns({ limit: 50 })]);
     const option = (value, text) => h("option", { value }, text);
-    this.box.replaceChildren(
-      ...(this.query.has("draft") && draft() ? [option("draft:", "As it was edited in the form")] : []),
-      h("optgroup", { label: "Examples" }, examples.map(({ name, title }) => option(`example:${name}`, title ?? name))),
-      ...(runs.length > 0 ? [h("optgroup", { label: "Past runs" },
-        runs.map((run) => option(`run:${run.id}`, `${nameOf(run)} · ${run.model} · ${age(run.created_at)}`)))] : []));
-    const from = this.query.get("from");
-    this.first = this.query.has("draft") && draft() ? "draft:" : from ? `run:${from}` : `example:${this.query.get("example") ?? firstOf(examples).name}`;
+    const group = (label, options) => (options.length > 0 ? [h("optgroup", { label }, options)] : []);
+    const lines = savedLines();
+    this.box.replaceChildren(option("blank:", "A blank line"),
+      ...group("Edited in this browser", lines.map(({ id, scenario, saved_at: at }) => option(`line:${id}`, `${scenario.name || "without a name"} · ${age(at)}`))),
+      ...group("Examples", examples.map(({ name, title }) => option(`example:${name}`, title ?? name))),
+      ...group("Past runs", runs.map((run) => option(`run:${run.id}`, `${nameOf(run)} · ${run.model} · ${age(run.created_at)}`))));
+    const [from, line] = ["from", "line"].map((name) => this.query.get(name));
+    const example = `example:${this.query.get("example") ?? firstOf(examples).name}`;
+    this.first = lines.some(({ id }) => id === line) ? `line:${line}` : this.query.has("blank") ? "blank:" : from ? `run:${from}` : example;
   }
 
   async begin() {
@@ -54,14 +38,15 @@ export class ScenarioSource {
 
   take(source) {
     const [kind, name] = source.split(":");
-    note({ draft: kind === "draft" ? "1" : "", from: kind === "run" ? name : "", example: kind === "example" ? name : "" });
+    note({ line: kind === "line" ? name : "", blank: kind === "blank" ? "1" : "", from: kind === "run" ? name : "", example: kind === "example" ? name : "" });
     this.read(source);
   }
 
   async read(source) {
     const [kind, name] = source.split(":");
     try {
-      if (kind === "draft") this.onChoose({ run: null, ...draft() });
+      if (kind === "blank") this.onChoose({ scenario: structuredClone(blankLine), run: null, isNamed: true });
+      if (kind === "line") this.onChoose({ run: null, line: name, ...savedLines().find(({ id }) => id === name) });
       if (kind === "example") this.onChoose({ scenario: await getJson(`v1/examples/${encodeURIComponent(name)}`), run: null });
       if (kind === "run") {
         const [run, scenario] = await Promise.all([getJson(paths.run(name)), getJson(paths.of(name, "scenario"))]);

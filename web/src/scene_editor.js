@@ -28,9 +28,9 @@ function pictureOf(parts) {
 }
 
 export class SceneEditor {
-  // onChange(set): what was drawn goes into the scenario by set(scenario).
-  constructor(onChange) {
-    Object.assign(this, { onChange, handles: new Map() });
+  // onChange(set, key): what was drawn by this handle goes into the scenario by set(scenario); onChoose(list, k): a handle of this thing has the focus.
+  constructor(onChange, onChoose = () => {}) {
+    Object.assign(this, { onChange, onChoose, handles: new Map() });
     this.field = h("canvas");
     this.scenery = h("canvas");
     this.devices = h("canvas");
@@ -47,11 +47,12 @@ export class SceneEditor {
     this.stopTheme();
   }
 
-  // written: the scenario as it is edited; validation: the server's last one, with the parts at the start.
-  show(written, validation) {
+  // written: the scenario as it is edited; validation: the server's last one, with the parts at the start; chosen: { list, k } of
+  // the thing that has all its handles, or null.
+  show(written, validation, chosen = null) {
     const isShown = written && validation;
     this.scenario = isShown ? asWritten(written, validation.resolved) : null;
-    this.drawable = isShown ? handlesOf(written, validation.resolved) : [];
+    this.drawable = isShown ? handlesOf(written, validation.resolved, chosen) : [];
     if (isShown && validation !== this.validation) {
       this.layer = new PartsLayer(COLUMNS, cargoOf(validation.resolved), []);
       this.picture = pictureOf(validation.parts);
@@ -120,6 +121,7 @@ export class SceneEditor {
       },
       pointermove: (event) => made.element.hasPointerCapture(event.pointerId) && this.moveTo(made.handle, this.placeOf(event), event.shiftKey ? FINE_M : SNAP_M),
       keydown: (event) => this.moveByKey(event, made.handle),
+      focus: () => this.onChoose(...made.handle.thing),
     } });
     this.frame.append(made.element);
     return made;
@@ -141,6 +143,6 @@ export class SceneEditor {
   moveTo(handle, at, step) {
     const { x_m, y_m } = this.scenario.domain;
     const kept = [x_m, y_m].map(([low, high], axis) => Math.min(Math.max(snap(at[axis], step), low), high));
-    this.onChange((scenario) => handle.write(scenario, kept));
+    this.onChange((scenario) => handle.write(scenario, kept), handle.key);
   }
 }

@@ -1,6 +1,7 @@
 // What of a scenario can be drawn on its belt: the ends of plates and their openings, the sides of counters, the ends of
-// feeds.
+// feeds; of the thing that is chosen its corners, and itself.
 
+import { middleOf, movedBy } from "./board/things.js";
 import { angleOf, plateOf, tidy, withPlate } from "./plate.js";
 
 const NEAR_WALL_M = 0.015;
@@ -57,12 +58,28 @@ function ofFeed(written, k, { id, edge, x_m: xs, y_m: ys }, { x_m: [x0, x1], y_m
     isUpright ? [side, pair[end]] : [pair[end], side], pair, end, isUpright ? 1 : 0, (scenario, moved) => (scenario.feeds[k][name] = moved)));
 }
 
-// [{ key, kind, at: [x, y], said, step, write(scenario, [x, y]) }]; step: how far it moves where the other end of what it
-// means moves by 1. written: as it is edited; resolved: with all defaults.
-export function handlesOf(written, resolved) {
+// Corners of belts, beams and lines of feeds, and those of plates that are not straight; the whole thing by its middle.
+function ofChosen(written, { list, k }, id) {
+  const item = written[list]?.[k];
+  if (!item) return [];
+  const corners = ["polygon_m", "line_m", "path_m"].filter((name) => Array.isArray(item[name]) && !(list === "obstacles" && plateOf(item)))
+    .flatMap((name) => item[name].map((at, c) => ({ key: `${list} ${k} ${name} ${c}`, kind: "corner", at, step: 1, said: `${id}, corner ${c + 1}: ${place(at)}`,
+      write: (scenario, to) => (scenario[list][k][name][c] = to.map((value) => tidy(value))) })));
+  const middle = middleOf(item);
+  const whole = middle && { key: `${list} ${k} whole`, kind: "whole", at: middle, step: 1, said: `${id}, as a whole: ${place(middle)}`,
+    write: (scenario, to) => (scenario[list][k] = movedBy(scenario[list][k], to.map((value, axis) => value - middleOf(scenario[list][k])[axis]))) };
+  return [...corners, ...(whole ? [whole] : [])];
+}
+
+// [{ key, kind, thing: [list, k], at: [x, y], said, step, write(scenario, [x, y]) }]; step: how far it moves where the other end of
+// what it means moves by 1. written: as it is edited; resolved: with all defaults; chosen: { list, k } of the board, or null.
+export function handlesOf(written, resolved, chosen = null) {
   const { domain } = resolved;
-  const of = (name, list) => (resolved[name] ?? []).flatMap((item, k) => (written[name]?.[k] ? list(written[name][k], k, item) : []));
+  const of = (name, list) => (resolved[name] ?? []).flatMap((item, k) => (written[name]?.[k] ? list(written[name][k], k, item) : [])
+    .map((handle) => ({ ...handle, thing: [name, k] })));
   return [
+    ...(chosen ? ofChosen(written, chosen, resolved[chosen.list]?.[chosen.k]?.id ?? chosen.list)
+      .map((handle) => ({ ...handle, thing: [chosen.list, chosen.k] })) : []),
     ...of("counters", ofCounter),
     ...of("feeds", (feed, k, known) => ofFeed(feed, k, known, domain)),
     ...of("obstacles", (obstacle, k, { id }) => ofPlate(obstacle, k, id, domain)),
@@ -73,8 +90,10 @@ export function handlesOf(written, resolved) {
 export function asWritten(written, resolved) {
   const put = (name, change) => (resolved[name] ?? []).map((item, k) => ({ ...item, ...(written[name]?.[k] ? change(written[name][k]) : {}) }));
   const sides = ({ x_m: xs, y_m: ys }) => ({ ...(xs ? { x_m: xs } : {}), ...(ys ? { y_m: ys } : {}) });
-  return { ...resolved, counters: put("counters", sides), feeds: put("feeds", sides), obstacles: put("obstacles", (obstacle) => {
+  const line = ({ line_m: ends, polygon_m: corners }) => ({ ...(ends ? { line_m: ends } : {}), ...(corners ? { polygon_m: corners } : {}) });
+  return { ...resolved, belts: put("belts", line), photo_eyes: put("photo_eyes", line), counters: put("counters", sides),
+    feeds: put("feeds", (feed) => ({ ...sides(feed), ...line(feed) })), obstacles: put("obstacles", (obstacle) => {
     const plate = plateOf(obstacle);
-    return plate ? { path_m: [plate.from, plate.to] } : {};
+    return plate ? { path_m: [plate.from, plate.to] } : obstacle.path_m ? { path_m: obstacle.path_m } : {};
   }) };
 }

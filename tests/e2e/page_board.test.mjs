@@ -1,0 +1,141 @@
+// One's own line, drawn on the board.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import test, { after } from "node:test";
+
+import { assertAccessible, closeBrowser, openPage, visit } from "./browser.mjs";
+import { daemon } from "./daemon.mjs";
+
+after(closeBrowser);
+
+const scenarioIn = (page) => page.evaluate(() => JSON.parse(localStorage.getItem("beltflow-lines"))[0].scenario);
+
+test("a line is made from nothing, without JSON, and solved in both models", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?blank=1");
+  await page.getByText("Ready:").waitFor();
+  await page.getByLabel("Goods").selectOption("pet-500");
+  await page.getByLabel("Line, along x").fill("1.5");
+  await page.getByLabel("Line, along y").fill("0.5");
+  await page.getByLabel("Duration").fill("1");
+  await page.getByRole("button", { name: "+ Deflector" }).click();
+  const thing = page.getByRole("region", { name: "What is chosen" });
+  await thing.getByRole("heading", { name: "Plate plate-1" }).waitFor();
+  await thing.getByLabel("Angle").fill("50");
+  await thing.getByLabel("End, x").fill("1,2");
+  await page.getByRole("button", { name: "Feed feed-1" }).click();
+  await thing.getByLabel("Rate").fill("20");
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+  const { obstacles, feeds, domain, cargo, name } = await scenarioIn(page);
+  assert.deepEqual(domain, { x_m: [0, 1.5], y_m: [0, 0.5] });
+  assert.equal(cargo.goods, "pet-500");
+  assert.equal(name, "My line");
+  // 70 % of the width by default, at 60 degrees; the angle turns it about its end.
+  assert.deepEqual(obstacles, [{ id: "plate-1", end_m: [1.2, 0.35], angle_deg: 50, length_m: 0.404145 }]);
+  assert.deepEqual(feeds, [{ id: "feed-1", edge: "west", rate_per_s: 20, arrivals: "poisson" }]);
+  await page.getByRole("button", { name: "Run both models" }).click();
+  await page.waitForURL(/#\/compare\?runs=/);
+});
+
+test("what was drawn is undone by keys, outlasts a reload, and goes into a file and back", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?blank=1");
+  await page.getByText("Ready:").waitFor();
+  await page.getByRole("button", { name: "+ Guide" }).click();
+  const whole = page.getByRole("button", { name: /^plate-1, as a whole/ });
+  await whole.focus();
+  await page.keyboard.press("ArrowUp"); // by 0.01 m
+  const plate = async () => (await scenarioIn(page)).obstacles?.[0];
+  // 10 to 90 % of 2 m, at 30 % of 0.6 m.
+  assert.deepEqual(await plate(), { id: "plate-1", from_m: [0.2, 0.19], to_m: [1.8, 0.19] });
+  await page.getByRole("button", { name: "Undo" }).focus();
+  await page.keyboard.press("ControlOrMeta+z");
+  assert.deepEqual((await plate()).from_m, [0.2, 0.18]);
+  await page.keyboard.press("ControlOrMeta+z");
+  assert.equal(await plate(), undefined);
+  assert.equal(await page.getByRole("button", { name: "Undo" }).isDisabled(), true);
+  await page.getByRole("button", { name: "Redo" }).click();
+  await page.getByRole("button", { name: "Redo" }).click();
+  assert.deepEqual((await plate()).from_m, [0.2, 0.19]);
+
+  await page.reload();
+  await page.getByText("Ready:").waitFor();
+  await page.getByRole("button", { name: "Plate plate-1" }).waitFor();
+  const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save as a file" }).click()]);
+  assert.equal(file.suggestedFilename(), "my-line.json");
+  const saved = JSON.parse(readFileSync(await file.path(), "utf8"));
+  assert.deepEqual(saved, await scenarioIn(page));
+  await page.getByLabel("Open a file").setInputFiles({ name: "other.json", mimeType: "application/json",
+    buffer: Buffer.from(JSON.stringify({ ...saved, name: "Other", obstacles: [] })) });
+  await page.getByRole("button", { name: "Plate plate-1" }).waitFor({ state: "detached" });
+  assert.equal(await page.getByLabel("Name").inputValue(), "Other");
+});
+
+test("things are doubled, mirrored, turned and deleted; rules are told in words and follow other ids", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?blank=1");
+  await page.getByText("Ready:").waitFor();
+  assert.equal(await page.getByRole("button", { name: "+ Rule" }).isDisabled(), true);
+  const press = (name) => page.getByRole("button", { name, exact: true }).click();
+  for (const name of ["+ Deflector", "Double", "Mirror", "+ Photo eye", "+ Rule"]) await press(name);
+  await page.getByRole("button", { name: "Rule When eye-1 is blocked: stop belt-1" }).waitFor();
+  // 75 % of 2 m and 70 % of 0.6 m; the double stands 0.1 m farther, and its image in the line y = 0.3 m ends at 0.18 m.
+  const { obstacles } = await scenarioIn(page);
+  assert.deepEqual(obstacles.map(({ id, end_m: end, angle_deg: angle }) => [id, end, angle]), [["plate-1", [1.5, 0.42], 60], ["plate-2", [1.6, 0.18], -60]]);
+  const thing = page.getByRole("region", { name: "What is chosen" });
+  await page.getByRole("button", { name: "Belt belt-1" }).click();
+  await thing.getByLabel("Id").fill("infeed");
+  await page.getByRole("button", { name: "Rule When eye-1 is blocked: stop infeed" }).waitFor();
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+
+  // A beam across the belt at 1.2 m, turned about its middle, lies along it; without its eye the rule has a fault.
+  await page.getByRole("button", { name: "Photo eye eye-1" }).click();
+  await press("Turn by 90°");
+  assert.deepEqual((await scenarioIn(page)).photo_eyes[0].line_m, [[1.5, 0.3], [0.9, 0.3]]);
+  await press("Delete");
+  const rule = page.locator(".things li", { hasText: "When eye-1 is blocked" });
+  await rule.locator(".fault").waitFor();
+  await page.getByText("1 fault to mend").waitFor();
+  await rule.getByRole("button").click();
+  await press("Delete");
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+  await assertAccessible(page, "the board");
+});
+
+test("a decimal comma is read, and what may mean two numbers is refused", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d, { locale: "de-DE" });
+  await visit(page, "#/new?example=example-1");
+  await page.getByText("Ready:").waitFor();
+  await page.getByLabel("Deflector angle").fill("62,5");
+  await page.getByText("Ready:").waitFor();
+  assert.equal((await scenarioIn(page)).obstacles[0].angle_deg, 62.5);
+  await page.getByLabel("Duration").fill("1.010");
+  await page.locator("#duration-fault", { hasText: "may mean 1.01 or 1010: write 1.01 or 1010" }).waitFor();
+  assert.equal((await scenarioIn(page)).duration_s, 6);
+  await page.getByLabel("Duration").fill("6,0");
+
+  await page.getByRole("button", { name: "Study …" }).click();
+  await page.locator("[name=from]").fill("45,5");
+  await page.getByText("At most 6 runs").waitFor();
+  assert.match(await page.locator("[name=name]").inputValue(), /angle 45\.5 to 90°/);
+  await page.locator("[name=to]").fill("neunzig");
+  await page.getByText("To: must be a number").waitFor();
+});
+
+test("a gate across the belt is opened in the form, and a run of it is started", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?example=photo-eye");
+  await page.getByText("Ready:").waitFor();
+  await page.getByLabel("Duration").fill("1");
+  await page.locator("#warmup-fault", { hasText: "must be shorter than duration_s" }).waitFor();
+  await page.getByLabel("Warm-up").fill("0");
+  await page.getByText("1 s. Closure").waitFor();
+  await page.getByRole("button", { name: "Start the run" }).click();
+  await page.waitForURL(/#\/runs\//);
+});

@@ -1,0 +1,78 @@
+// What a scenario may have, as the description of the API has it: members, their kinds, limits, units and defaults. Forms follow
+// from it, so that a member that the server learns needs nothing here.
+
+let schemas = null;
+
+export async function loadSchemas() {
+  if (schemas === null) {
+    const response = await fetch("scenario_schemas.json");
+    if (!response.ok) throw new Error("What a scenario may have could not be loaded.");
+    schemas = await response.json();
+  }
+  return schemas;
+}
+
+const nameIn = ({ $ref }) => $ref?.replace("#/components/schemas/", "");
+
+// A schema that may refer to another one, with its own description; name: that of the other one.
+export function resolve(schema) {
+  const name = nameIn(schema);
+  return name === undefined ? schema : { ...schemas[name], ...schema, $ref: undefined, name };
+}
+
+// The kinds of things that a scenario has lists of: [{ list, schema, least }], in the order of the description.
+export function listsOf() {
+  return Object.entries(schemas.Scenario.properties).filter(([, { type }]) => type === "array")
+    .map(([list, { items, minItems: least = 0 }]) => ({ list, schema: resolve(items), least }))
+    .filter(({ schema }) => schema.properties || schema.oneOf);
+}
+
+// Which of several forms an object is written in: the first that has all of its members, else the first.
+export function formOf(schema, value = {}) {
+  if (!schema.oneOf) return schema;
+  const names = Object.keys(value);
+  return schema.oneOf.find(({ properties }) => names.every((name) => properties[name])) ?? schema.oneOf[0];
+}
+
+const plain = (schema) => {
+  const { oneOf, type } = schema;
+  const word = oneOf?.find((one) => one.const !== undefined)?.const;
+  return word === undefined ? { ...schema, type } : { ...schema, ...oneOf.find((one) => one.const === undefined), word };
+};
+
+const isPoint = (schema) => schema.type === "array" && resolve(schema.items).type === "number" && schema.maxItems === 2;
+
+// What kind of box a member needs: choice, truth, text, id (of another thing), number, list (of numbers or truths), point, points, object, objects, or
+// json for all else; with the number's unit, limits and word ("auto"), the member's description, and its default in words.
+export function boxOf(member, schema) {
+  const known = plain(resolve(schema));
+  const [, said = "", unit = "", usual = ""] = /^(.*?)(?: \[([^\]]+)\])?(?:\. Default: (.*))?$/.exec(known.description ?? "");
+  const common = { member, label: labelOf(member), said: said.replace(/^\w+ form: (.)/, (_, first) => first.toUpperCase()), unit, usual, schema: known };
+  const { type } = known;
+  if (known.name === "ScenarioId") return { ...common, kind: "id" };
+  if (known.enum) return { ...common, kind: "choice", choices: known.enum };
+  if (type === "boolean") return { ...common, kind: "truth" };
+  if (type === "string") return { ...common, kind: "text" };
+  if (type === "number" || type === "integer") return { ...common, kind: "number", word: known.word };
+  if (type === "object" || known.oneOf?.every((one) => one.type === "object")) return { ...common, kind: "object" };
+  if (type !== "array") return { ...common, kind: "json" };
+  if (isPoint(known)) return { ...common, kind: "point" };
+  const items = resolve(known.items);
+  if (isPoint(items)) return { ...common, kind: "points" };
+  if (items.type === "number" || items.type === "boolean") return { ...common, kind: "list" };
+  return { ...common, kind: items.type === "object" ? "objects" : "json" };
+}
+
+// "velocity_m_s" is "Velocity".
+export function labelOf(member) {
+  const words = member.replace(/_(?:m_s2|m_s|m2|m|s|deg|per_s|per_h|n|kg)$/, "").replaceAll("_", " ");
+  return words[0].toUpperCase() + words.slice(1);
+}
+
+// What is wrong with a number by itself, or "".
+export function faultOfNumber({ schema: { minimum, maximum, exclusiveMinimum: above, type } }, value) {
+  if (above !== undefined && value <= above) return `must be greater than ${above}`;
+  if (minimum !== undefined && value < minimum) return `must be at least ${minimum}`;
+  if (maximum !== undefined && value > maximum) return `must be at most ${maximum}`;
+  return type === "integer" && !Number.isInteger(value) ? "must be a whole number" : "";
+}

@@ -1,0 +1,166 @@
+// The things that stand on a line, by the lists of a scenario that have them: what they are called, what a new one is, and how one is
+// moved, turned and mirrored. A list that is not named here has things that are made of its schema.
+
+import { plateOf, tidy, withPlate } from "../plate.js";
+import { boxOf, formOf, labelOf } from "./schema.js";
+
+// A share of the way, to a tenth or less of its length.
+function at([low, high], share) {
+  const step = 10 ** (Math.floor(Math.log10(high - low)) - 1);
+  return tidy(Math.round((low + share * (high - low)) / step) * step, 6);
+}
+
+// A gate opens and closes by turns, a flap swings; both begin as they are drawn.
+const GATE = { t_s: [0, 5], value: [false, true], repeat_s: 10 };
+const FLAP = { t_s: [0, 4, 5, 9, 10], turn_deg: [0, 0, 30, 30, 0], repeat_s: 10 };
+
+function deflector({ x_m: xs, y_m: ys }) {
+  const across = 0.7 * (ys[1] - ys[0]);
+  return { end_m: [at(xs, 0.75), tidy(ys[0] + across, 4)], angle_deg: 60, length_m: tidy(across / Math.sin(Math.PI / 3), 6) };
+}
+
+const across = ({ x_m: xs, y_m: ys }, share) => [[at(xs, share), ys[0]], [at(xs, share), ys[1]]];
+const plateAcross = (domain) => ({ from_m: across(domain, 0.6)[0], to_m: across(domain, 0.6)[1] });
+const guide = ({ x_m: xs, y_m: ys }) => ({ from_m: [at(xs, 0.1), at(ys, 0.3)], to_m: [at(xs, 0.9), at(ys, 0.3)] });
+
+function middleThird({ x_m: xs, y_m: ys }) {
+  const [left, right] = [at(xs, 1 / 3), at(xs, 2 / 3)];
+  return [[left, ys[0]], [right, ys[0]], [right, ys[1]], [left, ys[1]]];
+}
+
+// stem: of the ids of new ones; first: what the list has where nothing is written; makes: [title, make(domain, ids)], where ids(list)
+// are those that can be named; needs: a list that must have something.
+const known = {
+  belts: { one: "Belt", stem: "belt", first: [{ id: "main", velocity_m_s: [0.395, 0] }],
+    makes: [["Belt", (domain) => ({ velocity_m_s: [0.4, 0], polygon_m: middleThird(domain) })]] },
+  obstacles: { one: "Plate", stem: "plate", makes: [["Deflector", deflector], ["Guide", guide],
+    ["Gate", (domain) => ({ ...plateAcross(domain), present: GATE })], ["Flap", (domain) => ({ ...deflector(domain), motion: FLAP })]] },
+  feeds: { one: "Feed", stem: "feed", makes: [["Feed", () => ({ edge: "west", rate_per_s: 5, arrivals: "poisson" })],
+    ["Feed on a line", (domain) => ({ line_m: across(domain, 0.1), rate_per_s: 5, arrivals: "poisson" })]] },
+  counters: { one: "Counter", stem: "counter", first: [{ id: "upstream" }],
+    makes: [["Counter", ({ x_m: xs }) => ({ x_m: [xs[0], at(xs, 0.5)] })]] },
+  photo_eyes: { one: "Photo eye", stem: "eye",
+    makes: [["Photo eye", (domain) => ({ line_m: across(domain, 0.6), block_time_s: 0.5, clear_time_s: 0.5 })]] },
+  actions: { one: "Rule", needs: "photo_eyes", makes: [["Rule", (_, ids) => ({ when: { photo_eye: ids("photo_eyes")[0], state: "blocked" },
+    do: { belt: ids("belts")[0] ?? "main", factor: 0 } })]] },
+};
+
+const singular = (list) => labelOf(list).replace(/s$/, "");
+
+export function kindOf({ list, schema }) {
+  return known[list] ?? { one: singular(list), stem: singular(list).toLowerCase(), makes: [[singular(list), () => sample(schema)]] };
+}
+
+// The least that a schema asks for.
+export function sample(schema, ids = () => []) {
+  const form = formOf(schema);
+  return Object.fromEntries((form.required ?? []).map((member) => [member, sampleOf(boxOf(member, form.properties[member]), ids)]));
+}
+
+export function sampleOf({ kind, member, schema, choices }, ids) {
+  const values = { choice: () => choices[0], truth: () => true, text: () => "", id: () => ids(`${member}s`)[0] ?? "", point: () => [0, 0],
+    points: () => Array.from({ length: schema.minItems ?? 1 }, () => [0, 0]), list: () => [0], objects: () => [sample(schema.items, ids)],
+    object: () => sample(schema, ids), number: () => schema.minimum ?? (schema.exclusiveMinimum === undefined ? 0 : schema.exclusiveMinimum + 1) };
+  return values[kind]?.() ?? null;
+}
+
+// The id of thing k, as it is written or, without one, as the server names it; rules have none.
+export const idOf = (scenario, resolved, list, k) => scenario[list]?.[k]?.id ?? resolved?.[list]?.[k]?.id ?? null;
+
+export const idsOf = (scenario, resolved, list) => (scenario[list] ?? known[list]?.first ?? [])
+  .map((item, k) => item.id ?? idOf(scenario, resolved, list, k)).filter(Boolean);
+
+export function freshId(scenario, resolved, list, stem) {
+  const taken = new Set(idsOf(scenario, resolved, list));
+  for (let n = 1; ; n++) if (!taken.has(`${stem}-${n}`)) return `${stem}-${n}`;
+}
+
+function does({ belt, factor, obstacle, turn_deg: turn, present, feed, hold }) {
+  if (belt !== undefined) return factor === 0 ? `stop ${belt}` : `${belt} at ${factor} of its speed`;
+  if (turn !== undefined) return `turn ${obstacle} to ${turn}°`;
+  if (feed !== undefined) return `${hold ? "hold" : "release"} ${feed}`;
+  return present ? `${obstacle} comes` : `${obstacle} goes`;
+}
+
+// What a thing is called: a rule in words, all others by their ids.
+export function nameOfThing(scenario, resolved, list, k) {
+  const { when, do: what, delay_s: delay } = scenario[list][k];
+  if (when && what) return `When ${when.photo_eye} is ${when.state}${delay ? ` for ${delay} s` : ""}: ${does(what)}`;
+  return idOf(scenario, resolved, list, k) ?? String(k + 1);
+}
+
+// Another id, also where rules name it.
+export function rename(scenario, list, from, to) {
+  const member = list.replace(/s$/, "");
+  for (const { when, do: what } of scenario.actions ?? []) {
+    for (const part of [when, what]) if (part?.[member] === from) part[member] = to;
+  }
+}
+
+const POINTS = ["end_m", "from_m", "to_m", "pivot_m"];
+const LISTS = ["path_m", "polygon_m", "line_m"];
+
+// The same thing with all its places and directions changed: point([x, y]), vector([x, y]), angle(degrees) and turn(degrees) of
+// what it turns by; intervals(name, [from, to]) of its sides along an axis.
+function changed(item, { point, vector = (v) => v, angle = (a) => a, turn = (a) => a, interval = (_, pair) => pair }) {
+  const round = (pair) => pair.map((value) => tidy(value));
+  return Object.fromEntries(Object.entries(item).map(([name, value]) => {
+    if (POINTS.includes(name)) return [name, round(point(value))];
+    if (LISTS.includes(name)) return [name, value.map((pair) => round(point(pair)))];
+    if (name === "x_m" || name === "y_m") return [name, round(interval(name, value))];
+    if (name === "velocity_m_s") return [name, round(vector(value))];
+    if (name === "angle_deg") return [name, tidy(angle(value))];
+    if (name === "turn_deg" && Array.isArray(value)) return [name, value.map(turn)];
+    if (name === "motion") return [name, changed(value, { point, turn })];
+    return [name, value];
+  }));
+}
+
+function placesOf(item) {
+  const plate = plateOf(item);
+  const pairs = plate ? [plate.from, plate.to] : [...POINTS, ...LISTS].flatMap((name) => (LISTS.includes(name) ? item[name] ?? [] : item[name] ? [item[name]] : []));
+  return [...pairs, ...(item.x_m && item.y_m ? [[item.x_m[0], item.y_m[0]], [item.x_m[1], item.y_m[1]]] : [])];
+}
+
+// The middle of what it covers, or null where it has no place.
+export function middleOf(item) {
+  const places = placesOf(item);
+  if (places.length === 0) return null;
+  return [0, 1].map((axis) => {
+    const values = places.map((place) => place[axis]);
+    return tidy((Math.min(...values) + Math.max(...values)) / 2);
+  });
+}
+
+export const movedBy = (item, [dx, dy]) => changed(item, { point: ([x, y]) => [x + dx, y + dy],
+  interval: (name, pair) => pair.map((value) => value + (name === "x_m" ? dx : dy)) });
+
+const opposite = { north: "south", south: "north" };
+
+// Across the middle line of the domain along x.
+export function mirrored(item, { y_m: [y0, y1] }) {
+  const flip = (y) => y0 + y1 - y;
+  const made = changed(item, { point: ([x, y]) => [x, flip(y)], vector: ([x, y]) => [x, -y], angle: (a) => -a, turn: (a) => -a,
+    interval: (name, [from, to]) => (name === "y_m" ? [flip(to), flip(from)] : [from, to]) });
+  return opposite[made.edge] ? { ...made, edge: opposite[made.edge] } : made;
+}
+
+// By a right angle to the left about its middle.
+export function turned(item) {
+  const [cx, cy] = middleOf(item);
+  const both = item.x_m && item.y_m;
+  const sides = both && { x_m: item.y_m.map((y) => cx - cy + y), y_m: item.x_m.map((x) => cy - cx + x) };
+  return changed({ ...item, ...sides }, { point: ([x, y]) => [cx - (y - cy), cy + (x - cx)], vector: ([x, y]) => [-y, x], angle: (a) => a + 90 });
+}
+
+// A plate in another of its forms; of other things, what both forms have and the least of the new one.
+export function converted(list, item, form, ids) {
+  const kept = Object.fromEntries(Object.entries(item).filter(([name]) => form.properties[name]));
+  const plate = list === "obstacles" ? plateOf(item) ?? (item.path_m && { from: item.path_m[0], to: item.path_m.at(-1) }) : null;
+  if (plate) {
+    if (form.properties.path_m) return { ...kept, path_m: [plate.from, plate.to] };
+    if (form.properties.from_m) return { ...kept, from_m: plate.from, to_m: plate.to };
+    return withPlate(kept, plate);
+  }
+  return { ...sample({ ...form, oneOf: undefined }, ids), ...kept };
+}
