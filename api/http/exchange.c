@@ -80,16 +80,19 @@ static bf_status choose_media(exchange *x, bf_error *err)
     return status;
 }
 
-// Some parameters are for some formats only; where the path says the format nothing else does.
+// Some parameters are for some formats only; where the path says the format nothing else does. Those for formats of the body
+// its handler checks, who knows which it has.
 static bf_status check_format(const exchange *x, bf_error *err)
 {
+    const bool is_of_answer = routes_endings(x->route) == x->route->formats;
+
     for (const param *const *at = x->route->params; *at != NULL; at++) {
         const char *name = (*at)->name, *formats = (*at)->formats;
         if (strcmp((*at)->in, "query") != 0 || exchange__text(x, name) == NULL)
             continue;
         if ((*at)->kind == &param_format && x->params.format[0] != '\0')
             return bf_fail(err, BF_EINPUT, "", "the path says the format, and so not '%s'", name);
-        if (formats != NULL && !negotiation_has_format(formats, x->media->word))
+        if (is_of_answer && formats != NULL && !negotiation_has_format(formats, x->media->word))
             return bf_fail(err, BF_EINPUT, "", "query parameter '%s' is for %s, not for %s", name,
                            formats, x->media->word);
     }

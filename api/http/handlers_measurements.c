@@ -38,9 +38,12 @@ static bf_status read_measurement(exchange *x, measurement *ret_measurement, bf_
     const char *kind = exchange__text(x, "kind");
     size_t type;
 
-    bf_status status = exchange__check_body(x, body_types, &type, err);
+    // The path with an ending is for CSV alone.
+    const size_t first = strcmp(x->params.format, "csv") == 0 ? BODY_CSV : BODY_JSON;
+    bf_status status = exchange__check_body(x, body_types + first, &type, err);
     if (status != BF_OK)
         return status;
+    type += first;
     if (type == BODY_CSV && kind_of(kind) != API_MEASURED_CURVE) {
         if (counter != NULL)
             return exchange__refuse(x, 422, "/counter", err, "a %s has no counter", kind);

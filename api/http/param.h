@@ -58,8 +58,8 @@ struct param {
     bool (*is_word)(const char *text); ///< of param_word: true for its words
     const char *(*list_words)(void); ///< of param_word: its words, for a refusal; NULL: not listed
     bool is_required;                ///< the request must have it
-    const char *formats;             ///< of answers that it is for, words of MEDIA_LIST; NULL: all
-    const char *help;                ///< what it does
+    const char *formats; ///< of answers, or bodies, that it is for, words of MEDIA_LIST; NULL: all
+    const char *help;    ///< what it does
 };
 
 /// Read a value of a parameter in a query; see param_kind.

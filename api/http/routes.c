@@ -43,14 +43,24 @@ static bool match_path(const char *template, const char *path, size_t n, route_p
     return *template == '\0' && path == end;
 }
 
+static bool has_body_formats(const route *r)
+{
+    return r->body_formats != NULL && strchr(r->body_formats, ' ') != NULL;
+}
+
+const char *routes_endings(const route *r)
+{
+    return has_body_formats(r) ? r->body_formats : r->formats;
+}
+
 // A path that ends in a dot and the word of one of the route's formats, where there are several, is that of this format.
 static size_t cut_format(const route *r, const char *path, route_params *params)
 {
-    const char *dot = strrchr(path, '.');
+    const char *dot = strrchr(path, '.'), *formats = routes_endings(r);
     const size_t n = strlen(path);
 
-    if (dot == NULL || strchr(r->formats, ' ') == NULL ||
-        strlen(dot + 1) >= sizeof params->format || !negotiation_has_format(r->formats, dot + 1))
+    if (dot == NULL || strchr(formats, ' ') == NULL || strlen(dot + 1) >= sizeof params->format ||
+        !negotiation_has_format(formats, dot + 1))
         return n;
     memcpy(params->format, dot + 1, strlen(dot + 1) + 1);
     return (size_t)(dot - path);
@@ -83,7 +93,7 @@ const route *routes_find(const char *method, const char *path, route_params *ret
 
 const char *routes_formats(const route *found, const route_params *params)
 {
-    return params->format[0] == '\0' ? found->formats : params->format;
+    return params->format[0] == '\0' || has_body_formats(found) ? found->formats : params->format;
 }
 
 bool routes_allow(const char *path, char *ret_allow)

@@ -50,8 +50,10 @@ typedef struct route {
     const char *summary;        ///< what it does, one line
     const char *help;           ///< what a client should know beyond that
     const char *body;           ///< schema of the request's body as JSON; NULL: it has none
-    const char *body_formats;   ///< formats of the body, words of MEDIA_LIST; NULL: JSON only
-    const char *refusals;       ///< HTTP statuses beside ROUTES_COMMON_REFUSALS, words; NULL: none
+    const char
+        *body_formats;    ///< formats of the body, words of MEDIA_LIST; NULL: JSON only; several
+                          ///< have paths of their own, and the answer has one format
+    const char *refusals; ///< HTTP statuses beside ROUTES_COMMON_REFUSALS, words; NULL: none
     route_answer answers[ROUTES_ANSWERS_MAX]; ///< the others
 } route;
 
@@ -74,7 +76,10 @@ const route *routes_list(size_t *ret_n);
 /// is one segment, not empty, shorter than ROUTES_PARAM_SIZE and without a dot, which begins the ending of a format.
 const route *routes_find(const char *method, const char *path, route_params *ret_params);
 
-/// The formats among which a path that was found leaves the choice, words of MEDIA_LIST.
+/// The formats, words of MEDIA_LIST, that an ending of the route's path says: of the body where it has several, else of answers.
+const char *routes_endings(const route *r);
+
+/// The formats of answers among which a path that was found leaves the choice, words of MEDIA_LIST.
 const char *routes_formats(const route *found, const route_params *params);
 
 /// True if a route has this path; then *ret_allow (ROUTES_ALLOW_SIZE bytes) lists its methods as an

@@ -131,14 +131,16 @@ const param routes__csv_label = { .name = "label",
                                   .in = "query",
                                   .kind = &param_member,
                                   .most = API_LABEL_SIZE - 1,
-                                  .help = "Of CSV: the label of the measurement" };
+                                  .help = "The label of the measurement",
+                                  .formats = "csv" };
 
 const param routes__csv_counter = {
     .name = "counter",
     .in = "query",
     .kind = &param_member,
     .type = "#CounterId",
-    .help = "Of CSV: which column of a curve was measured; the name of its own if missing"
+    .help = "Which column of a curve was measured; the name of its own if missing",
+    .formats = "csv"
 };
 
 const param routes__csv_kind = { .name = "kind",
@@ -146,9 +148,9 @@ const param routes__csv_kind = { .name = "kind",
                                  .kind = &param_word,
                                  .type = "#MeasuredKind",
                                  .is_word = is_measured_kind,
-                                 .help =
-                                     "Of CSV: a curve to compare with, or for feeds a profile or "
-                                     "a schedule, their list of arrivals; a curve if missing" };
+                                 .help = "A curve to compare with, or for feeds a profile or "
+                                         "a schedule, their list of arrivals; a curve if missing",
+                                 .formats = "csv" };
 
 const param routes__run_status = { .name = "status",
                                    .in = "query",

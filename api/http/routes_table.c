@@ -462,14 +462,14 @@ static const route table[] = {
       .params = PARAMS(&routes__csv_label, &routes__csv_counter, &routes__csv_kind),
       .id = "addMeasurement",
       .tag = "Comparison",
-      .summary = "Store a measured curve, JSON or CSV, or a text for feeds; it is on disk before "
-                 "the answer is sent",
+      .summary = "Store a measured curve",
       .help =
           "A measured curve can take the place of a run in a comparison. Of CSV the first "
           "column after `t_s` is read; label and counter then come in the query, with JSON "
           "they are in the body. With `kind` the CSV is a profile or a list of arrivals that feeds "
-          "of a scenario name by the id of the measurement. It never changes. 409 when there "
-          "are too many.",
+          "of a scenario name by the id of the measurement. It is on disk before the answer is "
+          "sent, "
+          "and never changes. 409 when there are too many.",
       .body = "Measurement",
       .body_formats = "json csv",
       .refusals = "403 409 413 415 422 507",

@@ -1,5 +1,5 @@
-// The paths of the document: each route with its parameters, its body and its answers. A route of several formats is an
-// operation for each, so that an operation answers in one media type.
+// The paths of the document: each route with its parameters, its body and its answers. A route of several formats, of answers
+// or of bodies, is an operation for each, so that an operation takes and answers one media type.
 
 #include "api/openapi/openapi_priv.h"
 
@@ -36,7 +36,7 @@ static bool next_operation(const route *r, const char **formats, operation *ret_
     if (n == 0)
         return false;
     BF_CHECK(n < ROUTES_FORMAT_SIZE);
-    *ret_operation = (operation){ .route = r, .is_first = *formats == r->formats };
+    *ret_operation = (operation){ .route = r, .is_first = *formats == routes_endings(r) };
     memcpy(ret_operation->format, *formats, n);
     *formats += n;
     return true;
@@ -178,7 +178,8 @@ static void write_body(json_out *w, const char *id, const operation *o)
     json_out_key(w, "requestBody");
     json_out_object(w);
     json_out_key_bool(w, "required", true);
-    write_content(w, id, o, "request", r->body_formats == NULL ? "json" : r->body_formats, r->body);
+    const char *formats = r->body_formats == NULL ? "json" : r->body_formats;
+    write_content(w, id, o, "request", formats == routes_endings(r) ? o->format : formats, r->body);
     json_out_object_end(w);
 }
 
@@ -199,6 +200,14 @@ void openapi__write_header_components(json_out *w)
     }
 }
 
+// What it answers in: an ending that says the format of the body leaves one for the answer.
+static const char *answer_format(const operation *o)
+{
+    const route *r = o->route;
+
+    return routes_endings(r) == r->formats ? o->format : r->formats;
+}
+
 static void write_answer(json_out *w, const char *id, const operation *o,
                          const route_answer *answer)
 {
@@ -211,7 +220,7 @@ static void write_answer(json_out *w, const char *id, const operation *o,
     json_out_key_string(w, "description", answer->help);
     openapi__write_headers(w, answer->headers);
     if (has_body)
-        write_content(w, id, o, status, o->format, answer->schema);
+        write_content(w, id, o, status, answer_format(o), answer->schema);
     json_out_object_end(w);
 }
 
@@ -267,7 +276,7 @@ static void write_summary(json_out *w, const operation *o)
 // The first of several formats names the endings.
 static void write_help(json_out *w, const operation *o)
 {
-    const char *formats = o->route->formats;
+    const char *formats = routes_endings(o->route);
     const bool is_one_of_several = o->is_first && strchr(formats, ' ') != NULL;
     bf_buffer text = { 0 };
     operation other;
@@ -311,7 +320,7 @@ static void write_operation(json_out *w, const operation *o)
     json_out_object(w);
     for (size_t k = 0; k < ROUTES_ANSWERS_MAX && r->answers[k].status != 0; k++) {
         const char *formats = r->answers[k].formats;
-        if (formats == NULL || negotiation_has_format(formats, o->format))
+        if (formats == NULL || negotiation_has_format(formats, answer_format(o)))
             write_answer(w, id, o, &r->answers[k]);
     }
     openapi__write_refusals_of(w, r);
@@ -338,7 +347,7 @@ static void write_path(json_out *w, const route *routes, size_t n, const operati
     json_out_object(w);
     write_parameters(w, first, true);
     for (const route *r = first->route; r < routes + n; r++) {
-        const char *formats = r->formats;
+        const char *formats = routes_endings(r);
         operation o;
         if (strcmp(r->path, path) == 0 && next_operation(r, &formats, &o))
             write_operation(w, &o);
@@ -364,7 +373,7 @@ void openapi__write_paths(json_out *w)
     const route *routes = routes_list(&n);
 
     for (size_t k = 0; k < n; k++) {
-        const char *formats = routes[k].formats;
+        const char *formats = routes_endings(&routes[k]);
         operation o;
         if (next_operation(&routes[k], &formats, &o) && !is_written(routes, k))
             write_path(w, routes, n, &o);

@@ -247,7 +247,7 @@ async function neighbours(t) {
   };
   const run = await submit(alice, { "idempotency-key": '"same"' });
   const csv = (await d.get(`/v1/runs/${run.id}/curve?format=csv`, alice)).text;
-  const added = await d.request("POST", "/v1/measurements?counter=upstream", {
+  const added = await d.request("POST", "/v1/measurements.csv?counter=upstream", {
     headers: { ...alice, "content-type": "text/csv", "content-length": Buffer.byteLength(csv) },
     body: csv,
   });
@@ -357,7 +357,7 @@ test("a key is its owner's, and results that were known do not tell whose they a
 test("a scenario cannot name somebody else's measurement", async (t) => {
   const { d, alice, bob } = await neighbours(t);
   const csv = "t_s,count\n0,4\n1,8\n2,0\n";
-  const added = await d.request("POST", "/v1/measurements?kind=profile", {
+  const added = await d.request("POST", "/v1/measurements.csv?kind=profile", {
     headers: { ...alice, "content-type": "text/csv", "content-length": Buffer.byteLength(csv) },
     body: csv,
   });

@@ -109,6 +109,17 @@ export function operationOf(method, target) {
 }
 
 const mediaTypes = (found) => Object.keys(found?.operation.responses["200"]?.content ?? {});
+const bodyTypes = (found) => Object.keys(found?.operation.requestBody?.content ?? {});
+
+// The same request at the path of the format of its body: by Content-Type the path without an ending takes others, too.
+function ofBody(exchange) {
+  const { method, target, headers } = exchange;
+  const [pathname, ...query] = target.split(/(?=\?)/);
+  const type = typeOf(headers);
+  if (type === "" || bodyTypes(operationOf(method, target)).includes(type)) return exchange;
+  const isTaken = bodyTypes(operationOf(method, `${pathname}.csv`)).includes(type);
+  return isTaken ? { ...exchange, target: `${pathname}.csv${query.join("")}` } : exchange;
+}
 
 // The same request at the path of the format in which it was answered: by `format` and by Accept the path without an ending
 // answers in others, too.
@@ -234,7 +245,7 @@ export function checkExchange(exchange, answer, counts = true) {
   if (validator === null) return;
   const { method } = exchange;
   const what = `${method} ${exchange.target.slice(0, 200)} (${answer.status})`;
-  const asked = inFormat(exchange, typeOf(answer.headers));
+  const asked = inFormat(ofBody(exchange), typeOf(answer.headers));
   const found = operationOf(method, asked.target);
   if (method === "OPTIONS" && answer.status < 400) return checkOptions(answer, what);
   if (found === null) return checkUnknown(method, asked.target, answer, what);

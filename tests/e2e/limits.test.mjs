@@ -211,7 +211,7 @@ test("the texts that a scenario names may have 2 MiB together", async (t) => {
   const d = await daemon(t);
   const headers = { "content-type": "text/csv" };
   const store = async (bytes) => {
-    const answer = await d.post("/v1/measurements?kind=profile", profileOf(bytes), headers);
+    const answer = await d.post("/v1/measurements.csv?kind=profile", profileOf(bytes), headers);
     assert.equal(answer.status, 201, answer.text);
     return answer.json.id;
   };

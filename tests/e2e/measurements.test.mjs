@@ -19,7 +19,7 @@ function passing() {
 }
 
 async function post(d, body, query = "") {
-  const answer = await d.request("POST", `/v1/measurements${query}`, { headers: csv, body });
+  const answer = await d.request("POST", `/v1/measurements.csv${query}`, { headers: csv, body });
   assert.equal(answer.status, 201, answer.text);
   assert.equal(answer.headers.location, `/v1/measurements/${answer.json.id}`);
   return answer.json;
@@ -79,6 +79,17 @@ test("a measured curve is laid over the runs of both models", async (t) => {
   const { drain_time_gap_s, l1, largest } = measured.curve;
   assert.ok(drain_time_gap_s > 0.02 - 1e-9 && drain_time_gap_s < 0.05 + 1e-9, `${drain_time_gap_s}`);
   assert.ok(l1 > 0 && l1 <= largest);
+});
+
+test("the path of CSV takes nothing else, and the one without an ending both", async (t) => {
+  const d = await daemon(t);
+  const body = "t_s,count\n0,2\n1,0\n";
+  const send = (target, type) => d.request("POST", target, { headers: { "content-type": type }, body });
+  const wrong = await send("/v1/measurements.csv", "application/json");
+  assert.deepEqual([wrong.status, wrong.headers.accept], [415, "text/csv"]);
+  const [own, other] = [await post(d, body, "?label=a"), (await send("/v1/measurements?label=a", "text/csv")).json];
+  assert.deepEqual([other.label, other.t_s, other.count], [own.label, own.t_s, own.count]);
+  assert.equal((await d.get("/v1/measurements.csv")).status, 405);
 });
 
 test("what a run counted, posted as measured, is at no distance from it", async (t) => {

@@ -56,6 +56,11 @@ static void an_ending_says_the_format(void **state)
     assert_string_equal(routes_formats(found, &params), "png");
     found = routes_find("GET", "/v1/runs/abc/snapshots/7", &params);
     assert_string_equal(routes_formats(found, &params), "npy json csv png vti");
+    // Of what takes several formats the ending is that of the body.
+    found = routes_find("POST", "/v1/measurements.csv", &params);
+    assert_non_null(found);
+    assert_string_equal(params.format, "csv");
+    assert_string_equal(routes_formats(found, &params), "json");
     assert_non_null(routes_find("GET", "/v1/measurements/abc.csv", &params));
     assert_string_equal(params.values[0], "abc");
     for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
