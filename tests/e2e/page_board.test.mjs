@@ -1,4 +1,4 @@
-// One's own line, drawn on the board.
+// One's own line, drawn on the board, and one's own numbers.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -138,4 +138,32 @@ test("a gate across the belt is opened in the form, and a run of it is started",
   await page.getByText("1 s. Closure").waitFor();
   await page.getByRole("button", { name: "Start the run" }).click();
   await page.waitForURL(/#\/runs\//);
+});
+
+test("counts are pasted as a spreadsheet copies them, and how they are read is said first", async (t) => {
+  const d = await daemon(t);
+  const example = (await d.get("/v1/examples/example-1")).json;
+  const run = await d.submit({ ...example, duration_s: 0.05 });
+  await d.reached(run.id, "succeeded");
+  const page = await openPage(t, d, { locale: "de-DE" });
+  await visit(page, `#/compare?runs=${run.id}&column=upstream`);
+  await page.getByRole("button", { name: "Paste counts" }).click();
+  const dialog = page.getByRole("dialog");
+  const use = dialog.getByRole("button", { name: "Use these counts" });
+  const text = dialog.getByRole("textbox");
+  await text.fill("50\t1.010\n60\t1.100");
+  await dialog.getByText("It is not clear whether").waitFor();
+  assert.ok(await use.isDisabled());
+  await text.fill("50,5\t1.010\n60,0\t1.100");
+  await dialog.getByText("2 samples: 50.5 s, 1,010 parts; 60 s, 1,100 parts").waitFor();
+  await text.fill("06:00\t12\n06:01\t8\n06:02:30\t10");
+  await dialog.getByText("3 samples: 0 s, 12 parts; 60 s, 8 parts; … 150 s, 10 parts").waitFor();
+  await dialog.getByRole("combobox").selectOption("in");
+  await dialog.getByText("3 samples: 0 s, 12 parts; 60 s, 20 parts; … 150 s, 30 parts").waitFor();
+  await assertAccessible(page, "pasted counts");
+  await use.click();
+  await page.getByText("pasted counts · upstream").waitFor();
+  const { measurements: [{ id }] } = (await d.get("/v1/measurements")).json;
+  const { t_s: times, count } = (await d.get(`/v1/measurements/${id}`)).json;
+  assert.deepEqual([times, count], [[0, 60, 150], [12, 20, 30]]);
 });

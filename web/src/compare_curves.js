@@ -3,7 +3,8 @@
 
 import { CurvePlot } from "./curve_plot.js";
 import { h, iconButton } from "./dom.js";
-import { fileButton, listMeasured, loadMeasured, storeFile } from "./measured.js";
+import { fileButton, listMeasured, loadMeasured, storeCurve, storeFile } from "./measured.js";
+import { askForCounts } from "./paste_counts.js";
 import { note } from "./router.js";
 import { columnsOf, differenceOf, flowOf, isFed, isOneWay, rateOf } from "./series.js";
 import { DASHES } from "./theme.js";
@@ -46,7 +47,7 @@ export class CompareCurves {
     for (const type of ["dragover", "dragleave", "drop"]) card.addEventListener(type, (event) => {
       event.preventDefault();
       card.classList.toggle("dropping", type === "dragover");
-      if (type === "drop" && event.dataTransfer.files[0]) this.lay(event.dataTransfer.files[0]);
+      if (type === "drop" && event.dataTransfer.files[0]) this.layFile(event.dataTransfer.files[0]);
     });
     return card;
   }
@@ -77,7 +78,8 @@ export class CompareCurves {
       stored.replaceChildren(h("option", { value: "" }, "Stored counts …"),
         ...list.map(({ id, label, counter }) => h("option", { value: id }, `${label || id.slice(-8)} (${counter})`)));
     }).catch(() => {}); // without the list counts can still be laid over
-    return h("p", { class: "row hint" }, fileButton("Lay measured counts over", (file) => this.lay(file)), stored,
+    return h("p", { class: "row hint" }, fileButton("Lay measured counts over", (file) => this.layFile(file)),
+      h("button", { type: "button", on: { click: () => this.paste() } }, "Paste counts …"), stored,
       h("span", {}, "or drop a CSV here: times in seconds, then counts of parts."));
   }
 
@@ -91,14 +93,24 @@ export class CompareCurves {
     return this.measured.filter(({ counter }) => counter === this.measuredColumn());
   }
 
-  // A file whose second column is called like a counter is bound to that, another to the one that is shown.
-  async lay(file) {
+  // Counts whose column is called like a counter are bound to that, others to the one that is shown; store(counter, isColumn)
+  // stores them.
+  async lay(store) {
     try {
       const isColumn = (wanted) => this.runs.some(({ scenario }) => columnsOf(scenario).some(([name]) => name === wanted));
-      this.add(await storeFile(file, this.measuredColumn(), isColumn));
+      this.add(await store(this.measuredColumn(), isColumn));
     } catch (error) {
       tellFault(error);
     }
+  }
+
+  layFile(file) {
+    this.lay((counter, isColumn) => storeFile(file, counter, isColumn));
+  }
+
+  async paste() {
+    const curve = await askForCounts();
+    if (curve) this.lay((counter, isColumn) => storeCurve(curve, "pasted counts", counter, isColumn));
   }
 
   async loadMeasured(ids, isColumnChosen = false) {

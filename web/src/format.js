@@ -62,8 +62,12 @@ export function span(seconds) {
   return `${Math.round(minutes / 1440)}${NBSP}d`;
 }
 
+const day = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", year: "numeric", hour: "2-digit", minute: "2-digit" });
+
+// Of the last day how long ago it was, before it the date.
 export function age(iso, now = Date.now()) {
   const seconds = (now - Date.parse(iso)) / 1000;
+  if (seconds > 86400) return day.format(new Date(iso));
   return seconds < 5 ? "just now" : `${span(seconds < 10 ? 10 * Math.round(seconds / 10) || 5 : seconds)} ago`;
 }
 

@@ -48,12 +48,23 @@ export async function storeMeasured({ t, v }, label, counter) {
   return shown(await post("v1/measurements", { label, counter, t_s: t, count: v }));
 }
 
-// Stores a file under its name: for the counter that its second column is called like, if isCounter(name) knows it, else for
-// this one. The error begins with the file's name.
+// Counts of the time before each sample as counts up to it.
+export function summedUp({ name, t, v }) {
+  let sum = 0;
+  const fall = v.findIndex((count) => count < 0);
+  if (fall >= 0) throw new Error(`At ${t[fall]} s ${v[fall]} parts came: they cannot be fewer than none.`);
+  return { name, t, v: v.map((count) => (sum = tidy(sum + count, 12))) };
+}
+
+// Stores a curve for the counter that its column is called like, if isCounter(name) knows it, else for this one.
+export function storeCurve(curve, label, counter, isCounter) {
+  return storeMeasured(curve, label, isCounter(curve.name) ? curve.name : counter);
+}
+
+// Stores a file under its name. The error begins with it.
 export async function storeFile(file, counter, isCounter) {
   try {
-    const curve = readMeasured(await file.text());
-    return await storeMeasured(curve, file.name, isCounter(curve.name) ? curve.name : counter);
+    return await storeCurve(readMeasured(await file.text()), file.name, counter, isCounter);
   } catch (error) {
     throw new Error(`${file.name}: ${error.message}`);
   }

@@ -4,8 +4,9 @@ import { post, Problem } from "./api.js";
 import { h, setText } from "./dom.js";
 import { figureTitle, figureUnit, studied } from "./figures.js";
 import { span } from "./format.js";
-import { fileButton, listMeasured, storeFile } from "./measured.js";
+import { fileButton, listMeasured, storeCurve, storeFile } from "./measured.js";
 import { readNumber, writeNumber } from "./numbers.js";
+import { askForCounts } from "./paste_counts.js";
 import { address, go } from "./router.js";
 import { ScenarioSource } from "./scenario_source.js";
 import { baseFor, studyParameters } from "./study_parameters.js";
@@ -109,9 +110,14 @@ export class NewStudyView {
     this.noCounts = h("small", { class: "hint" }, "No counts are stored yet.");
     this.countsNote = h("small", { role: "alert" });
     const hint = h("small", { class: "hint", id: "counts-hint" }, "a CSV: times in seconds, then counts of parts");
-    const button = fileButton("Add counts from a file …", (file) => this.addCounts(file), { "aria-describedby": hint.id });
+    const button = fileButton("Add counts from a file …", (file) => this.addCounts((counter, isCounter) => storeFile(file, counter, isCounter)),
+      { "aria-describedby": hint.id });
+    const paste = h("button", { type: "button", on: { click: async () => {
+      const curve = await askForCounts();
+      if (curve) this.addCounts((counter, isCounter) => storeCurve(curve, "pasted counts", counter, isCounter));
+    } } }, "Paste counts …");
     this.offerCounts();
-    return h("div", { class: "field" }, h("span", {}, "Counts"), this.countsBox, this.noCounts, button, hint, this.countsNote);
+    return h("div", { class: "field" }, h("span", {}, "Counts"), this.countsBox, this.noCounts, button, paste, hint, this.countsNote);
   }
 
   offerCounts() {
@@ -121,11 +127,12 @@ export class NewStudyView {
     this.noCounts.hidden = !this.countsBox.hidden;
   }
 
-  async addCounts(file) {
+  // store(counter, isCounter): stores them, for this counter or the one that they name.
+  async addCounts(store) {
     this.noteCounts(""); // what is said twice is read out twice
     try {
       const isCounter = (name) => [...this.counterBox.options].some(({ value }) => value === name);
-      const stored = await storeFile(file, this.counterBox.value, isCounter);
+      const stored = await store(this.counterBox.value, isCounter);
       this.counts.unshift(stored);
       this.offerCounts();
       this.countsBox.value = stored.id;
