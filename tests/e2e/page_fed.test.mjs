@@ -113,7 +113,7 @@ test("key figures are the daemon's, with their units and definitions, and the li
   const { key_figures: figures, verdicts } = (await d.get(`/v1/runs/${id}/summary`)).json;
   const { RunFigures: described } = (await d.get("/openapi.json")).json.components.schemas;
   await visit(page, `#/runs/${id}`);
-  await page.getByRole("region", { name: "Summary" }).getByText(verdicts[0].text).waitFor();
+  await page.getByRole("group", { name: "What this says" }).getByText(verdicts[0].text).waitFor();
   const panel = page.getByRole("region", { name: "Key figures" });
   const throughput = panel.locator("dl > div", { hasText: "Throughput" }).first().locator("dd span");
   await throughput.getByText("parts/h").waitFor();

@@ -155,3 +155,26 @@ test("what both models say of the best points, and how a fit agrees with the cou
   await page.locator(".fit .plot-legend", { hasText: "computed" }).waitFor();
   await page.getByRole("row", { name: /^belt speed .* m\/s/ }).waitFor();
 });
+
+test("what a study advises is made by a button, and a report of it stands alone", async (t) => {
+  const d = await daemon(t);
+  const id = await begin(d, { name: "Where the foot stands", base: { scenario: jam(0.5) }, method: { type: "grid" },
+    parameters: [{ pointer: "/obstacles/0/from_m/0", range: [0.4, 0.7], steps: 4 }], objectives: [{ figure: "peak_density" }] });
+  const page = await openPage(t, d);
+  await visit(page, `#/studies/${id}`);
+  const advised = page.getByRole("button", { name: /^Study [\d.]+ to [\d.]+$/ });
+  await advised.waitFor();
+  const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save report" }).click()]);
+  assert.equal(file.suggestedFilename(), "where-the-foot-stands.html");
+  const html = readFileSync(await file.path(), "utf8");
+  assert.match(html, /<h1>Where the foot stands<\/h1>/);
+  assert.match(html, /The best point is at the edge of the range/);
+  assert.match(html, /<img alt="" src="data:image\/png;base64,/);
+  assert.doesNotMatch(html, /<(?:button|script|canvas)|src="(?!data:)/);
+  const { verdicts } = (await d.get(`/v1/studies/${id}/best`)).json;
+  const { figures } = verdicts.find(({ kind }) => kind === "edge");
+  await advised.click();
+  await page.waitForURL((url) => /#\/studies\/[0-9a-f-]+$/.test(url.hash) && !url.hash.endsWith(id));
+  const made = (await d.get(`/v1/studies/${/[0-9a-f-]+$/.exec(page.url())[0]}/document`)).json;
+  assert.deepEqual(made.parameters[0].range, ["try_from", "try_to"].map((name) => figures.find(({ figure }) => figure === name).value));
+});

@@ -7,13 +7,15 @@ import { CompareCurves } from "./compare_curves.js";
 import { chipsOf, differences } from "./differences.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { follow } from "./events.js";
-import { age, modelOf, modelWords, nameOf } from "./format.js";
+import { age, fileNameOf, modelOf, modelWords, nameOf } from "./format.js";
 import { KeyTable } from "./key_strip.js";
 import { MeasuresTable } from "./measures.js";
+import { drawPicture } from "./picture.js";
+import { saveReport } from "./report.js";
 import { address, go, note } from "./router.js";
 import { isGoing } from "./run_actions.js";
 import { RunData } from "./run_data.js";
-import { fold, solverTable, verdictLines } from "./run_panels.js";
+import { fold, solverTable, verdictLines, verdictPanel } from "./run_panels.js";
 import { statePill } from "./runs_table.js";
 import { SceneControls } from "./scene_controls.js";
 
@@ -70,7 +72,8 @@ export class CompareView {
 
   build() {
     const head = h("div", { class: "view-head" }, h("h1", {}, "Compare runs"),
-      h("div", { class: "row" }, this.referenceBox(), this.picker()));
+      h("div", { class: "row" }, this.referenceBox(), this.picker(),
+        this.runs.length > 0 ? iconButton("download", "Save report", () => this.report(), { shown: true }) : null));
     const lost = this.missing.map((id) => h("p", { class: "notice" }, `Run ${id.slice(-8)} of this address was deleted, or there never was one.`));
     if (this.runs.length === 0) return [head, ...lost, this.invitation()];
     this.controls = new SceneControls(this.cinema, this.query, {
@@ -81,9 +84,19 @@ export class CompareView {
     if (this.runs.length === 1) lost.push(h("p", { class: "notice" }, "Add another run to compare it with this one."));
     this.curves = new CompareCurves({ runs: this.runs, titles: this.titles, query: this.query,
       onSeek: (t) => this.cinema.player.seek(t), onChange: () => this.measure() });
-    return [head, ...lost, h("div", { class: "compare-main" },
+    this.verdicts = verdictPanel();
+    return [head, ...lost, this.verdicts, h("div", { class: "compare-main" },
       h("div", { class: "panels", data: { n: String(panels.length) } }, panels), h("div", { class: "compare-side" }, this.controlsCard(), this.curves.element)),
-      ...this.tables()];
+      ...(this.cards = this.tables())];
+  }
+
+  // The picture is the one that is seen.
+  report() {
+    const scene = this.controls.scene();
+    const names = new Set(this.runs.map(({ run }) => nameOf(run)));
+    const [words, name] = [this.titles.join("; "), [...names][0]];
+    saveReport({ title: names.size > 1 || words.includes(name) ? words : `${name}: ${words}`, name: `${fileNameOf("comparison", ...this.titles)}.html`,
+      pieces: [this.verdicts, scene.stages.length > 0 ? drawPicture(scene) : null, this.curves.element, ...this.cards] });
   }
 
   invitation() {
@@ -157,7 +170,7 @@ export class CompareView {
     this.agreementFold.addEventListener("toggle", () => this.measure());
     return [
       h("section", { class: "card", "aria-labelledby": "figures-title" }, h("h2", { id: "figures-title" }, "Key figures"),
-        this.verdicts = h("div", { role: "group", "aria-label": "What this says", hidden: true }), this.keyTable.element),
+        this.keyTable.element),
       agreement,
       fold("Computation", "What the solvers did; it says nothing about the belt.", this.solver),
     ];

@@ -92,6 +92,11 @@ function warningItem({ title, meaning, detail }) {
 }
 
 // The server's sentences; what a planner can do stands at their ends.
+// What the server says of a run or of several, to stand before all numbers.
+export function verdictPanel() {
+  return h("div", { class: "card says", role: "group", "aria-label": "What this says", hidden: true });
+}
+
 export function verdictLines(verdicts = []) {
   return verdicts.map(({ kind, text }) => h("p", { class: "verdict", data: { kind } }, readable(text)));
 }
@@ -102,7 +107,6 @@ export function summaryPanel(data) {
   const warnings = summary?.warning_details?.map(warningItem) ?? (summary?.warnings ?? []).map((text) => h("li", {}, readable(text)));
   return h("section", { class: "card", "aria-labelledby": "summary-title" },
     h("h2", { id: "summary-title" }, "Summary"),
-    ...verdictLines(summary?.verdicts),
     faults.length + warnings.length > 0
       ? h("ul", { class: "warnings", "aria-label": "Warnings" }, faults, warnings) : null,
     summary?.validity?.like ? h("p", { class: "hint" }, readable(summary.validity.like.detail)) : null,

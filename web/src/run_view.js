@@ -6,13 +6,15 @@ import { onConnection } from "./connection.js";
 import { CurvePlot } from "./curve_plot.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { follow } from "./events.js";
-import { age, modelOf, nameOf, percent, span } from "./format.js";
+import { age, fileNameOf, modelOf, nameOf, percent, span } from "./format.js";
 import { KeyFiguresPanel } from "./key_figures.js";
 import { KeyStrip } from "./key_strip.js";
+import { drawPicture } from "./picture.js";
+import { saveReport } from "./report.js";
 import { address, go } from "./router.js";
 import { cancel, removeLater } from "./run_actions.js";
 import { RunData } from "./run_data.js";
-import { DownloadsPanel, scenarioPanel, summaryPanel } from "./run_panels.js";
+import { DownloadsPanel, scenarioPanel, summaryPanel, verdictLines, verdictPanel } from "./run_panels.js";
 import { statePill } from "./runs_table.js";
 import { keyOf } from "./scale_bar.js";
 import { SceneControls } from "./scene_controls.js";
@@ -61,9 +63,10 @@ export class RunView {
     this.figures = new KeyFiguresPanel();
     this.strip = new KeyStrip();
     this.summary = h("div", {}, summaryPanel(data));
-    return [this.head(), this.strip.element, h("div", { class: "watch" },
+    this.says = verdictPanel();
+    return [this.head(), this.says, this.strip.element, h("div", { class: "watch" },
       h("div", {}, this.animation(), this.figures.element, this.summary, scenarioPanel(data)),
-      h("div", {}, this.curve(), this.downloads.element))];
+      h("div", {}, this.curveCard = this.curve(), this.downloads.element))];
   }
 
   head() {
@@ -84,7 +87,15 @@ export class RunView {
           run.label ? h("span", { class: "label" }, run.label) : null,
           h("time", { datetime: run.created_at }, age(run.created_at)))),
       h("div", { class: "actions" },
+        iconButton("download", "Save report", () => this.report(), { shown: true }),
         link(address("compare", "", { runs: run.id }), "Compare", { class: "button" }), this.cancelButton, remove));
+  }
+
+  // The picture is the one that is seen.
+  report() {
+    const scene = this.controls.scene();
+    saveReport({ title: this.title, name: `${fileNameOf(this.title, this.data.run.model)}.html`,
+      pieces: [this.says, this.strip.element, scene.stages.length > 0 ? drawPicture(scene) : null, this.curveCard, this.figures.element, this.summary] });
   }
 
   animation() {
@@ -171,6 +182,8 @@ export class RunView {
   }
 
   showFigures() {
+    this.says.replaceChildren(...verdictLines(this.data.summary?.verdicts));
+    this.says.hidden = this.says.childElementCount === 0;
     this.strip.show(this.data);
     this.figures.show(this.data.figures, isFed(this.data.scenario));
   }

@@ -2,7 +2,7 @@
 
 import { figureTitle, figureUnit } from "./figures.js";
 import { h } from "./dom.js";
-import { models, quantity } from "./format.js";
+import { models, number, quantity } from "./format.js";
 import { parametersWords, spreadOf, valueWords } from "./study_words.js";
 
 // The daemon's sentences name a parameter by its member of the scenario, "angle_deg" or "velocity_m_s/0"; the page has words for it.
@@ -10,18 +10,33 @@ function readable(text, words) {
   return [...words].reduce((said, [pointer, { label }]) => said.replaceAll(` ${pointer.match(/[^/]+(\/\d+)*$/)[0]} `, ` ${label.toLowerCase()} `), text);
 }
 
-// In sentences, what was found and how sure it is.
-function sentences(study, { best, is_ended: isEnded, verdicts = [] }, words) {
-  if (!best) return [isEnded ? "No trial has this value, so nothing is best." : "Nothing is known yet."];
-  if (study.method === "calibrate") return [isEnded ? "These values agree best with the counts." : "So far these values agree best with the counts."];
-  const model = study.method === "screen" || words.size === 0 ? [] : [`${isEnded ? "The best that was tried" : "The best so far"}, by the ${models[best.model]} model alone${
-    best.model === "macro" ? "; the microscopic model has not confirmed it." : "."}`];
-  return [...model, ...verdicts.map(({ text }) => readable(text, words))];
+// What a sentence advises, as a study to be made instead: { text, document }; null: it advises none.
+function adviceOf({ kind, advice, figures }, study) {
+  const of = (name) => figures.find(({ figure }) => figure === name)?.value;
+  if (kind === "edge") {
+    const range = [of("try_from"), of("try_to")];
+    const { pointer } = study.parameters.find((one) => one.range && of(one.pointer) !== undefined) ?? {};
+    return pointer === undefined ? null : { text: `Study ${range.map((value) => number(value, 4)).join(" to ")}`,
+      document: { ...study, parameters: study.parameters.map((one) => (one.pointer === pointer ? { ...one, range } : one)) } };
+  }
+  const runs = of("runs_of_each");
+  return runs === undefined || advice === "" ? null : { text: `Make ${3 * runs} more runs of each`, document: { ...study, replications: 4 * runs } };
+}
+
+// In sentences, what was found and how sure it is; [{ text, advised }].
+function sentences(study, { best, is_ended: isEnded, verdicts = [] }, words, document) {
+  const said = (text) => [{ text, advised: null }];
+  if (!best) return said(isEnded ? "No trial has this value, so nothing is best." : "Nothing is known yet.");
+  if (study.method === "calibrate") return said(isEnded ? "These values agree best with the counts." : "So far these values agree best with the counts.");
+  const model = study.method === "screen" || words.size === 0 ? [] : said(`${isEnded ? "The best that was tried" : "The best so far"}, by the ${models[best.model]} model alone${
+    best.model === "macro" ? "; the microscopic model has not confirmed it." : "."}`);
+  return [...model, ...verdicts.map((one) => ({ text: readable(one.text, words), advised: isEnded ? adviceOf(one, document) : null }))];
 }
 
 export class BestPanel {
-  constructor(words, figures) {
-    Object.assign(this, { words, figures });
+  // document: of the study, as the server keeps it; onMake(document): another one is to be made.
+  constructor(words, figures, document, onMake) {
+    Object.assign(this, { words, figures, document, onMake });
     this.body = h("div", { class: "best-panel" });
     this.element = h("section", { class: "card", "aria-labelledby": "best-title" },
       this.title = h("h2", { id: "best-title" }, words.size > 0 ? "Best found" : "All runs together"), this.body);
@@ -35,7 +50,8 @@ export class BestPanel {
     const { best, warnings = [], confirmed, front = [] } = found;
     this.body.replaceChildren(...[
       best && this.words.size > 0 ? h("p", { class: "best-words" }, parametersWords(best.parameters, this.words)) : null,
-      ...sentences(study, found, this.words).map((text) => h("p", { class: "hint" }, text)),
+      ...sentences(study, found, this.words, this.document).flatMap(({ text, advised }) => [h("p", { class: "hint" }, text),
+        advised && h("button", { type: "button", on: { click: () => this.onMake(advised.document) } }, advised.text)]),
       best ? this.values(best) : null,
       front.length > 1 ? this.front(front) : null,
       confirmed?.length > 0 ? this.confirmed(confirmed) : null,

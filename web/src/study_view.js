@@ -5,6 +5,7 @@ import { h, iconButton, link, setText } from "./dom.js";
 import { figureNames, figureTitle, figureUnit } from "./figures.js";
 import { age, fileNameOf } from "./format.js";
 import { parameterAt } from "./parameters.js";
+import { saveReport } from "./report.js";
 import { address, go, note } from "./router.js";
 import { statePill } from "./runs_table.js";
 import { BestPanel } from "./study_best.js";
@@ -49,12 +50,13 @@ export class StudyView {
   }
 
   build() {
-    this.best = new BestPanel(this.words, this.figures);
+    this.best = new BestPanel(this.words, this.figures, this.data.document, (document) => this.make(document));
     this.fit = this.data.document.curves?.length > 0 ? new FitPanel(this.data, this.words) : null;
     this.pictures = new StudyPictures(this.data);
     this.chart = new StudyChart((point) => this.open(point));
-    return [this.head(), h("div", { class: "watch" },
-      h("div", {}, this.chartCard(), this.pictures.element, this.tableCard()), h("div", {}, this.best.element, this.fit?.element))];
+    const left = [this.chartCard(), this.pictures.element, this.tableCard()];
+    this.cards = [this.best.element, ...left, this.fit?.element];
+    return [this.head(), h("div", { class: "watch" }, h("div", {}, left), h("div", {}, this.best.element, this.fit?.element))];
   }
 
   head() {
@@ -70,6 +72,7 @@ export class StudyView {
         h("p", { class: "meta" }, this.state.pill, this.bar, this.count, h("span", {}, methodWords(study)),
           h("time", { datetime: study.created_at }, age(study.created_at)))),
       h("div", { class: "actions" }, Object.values(this.buttons),
+        iconButton("download", "Save report", () => saveReport({ title: this.title, name: `${fileNameOf(this.title)}.html`, pieces: this.cards }), { shown: true }),
         iconButton("download", "Trials as CSV", () => this.download(), { shown: true }),
         link(address("runs", "", { study: study.id }), "Its runs", { class: "button" }),
         iconButton("trash", "Delete", () => this.remove(), { shown: true })));
@@ -171,6 +174,15 @@ export class StudyView {
     try {
       const run = await post(`${this.data.path}/trials/${trial.trial}/run`, "");
       go(address("runs", run.id));
+    } catch (error) {
+      tellFault(error);
+    }
+  }
+
+  // Another study that this one advises.
+  async make(document) {
+    try {
+      go(address("studies", (await post("v1/studies", document)).id));
     } catch (error) {
       tellFault(error);
     }
