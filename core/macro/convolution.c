@@ -198,9 +198,9 @@ void macro__dispersion_make(macro_band *band, ptrdiff_t r)
         convolution_dispersion_velocity(seen.gradient_rows, seen.integral_rows, &s->across,
                                         s->def.dispersion, run.first, run.last, place->i1,
                                         place->i2);
-        if (!s->speeds.are_constant && r >= 0)
+        if (s->speeds != NULL && r >= 0)
             scale_faces(s, &s->faces1, r, run, place->i1);
-        if (!s->speeds.are_constant)
+        if (s->speeds != NULL)
             scale_faces(s, &s->faces2, r + 1, run, place->i2);
     }
     if (r >= 0)

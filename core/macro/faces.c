@@ -37,7 +37,7 @@ static bf_status alloc_faces(const macro_solver *s, macro_faces *faces, ptrdiff_
     faces->closed = memory_alloc((size_t)(n_rows * (s->n_blocks + 1)), sizeof *faces->closed);
     bool is_whole = faces->v != NULL && faces->mixed != NULL && faces->closable != NULL &&
                     faces->closed_blocks != NULL && faces->closed != NULL;
-    if (is_whole && !s->speeds.are_constant) {
+    if (is_whole && s->speeds != NULL) {
         faces->v_full = memory_alloc((size_t)(n_rows * s->stride), sizeof *faces->v_full);
         faces->belt = memory_alloc((size_t)(n_rows * s->stride), sizeof *faces->belt);
         is_whole = faces->v_full != NULL && faces->belt != NULL;
@@ -167,7 +167,7 @@ static void fill_open(const macro_solver *s, const uint8_t *closed, ptrdiff_t n_
 // Where the faces along x1 and x2 stand in a definition.
 static void find_sources(const macro_solver *s, const macro_def *def, face_source ret_sources[2])
 {
-    const bool changes = !s->speeds.are_constant;
+    const bool changes = s->speeds != NULL;
     const bool is_congested = def->closure == SCENE_CONGESTED;
 
     ret_sources[0] = (face_source){ .v = def->v1,
@@ -283,11 +283,11 @@ static void scale_faces(macro_solver *s)
 
 bool macro__faces_update(macro_solver *s)
 {
-    const size_t n_bytes = (s->speeds.n_belts + 1) * sizeof *s->factors;
+    const size_t n_bytes = (s->def.n_belts + 1) * sizeof *s->factors;
 
-    if (s->speeds.are_constant)
+    if (s->speeds == NULL)
         return false;
-    belt_speeds_in_step(&s->speeds, s->steps, s->def.dt, s->factors_next);
+    belt_speeds_in_step(s->speeds, s->steps, s->def.dt, s->factors_next);
     if (memcmp(s->factors, s->factors_next, n_bytes) == 0)
         return false;
     memcpy(s->factors, s->factors_next, n_bytes);
@@ -310,7 +310,7 @@ void macro_set_field(macro_solver *s, const velocity_field *field)
     def.transverse1 = field->transverse1;
     def.transverse2 = field->transverse2;
     fill_all(s, &def);
-    if (!s->speeds.are_constant)
+    if (s->speeds != NULL)
         scale_faces(s);
     if (s->congested != NULL)
         congested_set_faces(s, &def);

@@ -121,6 +121,8 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->def.closed1 = s->def.closed2 = NULL;
     s->def.belts = NULL;
     s->def.belt1 = s->def.belt2 = NULL;
+    if (def->world != NULL && !def->world->belts.are_constant)
+        s->speeds = &def->world->belts;
     mollifier_init(&s->along, def->mollifier, def->grid.d1);
     mollifier_init(&s->across, def->mollifier, def->grid.d2);
     s->lambda1 = def->dt / def->grid.d1;
@@ -258,7 +260,7 @@ static bf_status init_state(const macro_solver *s, macro_state *state)
                : BF_ENOMEM;
 }
 
-static bf_status init_speeds(macro_solver *s, const macro_def *def)
+static bf_status init_factors(macro_solver *s, const macro_def *def)
 {
     s->factors = memory_alloc(def->n_belts + 1, sizeof *s->factors);
     s->factors_next = memory_alloc(def->n_belts + 1, sizeof *s->factors_next);
@@ -266,7 +268,7 @@ static bf_status init_speeds(macro_solver *s, const macro_def *def)
         return BF_ENOMEM;
     for (size_t k = 0; k <= def->n_belts; k++)
         s->factors[k] = 1.0;
-    return belt_speeds_init(&s->speeds, def->n_belts, def->belts, NULL);
+    return BF_OK;
 }
 
 static bf_status init_arrays(macro_solver *s, const macro_def *def)
@@ -276,7 +278,7 @@ static bf_status init_arrays(macro_solver *s, const macro_def *def)
     s->bands = memory_alloc((size_t)s->n_bands, sizeof *s->bands);
     if (s->zero_row == NULL || s->cost == NULL || s->bands == NULL ||
         init_state(s, &s->now) != BF_OK || init_state(s, &s->next) != BF_OK ||
-        init_speeds(s, def) != BF_OK || macro__faces_init(s, def) != BF_OK)
+        init_factors(s, def) != BF_OK || macro__faces_init(s, def) != BF_OK)
         return BF_ENOMEM;
     if (def->tracer_portion > 0.0 && tracers_create(s, &s->tracers) != BF_OK)
         return BF_ENOMEM;
@@ -341,7 +343,6 @@ macro_solver *macro_destroy(macro_solver *s)
     macro__faces_fini(s);
     fini_state(&s->now);
     fini_state(&s->next);
-    belt_speeds_fini(&s->speeds);
     memory_free(s->factors);
     memory_free(s->factors_next);
     memory_free(s->off);

@@ -28,8 +28,8 @@
 #include "core/base/grid.h"
 #include "core/base/status.h"
 #include "core/macro/velocity_field.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/scene.h"
+#include "core/world/world.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -61,8 +61,9 @@ typedef struct macro_def {
     bool one_way[4]; ///< west, east, south, north: packed cargo is not moved back over this edge
     size_t n_belts;  ///< (default 0: v1, v2 and I are constant in time)
     const scene_belt *belts; ///< with checked speed schedules, which scale v1, v2 and I
-    const uint16_t *belt1;   ///< with belts: index of that under each x1-face, n_belts: none
-    const uint16_t *belt2;   ///< same for the x2-faces
+    const bf_world *world; ///< of these belts, borrowed; NULL: their speeds are constant (default)
+    const uint16_t *belt1; ///< with belts: index of that under each x1-face, n_belts: none
+    const uint16_t *belt2; ///< same for the x2-faces
     const uint8_t *off; ///< nonzero: what is in this cell after a step falls (default NULL: none)
     double
         tracer_portion; ///< that a tracer stands for, in densities of a cell; 0: none (tracers.h; default 0)
@@ -133,14 +134,8 @@ void macro_speeds(const macro_solver *s, size_t row, double *ret_speeds);
 /// True if what is in a cell falls.
 bool macro_is_off(const macro_solver *s, size_t cell);
 
-/// How the belts of the definition move; valid as long as the solver.
-const belt_speeds *macro_belt_speeds(const macro_solver *s);
-
 /// The factor on the velocities over a belt of the definition in the step that begins now; 1 off every belt.
 double macro_belt_factor(const macro_solver *s, size_t belt);
-
-/// Let a belt of the definition that an action commands head for a factor from now on.
-void macro_command_belt(macro_solver *s, size_t belt, double factor);
 
 /// Let the steps from now on have another velocity field of the same grid: one of the same scene whose obstacles have
 /// moved. Never allocates.

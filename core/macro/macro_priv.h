@@ -21,7 +21,6 @@
 #include "core/macro/active_blocks.h"
 #include "core/macro/macro.h"
 #include "core/macro/mollifier.h"
-#include "core/scene/belt_speeds.h"
 
 /// Faces of one direction, in rows. Face i of a row is (i + 1/2, row) for x1, -1 <= i < n1; for x2 row
 /// r holds the faces (i, r - 1/2), 0 <= r <= n2.
@@ -132,7 +131,7 @@ struct macro_solver {
     double uniform1;             ///< velocity of most x1-faces, >= 0; that of most x2-faces is 0
     double uniform1_full;        ///< same at the factor 1
     uint16_t uniform_belt;       ///< belt under these x1-faces, if a speed changes
-    belt_speeds speeds;          ///< of the definition's belts
+    const belt_speeds *speeds;   ///< of the definition's belts; NULL: none changes
     double *factors;      ///< of each belt, and off every belt, as they are in v and uniform1
     double *factors_next; ///< scratch of macro__faces_update()
     ptrdiff_t n1;         ///< cells of a row

@@ -2,7 +2,6 @@
 
 #include "core/base/memory.h"
 #include "core/macro/swept_cells.h"
-#include "core/scene/plate_motion.h"
 
 #include <math.h>
 
@@ -21,8 +20,7 @@ typedef struct place {
 // An obstacle of the scene.
 typedef struct plate {
     place place;
-    double radius; // plate_motion_radius()
-    plate_drive drive;
+    double radius;      // plate_motion_radius()
     uint64_t n_steps;   // between two loads of its drive; 0: it does not turn
     size_t n_lines;     // 0: it closes nothing
     closed_line *lines; // at angle 0
@@ -35,8 +33,9 @@ struct moving_plates {
     double edge;               // shorter one of a cell, m
     scene now;                 // the same with the plates that are there, at their places
     scene_obstacle *obstacles; // of now
-    plate_motion motion;
-    plate *plates; // one for each obstacle of the scene
+    plate_motion *motion;      // of the scene's world, borrowed
+    const plate_drive *drives; // same
+    plate *plates;             // one for each obstacle of the scene
     velocity_field *field;
     swept_cells *swept;
     place *before; // scratch: where the field had each obstacle
@@ -75,8 +74,8 @@ static double full_density(const scene *s)
 static void find_places(const moving_plates *p, double t, place *ret_places)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
-        ret_places[k] = (place){ plate_motion_angle(&p->motion, k, t),
-                                 plate_motion_is_present(&p->motion, k, t) ? 1.0 : 0.0 };
+        ret_places[k] = (place){ plate_motion_angle(p->motion, k, t),
+                                 plate_motion_is_present(p->motion, k, t) ? 1.0 : 0.0 };
 }
 
 // Makes `now` the scene with these places, and the field that of `now`.
@@ -86,7 +85,7 @@ static void set_places(moving_plates *p, const place *places)
 
     p->now.n_obstacles = 0;
     for (size_t k = 0; k < s->n_obstacles; k++) {
-        const plate_motion_pose pose = plate_motion_pose_at(&p->motion, k, places[k].angle);
+        const plate_motion_pose pose = plate_motion_pose_at(p->motion, k, places[k].angle);
         p->plates[k].place = places[k];
         if (places[k].presence == 0.0)
             continue;
@@ -113,16 +112,16 @@ static bf_status init_arrays(moving_plates *p, bf_error *err)
         status = init_plate(s, &s->obstacles[k], &p->plates[k]);
     for (size_t k = 0; status == BF_OK && k < s->n_obstacles; k++) {
         plate *of = &p->plates[k];
-        of->drive = plate_drive_of(s, k);
-        if (of->drive.rate > 0.0)
+        if (p->drives[k].rate > 0.0)
             of->n_steps = (uint64_t)fmax(
-                floor(most_moved * p->edge / (of->drive.rate * of->radius * p->dt)), 1.0);
+                floor(most_moved * p->edge / (p->drives[k].rate * of->radius * p->dt)), 1.0);
     }
     p->now.obstacles = p->obstacles;
     return status == BF_OK ? BF_OK : bf_fail(err, status, "/obstacles", "no memory for obstacles");
 }
 
-bf_status moving_plates_create(const scene *s, moving_plates **ret_plates, bf_error *err)
+bf_status moving_plates_create(const scene *s, bf_world *w, moving_plates **ret_plates,
+                               bf_error *err)
 {
     const bf_grid grid = scene_grid(s);
     moving_plates *p = memory_alloc(1, sizeof *p);
@@ -131,12 +130,13 @@ bf_status moving_plates_create(const scene *s, moving_plates **ret_plates, bf_er
     if (p == NULL)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for obstacles");
     p->scene = s;
+    p->motion = &w->plates;
+    p->drives = w->drives;
     p->now = *s;
     p->dt = scene_macro_step(s);
     p->edge = scene_cell_edge(s);
     // The field has room for all obstacles, and is then made for those that are there at the start.
-    if ((status = plate_motion_init(&p->motion, s->n_obstacles, s->obstacles, err)) != BF_OK ||
-        (status = init_arrays(p, err)) != BF_OK ||
+    if ((status = init_arrays(p, err)) != BF_OK ||
         (status = swept_cells_create(&grid, &p->swept, err)) != BF_OK ||
         (status = velocity_field_create(s, &p->field, err)) != BF_OK) {
         moving_plates_destroy(p);
@@ -160,7 +160,6 @@ moving_plates *moving_plates_destroy(moving_plates *p)
     memory_free(p->obstacles);
     memory_free(p->before);
     memory_free(p->after);
-    plate_motion_fini(&p->motion);
     velocity_field_destroy(p->field);
     swept_cells_destroy(p->swept);
     memory_free(p);
@@ -170,11 +169,6 @@ moving_plates *moving_plates_destroy(moving_plates *p)
 const velocity_field *moving_plates_field(const moving_plates *p)
 {
     return p->field;
-}
-
-const plate_motion *moving_plates_motion(const moving_plates *p)
-{
-    return &p->motion;
 }
 
 // True if the field has to be made again for the step that begins at t, when plates are at `after`.
@@ -189,7 +183,7 @@ static bool is_due(const moving_plates *p, double t)
         is = to->presence != of->place.presence;
         if (!is && to->presence == 1.0 && moved > 0.0)
             is = moved >= most_moved * p->edge ||
-                 plate_motion_angular_velocity(&p->motion, k, t, t + p->dt) == 0.0;
+                 plate_motion_angular_velocity(p->motion, k, t, t + p->dt) == 0.0;
     }
     return is;
 }
@@ -203,8 +197,8 @@ static bool find_sweep(const moving_plates *p, size_t k, swept_cells_plate *ret_
 
     *ret_sweep = (swept_cells_plate){ .n_lines = of->n_lines,
                                       .lines = of->lines,
-                                      .before = plate_motion_pose_at(&p->motion, k, from->angle),
-                                      .after = plate_motion_pose_at(&p->motion, k, to->angle),
+                                      .before = plate_motion_pose_at(p->motion, k, from->angle),
+                                      .after = plate_motion_pose_at(p->motion, k, to->angle),
                                       .turned = turned,
                                       .moved = of->radius * fabs(turned) };
     return turned != 0.0 && from->presence == 1.0 && to->presence == 1.0;
@@ -219,7 +213,7 @@ static void follow(moving_plates *p, size_t k, macro_solver *s)
     const double until = (double)(macro_steps(s) + moving->n_steps) * p->dt;
     swept_cells_plate sweep;
 
-    if (!plate_drive_is_needed(&p->motion, k, t, until))
+    if (!plate_drive_is_needed(p->motion, k, t, until))
         return;
     const scene_contact *belt = &of->micro.contact[SCENE_CONVEYOR_CARGO];
     const bf_grid grid = scene_grid(of);
@@ -234,12 +228,12 @@ static void follow(moving_plates *p, size_t k, macro_solver *s)
     plate_load load = { 0.0, 0.0 };
     p->before[k] = moving->place;
     p->after[k] = moving->place;
-    p->after[k].angle = plate_motion_told_angle(&p->motion, k, until);
+    p->after[k].angle = plate_motion_told_angle(p->motion, k, until);
     if (find_sweep(p, k, &sweep)) {
-        const double w = copysign(moving->drive.rate, sweep.turned);
+        const double w = copysign(p->drives[k].rate, sweep.turned);
         load.torque = -copysign(swept_cells_load(p->swept, &sweep, &cargo, p->field, w, s), w);
     }
-    plate_drive_follow(&p->motion, k, &moving->drive, &load, t, until);
+    plate_drive_follow(p->motion, k, &p->drives[k], &load, t, until);
 }
 
 void moving_plates_update(moving_plates *p, macro_solver *s)
@@ -266,19 +260,10 @@ void moving_plates_update(moving_plates *p, macro_solver *s)
     macro_set_field(s, p->field);
 }
 
-void moving_plates_command(moving_plates *p, const scene_action *action, double t)
-{
-    if (action->type == SCENE_ACTION_TURN)
-        plate_motion_command_turn(&p->motion, action->target, t, action->value, action->over);
-    if (action->type == SCENE_ACTION_PRESENCE)
-        plate_motion_command_presence(&p->motion, action->target, t, action->value != 0.0);
-}
-
 void moving_plates_save(const moving_plates *p, checkpoint_writer *w)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
         checkpoint_write(w, &p->plates[k].place, sizeof p->plates[k].place);
-    plate_motion_save(&p->motion, w);
 }
 
 bool moving_plates_load(moving_plates *p, macro_solver *s, checkpoint_reader *r)
@@ -287,8 +272,6 @@ bool moving_plates_load(moving_plates *p, macro_solver *s, checkpoint_reader *r)
         if (!checkpoint_read(r, &p->after[k], sizeof p->after[k]) || !isfinite(p->after[k].angle) ||
             (p->after[k].presence != 0.0 && p->after[k].presence != 1.0))
             return false;
-    if (!plate_motion_load(&p->motion, r))
-        return false;
     set_places(p, p->after);
     macro_set_field(s, p->field);
     return true;

@@ -21,15 +21,15 @@
 #include "core/base/status.h"
 #include "core/macro/macro.h"
 #include "core/macro/velocity_field.h"
-#include "core/scene/plate_drive.h"
 #include "core/scene/scene.h"
 
 /// The plates of a scene; opaque, on the heap.
 typedef struct moving_plates moving_plates;
 
-/// Build them for t = 0. The scene must outlive them. The caller owns *ret_plates: moving_plates_destroy(). BF_ENOMEM.
-BF_MUST_CHECK bf_status moving_plates_create(const scene *s, moving_plates **ret_plates,
-                                             bf_error *err);
+/// Build them for t = 0. The scene and its world must outlive them. The caller owns *ret_plates: moving_plates_destroy().
+/// BF_ENOMEM.
+BF_MUST_CHECK bf_status moving_plates_create(const scene *s, bf_world *w,
+                                             moving_plates **ret_plates, bf_error *err);
 
 /// Free them. NULL is fine. Always returns NULL.
 moving_plates *moving_plates_destroy(moving_plates *p);
@@ -37,16 +37,10 @@ moving_plates *moving_plates_destroy(moving_plates *p);
 /// The field of their present places; valid as long as they are.
 const velocity_field *moving_plates_field(const moving_plates *p);
 
-/// How they move.
-const plate_motion *moving_plates_motion(const moving_plates *p);
-
 /// Move plates to where they are before the next step of a solver, and hand cargo on. Never allocates.
 void moving_plates_update(moving_plates *p, macro_solver *s);
 
-/// Carry out SCENE_ACTION_TURN or SCENE_ACTION_PRESENCE at a time t, s.
-void moving_plates_command(moving_plates *p, const scene_action *action, double t);
-
-/// Write places and commands.
+/// Write the places that the field has.
 void moving_plates_save(const moving_plates *p, checkpoint_writer *w);
 
 /// Take those of the same scene, and let a solver have the field of these places. False: they are damaged, and *p undefined.

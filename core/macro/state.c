@@ -118,22 +118,11 @@ bool macro_is_off(const macro_solver *s, size_t cell)
     return s->off != NULL && s->off[cell] != 0;
 }
 
-const belt_speeds *macro_belt_speeds(const macro_solver *s)
-{
-    return &s->speeds;
-}
-
 double macro_belt_factor(const macro_solver *s, size_t belt)
 {
-    return belt < s->speeds.n_belts
-               ? belt_speeds_mean(&s->speeds, belt, (double)s->steps * s->def.dt,
-                                  (double)(s->steps + 1) * s->def.dt)
-               : 1.0;
-}
-
-void macro_command_belt(macro_solver *s, size_t belt, double factor)
-{
-    belt_speeds_command(&s->speeds, belt, macro_time(s), factor);
+    return s->speeds == NULL ? 1.0
+                             : belt_speeds_mean(s->speeds, belt, (double)s->steps * s->def.dt,
+                                                (double)(s->steps + 1) * s->def.dt);
 }
 
 const double *macro_row(const macro_solver *s, size_t j)
@@ -321,7 +310,6 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
         tracers_save(s, &w);
     if (s->congested != NULL)
         congested_save(s, &w);
-    belt_speeds_save(&s->speeds, &w);
     return checkpoint_end(&w, err);
 }
 
@@ -340,8 +328,7 @@ bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err
         take_density(s, rho);
     if (rho == NULL || (s->fallen != NULL && !checkpoint_read(&r, s->fallen, n_bytes)) ||
         (s->tracers != NULL && !tracers_load(s, &r)) ||
-        (s->congested != NULL && !congested_load(s, &r)) || !belt_speeds_load(&s->speeds, &r) ||
-        r.n_left != 0)
+        (s->congested != NULL && !congested_load(s, &r)) || r.n_left != 0)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
     return BF_OK;
 }

@@ -341,7 +341,7 @@ static double torque_of(const hand_on_context *x, const swept_cells_plate *plate
 
     if (r == 0.0)
         return 0.0;
-    const double factor = belt < cargo->around.n_belts ? macro_belt_factor(x->solver, belt) : 0.0;
+    const double factor = macro_belt_factor(x->solver, belt);
     const vec2 e = vec2_scale(vec2_turn_left(to), copysign(1.0, w) / r);
     const vec2 slip = vec2_sub(vec2_scale(e, fabs(w) * lever),
                                vec2_scale(surroundings_velocity_of(&cargo->around, belt), factor));

@@ -5,9 +5,8 @@
 #include "core/base/checkpoint.h"
 #include "core/micro/micro.h"
 #include "core/micro/press.h"
-#include "core/scene/belt_speeds.h"
-#include "core/scene/plate_drive.h"
 #include "core/scene/surroundings.h"
+#include "core/world/world.h"
 
 /// What a handle stands for.
 enum {
@@ -23,8 +22,7 @@ typedef struct micro_common {
     uint8_t *
         presence; ///< by handle: MICRO_HERE etc.; micro.c frees those of parts that have left, then forget_gone()
     surroundings around;   ///< a copy: belts and edges
-    belt_speeds speeds;    ///< of the belts
-    plate_motion motion;   ///< of the obstacles; pose_plates() must follow what changes it
+    const bf_world *world; ///< borrowed; that of the definition, or one in which nothing moves
     uint64_t steps;        ///< made since t = 0
     double recent_overlap; ///< largest overlap_share (micro_totals) since micro.c set it to 0
 } micro_common;
@@ -54,8 +52,6 @@ typedef struct micro_backend {
     void (*press)(const void *state, micro_press *ret_press);
     /// Compute contacts with this modulus_reduction from now on. MICRO_IMPLICIT only; NULL: it never does.
     void (*harden)(void *state, double reduction);
-    /// Put the plates where their motion says
-    void (*pose_plates)(void *state);
     /// What parts do to an obstacle that moves now, by the springs of their contacts
     plate_load (*load_on)(void *state, size_t obstacle);
     /// Write the state as the payload of a checkpoint.
@@ -73,6 +69,9 @@ static inline bool micro__is_pressed(double overlap_share, const micro_def *def)
 
 /// The fastest speed of any point of a plate, m/s, and whose it is.
 double micro__plate_speed(const micro_def *def, size_t *ret_obstacle);
+
+/// The definition's world, or one in which nothing moves.
+bf_world *micro__world(const micro_def *def);
 
 /// For how many parts steps and iterations are chosen.
 static inline size_t micro__n_expected(const micro_def *def)

@@ -9,33 +9,29 @@
 static const double finely = 0.01; // of the smallest radius, between two measurements
 static const double window = 0.1;  // same, in all that count
 
-bf_status drives_init(drives *d, const micro_def *def, const plate_motion *motion, bf_error *err)
+bf_status drives_init(drives *d, const micro_def *def, bf_error *err)
 {
     size_t fastest;
     const double radius = implicit_step_radius(def);
     const double speed = micro__plate_speed(def, &fastest);
 
-    *d = (drives){ .dt = def->dt };
-    if (def->drives == NULL || !motion->is_any)
+    *d = (drives){ .world = micro__world(def), .dt = def->dt };
+    if (!d->world->plates.is_any)
         return BF_OK;
     d->n = def->n_obstacles;
     const double steps = finely * radius / (speed * def->dt);
     d->n_steps = (uint64_t)fmax(fmin(floor(steps), DRIVES_STEPS_MAX), 1.0);
     const double measured = window * radius / (speed * def->dt * (double)d->n_steps);
     d->window = (size_t)fmax(fmin(floor(measured), DRIVES_WINDOW), 1.0);
-    d->of = memory_alloc(d->n, sizeof *d->of);
     d->recent = memory_alloc(d->n, sizeof *d->recent);
-    if (d->of == NULL || d->recent == NULL) {
-        drives_fini(d);
-        return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for drives of obstacles");
-    }
-    memcpy(d->of, def->drives, d->n * sizeof *d->of);
-    return BF_OK;
+    if (d->recent != NULL)
+        return BF_OK;
+    d->n = 0;
+    return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for drives of obstacles");
 }
 
 void drives_fini(drives *d)
 {
-    memory_free(d->of);
     memory_free(d->recent);
     *d = (drives){ .n = 0 };
 }
@@ -70,20 +66,16 @@ void drives_follow(drives *d, const micro_backend *backend, micro_common *state)
 {
     const double t = (double)state->steps * d->dt;
     const double until = (double)(state->steps + d->n_steps) * d->dt;
-    bool is_posed = false;
 
     if (d->n == 0 || state->steps % d->n_steps != 0)
         return;
     for (size_t k = 0; k < d->n; k++) {
-        if (!plate_drive_is_needed(&state->motion, k, t, until)) {
+        if (!plate_drive_is_needed(&d->world->plates, k, t, until)) {
             memset(d->recent[k], 0, sizeof d->recent[k]);
             continue;
         }
-        if (!is_posed)
-            backend->pose_plates(state);
-        is_posed = true;
         const plate_load load = add_measurement(d, k, backend->load_on(state, k));
-        plate_drive_follow(&state->motion, k, &d->of[k], &load, t, until);
+        plate_drive_follow(&d->world->plates, k, &d->world->drives[k], &load, t, until);
     }
 }
 

@@ -22,16 +22,15 @@ enum {
 /// The drives of a solver's obstacles. Make with drives_init(), free with drives_fini().
 typedef struct drives {
     size_t n;                            ///< obstacles; 0: none has a drive with a limit
-    plate_drive *of;                     ///< of each
+    bf_world *world;                     ///< with the drives, borrowed
     double dt;                           ///< step of the solver, s
     uint64_t n_steps;                    ///< between two measurements
     size_t window;                       ///< measurements that count
     plate_load (*recent)[DRIVES_WINDOW]; ///< of each obstacle, the newest one first
 } drives;
 
-/// Those of a checked definition with its step and of the motion of its obstacles. BF_ENOMEM: *d is empty.
-BF_MUST_CHECK bf_status drives_init(drives *d, const micro_def *def, const plate_motion *motion,
-                                    bf_error *err);
+/// Those of a checked definition with its step. BF_ENOMEM: *d is empty.
+BF_MUST_CHECK bf_status drives_init(drives *d, const micro_def *def, bf_error *err);
 
 /// Free what *d owns.
 void drives_fini(drives *d);

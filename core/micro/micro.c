@@ -187,6 +187,13 @@ static bf_status check_plates(const micro_def *def, bf_error *err)
         speed, def->dt, stable);
 }
 
+bf_world *micro__world(const micro_def *def)
+{
+    static bf_world at_rest = { .belts = { .are_constant = true } };
+
+    return def->world != NULL ? def->world : &at_rest;
+}
+
 bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy, bf_error *err)
 {
     surroundings around = {
@@ -243,7 +250,7 @@ static bf_status fill(micro_solver *s, const micro_def *def, bf_error *err)
     bf_status status = places_init(def, &s->places, err);
     if (status == BF_OK)
         status = s->backend->create(def, &s->state, err);
-    return status == BF_OK ? drives_init(&s->drives, def, &s->state->motion, err) : status;
+    return status == BF_OK ? drives_init(&s->drives, def, err) : status;
 }
 
 bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error *err)
@@ -363,23 +370,6 @@ double micro_reduction(const micro_solver *s)
     return s->reduction;
 }
 
-void micro_command_turn(micro_solver *s, size_t obstacle, double t, double angle, double over)
-{
-    plate_motion_command_turn(&s->state->motion, obstacle, t, angle, over);
-    s->backend->pose_plates(s->state);
-}
-
-void micro_command_presence(micro_solver *s, size_t obstacle, double t, bool is_present)
-{
-    plate_motion_command_presence(&s->state->motion, obstacle, t, is_present);
-    s->backend->pose_plates(s->state);
-}
-
-const plate_motion *micro_plate_motion(const micro_solver *s)
-{
-    return &s->state->motion;
-}
-
 micro_part micro_part_of(const micro_solver *s, size_t k)
 {
     return s->backend->part(s->state, k);
@@ -489,24 +479,13 @@ static double time_now(const micro_solver *s)
     return (double)micro_steps(s) * s->dt;
 }
 
-void micro_command_belt(micro_solver *s, size_t belt, double factor)
-{
-    belt_speeds_command(&s->state->speeds, belt, time_now(s), factor);
-}
-
-const belt_speeds *micro_belt_speeds(const micro_solver *s)
-{
-    return &s->state->speeds;
-}
-
 vec2 micro_belt_velocity(const micro_solver *s, vec2 at)
 {
     const surroundings *around = &s->state->around;
-    const belt_speeds *speeds = &s->state->speeds;
     const size_t belt = surroundings_belt_at(around, at);
-    const double factor = belt < around->n_belts ? belt_speeds_at(speeds, belt, time_now(s)) : 0.0;
 
-    return vec2_scale(surroundings_velocity_of(around, belt), factor);
+    return vec2_scale(surroundings_velocity_of(around, belt),
+                      belt_speeds_at(&s->state->world->belts, belt, time_now(s)));
 }
 
 static places_parts parts_of(const micro_solver *s)
@@ -590,7 +569,6 @@ bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
     checkpoint_begin(&w, out, s->backend->kind, s->definition);
     checkpoint_write(&w, &header, sizeof header);
     checkpoint_write(&w, s->ids, s->n * sizeof *s->ids);
-    belt_speeds_save(&s->state->speeds, &w);
     drives_save(&s->drives, &w);
     s->backend->save(s->state, &w);
     return checkpoint_end(&w, err);
@@ -645,8 +623,7 @@ bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
     if (memory_reserve(&s->ids, &s->capacity, header.n, sizeof *s->ids) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", (size_t)header.n);
-    if (!checkpoint_read(&r, s->ids, header.n * sizeof *s->ids) ||
-        !belt_speeds_load(&s->state->speeds, &r) || !drives_load(&s->drives, &r))
+    if (!checkpoint_read(&r, s->ids, header.n * sizeof *s->ids) || !drives_load(&s->drives, &r))
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged, or too short");
     s->n = header.n;
     s->next_id = header.next_id;

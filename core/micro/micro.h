@@ -29,9 +29,8 @@
 
 #include "core/base/buffer.h"
 #include "core/base/status.h"
-#include "core/scene/belt_speeds.h"
-#include "core/scene/plate_drive.h"
 #include "core/scene/scene.h"
+#include "core/world/world.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -69,8 +68,8 @@ typedef struct micro_def {
     const scene_belt *belts;            ///< later ones lie on top of earlier ones
     size_t n_obstacles;                 ///< (default 0)
     const scene_obstacle *obstacles;    ///< plates: path, thickness, motion; solid
-    const plate_drive *drives;   ///< of each obstacle; NULL: they push whatever there is (default)
-    size_t n_actions;            ///< (default 0)
+    bf_world *world;  ///< of these belts and obstacles, borrowed; NULL: none moves (default)
+    size_t n_actions; ///< (default 0)
     const scene_action *actions; ///< that may turn obstacles: bound the step
     size_t n_kinds;              ///< >= 1 (no default)
     const micro_kind *kinds;     ///< kinds of parts
@@ -174,14 +173,6 @@ micro_solver *micro_destroy(micro_solver *s);
 /// beyond overlap_limit; the text has time, part and place. BF_ENOMEM: no memory for a longer neighbour list.
 BF_MUST_CHECK bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err);
 
-/// Turn an obstacle that moves (scene_obstacle_moves()) from its present angle to another one, rad, within `over`,
-/// s, or let it come or go; at the present time t, s. Its schedule has no effect from then on. Saved with the state.
-void micro_command_turn(micro_solver *s, size_t obstacle, double t, double angle, double over);
-void micro_command_presence(micro_solver *s, size_t obstacle, double t, bool is_present);
-
-/// The motion of the obstacles, and how drives lag; valid as long as the solver.
-const plate_motion *micro_plate_motion(const micro_solver *s);
-
 /// The state of part k, 0 <= k < micro_parts().
 micro_part micro_part_of(const micro_solver *s, size_t k);
 
@@ -206,10 +197,6 @@ size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, s
 /// time, but for the first query after steps, which is O(n). BF_ENOMEM.
 BF_MUST_CHECK bf_status micro_is_free(micro_solver *s, uint32_t kind, scene_pose pose,
                                       bool *ret_is_free, bf_error *err);
-
-/// How the belts move; valid as long as the solver. Let one that actions may command head for a factor from now on.
-const belt_speeds *micro_belt_speeds(const micro_solver *s);
-void micro_command_belt(micro_solver *s, size_t belt, double factor);
 
 /// Velocity of the belt under a place now, m/s; zero off every belt.
 vec2 micro_belt_velocity(const micro_solver *s, vec2 at);

@@ -207,7 +207,7 @@ static scene_pose turn_back(const plate_motion *motion, const places_piece *piec
 static bool is_clear_of_piece(const places_parts *parts, const places_piece *piece,
                               const newcomer *n)
 {
-    const plate_motion *motion = &parts->state->motion;
+    const plate_motion *motion = &parts->state->world->plates;
     const vec2 *c = piece->corners;
     const double range = n->footprint->bounding_radius + vec2_length(vec2_sub(c[2], c[1]));
     scene_pose pose = n->pose;

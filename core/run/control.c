@@ -1,7 +1,5 @@
 #include "core/run/control.h"
 
-#include "core/scene/plate_drive.h"
-
 #include <math.h>
 #include <stdio.h>
 
@@ -11,12 +9,13 @@ static const double least_part = 0.5;
 static const double told_turn =
     2.0 * M_PI / 180.0; // rad, between two changes of a drive that is behind
 
-control control_of(const scene *s, const run_backend *backend, const run_plan *plan)
+control control_of(const scene *s, bf_world *w, const run_backend *backend, const run_plan *plan)
 {
     const bool needs_ticks = s->n_feeds > 0 || s->n_eyes > 0 || s->until != SCENE_UNTIL_DURATION ||
                              scene_has_moving_obstacles(s);
 
     return (control){ .scene = s,
+                      .world = w,
                       .backend = backend,
                       .n_tick = needs_ticks ? plan->n_tick : 0,
                       .dt = plan->dt,
@@ -91,7 +90,10 @@ static bf_status command_due(control *c, void *solver, uint64_t step, const run_
     while (status == BF_OK && commands_take(&c->commands, step, &action)) {
         const scene_action *of = &c->scene->actions[action];
         const frame_change change = { .type = FRAME_CHANGE_ACTION, .item = (uint32_t)action };
-        c->backend->command(solver, of);
+        if (of->type == SCENE_ACTION_FEED)
+            c->backend->hold(solver, of->target, of->value != 0.0);
+        else
+            world_command(c->world, of, (double)step * c->dt);
         status = emit_change(c, step, &change, target_of(c->scene, of), sink, err);
     }
     return status;
@@ -116,13 +118,13 @@ static bf_status watch_drive(control *c, const plate_motion *motion, size_t k, u
     return emit_change(c, step, &change, c->scene->obstacles[k].id, sink, err);
 }
 
-static bf_status watch_drives(control *c, const void *solver, uint64_t step, figures *to,
-                              const run_sink *sink, bf_error *err)
+static bf_status watch_drives(control *c, uint64_t step, figures *to, const run_sink *sink,
+                              bf_error *err)
 {
-    const plate_motion *motion = c->backend->plate_motion(solver);
+    const plate_motion *motion = &c->world->plates;
     bf_status status = BF_OK;
 
-    for (size_t k = 0; motion != NULL && k < motion->n && status == BF_OK; k++)
+    for (size_t k = 0; k < motion->n && status == BF_OK; k++)
         if (motion->plates[k].moves)
             status = watch_drive(c, motion, k, step, to, sink, err);
     return status;
@@ -147,7 +149,7 @@ bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, con
         status = command_due(c, solver, step, sink, err);
     if (status == BF_OK && c->scene->n_feeds > 0)
         status = c->backend->admit(solver, to, err);
-    return status == BF_OK ? watch_drives(c, solver, step, to, sink, err) : status;
+    return status == BF_OK ? watch_drives(c, step, to, sink, err) : status;
 }
 
 bool control_is_drained(const control *c, const void *solver)

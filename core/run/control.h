@@ -23,6 +23,7 @@ typedef struct control_drive {
 /// The state of a run's ticks. Make with control_of(), free with control_fini().
 typedef struct control {
     const scene *scene;                        ///< must outlive it
+    bf_world *world;                           ///< of the run
     const run_backend *backend;                ///< the model
     uint64_t n_tick;                           ///< steps of a tick; 0: there are none
     double dt;                                 ///< step, s
@@ -34,7 +35,7 @@ typedef struct control {
 } control;
 
 /// The ticks of a run at t = 0.
-control control_of(const scene *s, const run_backend *backend, const run_plan *plan);
+control control_of(const scene *s, bf_world *w, const run_backend *backend, const run_plan *plan);
 
 /// Free what *c owns.
 void control_fini(control *c);

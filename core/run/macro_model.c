@@ -103,8 +103,8 @@ static double tracer_portion(const scene *s, const macro_run *run)
     return offered > 0.0 ? fmin(offered / (of_run * parts_per_cell), held) : held;
 }
 
-static macro_def def_of(const scene *s, const macro_run *run, const velocity_field *f,
-                        int n_threads)
+static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
+                        const velocity_field *f, int n_threads)
 {
     macro_def def = macro_def_default();
 
@@ -123,6 +123,7 @@ static macro_def def_of(const scene *s, const macro_run *run, const velocity_fie
     if (f->belt1 != NULL) {
         def.n_belts = s->n_belts;
         def.belts = s->belts;
+        def.world = w;
         def.belt1 = f->belt1;
         def.belt2 = f->belt2;
     }
@@ -139,16 +140,17 @@ static macro_def def_of(const scene *s, const macro_run *run, const velocity_fie
     return def;
 }
 
-static bf_status create_solver(const scene *s, int n_threads, macro_run *run, bf_error *err)
+static bf_status create_solver(const scene *s, bf_world *w, int n_threads, macro_run *run,
+                               bf_error *err)
 {
     velocity_field *f = NULL;
-    bf_status status = scene_has_moving_obstacles(s) ? moving_plates_create(s, &run->plates, err)
+    bf_status status = scene_has_moving_obstacles(s) ? moving_plates_create(s, w, &run->plates, err)
                                                      : velocity_field_create(s, &f, err);
 
     if (status != BF_OK)
         return status;
     const velocity_field *field = run->plates != NULL ? moving_plates_field(run->plates) : f;
-    const macro_def def = def_of(s, run, field, n_threads);
+    const macro_def def = def_of(s, w, run, field, n_threads);
     run->may_drop = field->off != NULL;
     status = macro_create(&def, &run->solver, err);
     velocity_field_destroy(f);
@@ -262,8 +264,8 @@ static bf_status find_belts(const scene *s, macro_run *run, bf_error *err)
     return BF_OK;
 }
 
-static bf_status create_run(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
-                            bf_error *err)
+static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **ret_solver,
+                            run_plan *ret_plan, bf_error *err)
 {
     macro_run *run = memory_alloc(1, sizeof *run);
     bf_status status;
@@ -278,7 +280,7 @@ static bf_status create_run(const scene *s, int n_threads, void **ret_solver, ru
     for (size_t k = 0; k < s->n_counters; k++)
         run->counters[k] = counter_cells_of(&s->counters[k], &run->grid);
     if ((status = feed_density_create(s, scene_macro_step(s), &run->feeds, err)) != BF_OK ||
-        (status = create_solver(s, n_threads, run, err)) != BF_OK ||
+        (status = create_solver(s, w, n_threads, run, err)) != BF_OK ||
         (status = create_eyes(s, run, err)) != BF_OK ||
         (run->is_fed && (status = find_belts(s, run, err)) != BF_OK) ||
         (status = place_parts(s, run, &n_parts, err)) != BF_OK) {
@@ -301,13 +303,6 @@ static double density_of_cell(const void *context, size_t cell)
     const macro_run *run = context;
 
     return macro_row(run->solver, cell / run->grid.n1)[cell % run->grid.n1];
-}
-
-static const belt_speeds *belt_speeds_of(const void *solver)
-{
-    const macro_run *run = solver;
-
-    return macro_belt_speeds(run->solver);
 }
 
 static double factor_of_belt(const void *context, size_t belt)
@@ -359,31 +354,11 @@ static bf_status admit_run(void *solver, figures *to, bf_error *err)
     return BF_OK;
 }
 
-static void command_run(void *solver, const scene_action *action)
-{
-    macro_run *run = solver;
-
-    switch (action->type) {
-    case SCENE_ACTION_BELT:
-        macro_command_belt(run->solver, action->target, action->value);
-        break;
-    case SCENE_ACTION_TURN:
-    case SCENE_ACTION_PRESENCE:
-        moving_plates_command(run->plates, action, macro_time(run->solver));
-        break;
-    case SCENE_ACTION_FEED:
-        feed_density_hold(run->feeds, action->target, action->value != 0.0);
-        break;
-    case SCENE_ACTION_COUNT:
-        break;
-    }
-}
-
-static const plate_motion *plate_motion_of(const void *solver)
+static void hold(void *solver, size_t feed, bool is_held)
 {
     const macro_run *run = solver;
 
-    return run->plates != NULL ? moving_plates_motion(run->plates) : NULL;
+    feed_density_hold(run->feeds, feed, is_held);
 }
 
 static feed_balance balance_run(const void *solver, size_t feed)
@@ -583,8 +558,6 @@ const run_backend run__macro = {
     .measure = measure_run,
     .fallen_in = fallen_in,
     .snapshot = take_snapshot,
-    .belt_speeds = belt_speeds_of,
-    .plate_motion = plate_motion_of,
     .save = save_run,
     .load = load_run,
     .digest = digest_run,
@@ -592,7 +565,7 @@ const run_backend run__macro = {
     .tell_ages = tell_ages,
     .tell_exits = tell_exits,
     .look = look_run,
-    .command = command_run,
+    .hold = hold,
     .admit = admit_run,
     .balance = balance_run,
     .is_exhausted = is_exhausted_run,

@@ -169,13 +169,13 @@ static bf_status create_checked(const scene *s, const run__micro_setup *setup, m
     return status;
 }
 
-static bf_status create_run(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
-                            bf_error *err)
+static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **ret_solver,
+                            run_plan *ret_plan, bf_error *err)
 {
     run__micro_setup setup;
     micro_run *run = NULL;
 
-    bf_status status = run__micro_init_setup(s, n_threads, &setup, err);
+    bf_status status = run__micro_init_setup(s, w, n_threads, &setup, err);
     if (status != BF_OK)
         return status;
     status = create_checked(s, &setup, &run, err);
@@ -399,20 +399,6 @@ static bf_status depart(void *solver, run_departures *ret_departures, bf_error *
     return micro_feeds_depart(&run->feeds, ret_departures, err);
 }
 
-static const belt_speeds *belt_speeds_of(const void *solver)
-{
-    const micro_run *run = solver;
-
-    return micro_belt_speeds(run->solver);
-}
-
-static const plate_motion *plate_motion_of(const void *solver)
-{
-    const micro_run *run = solver;
-
-    return micro_plate_motion(run->solver);
-}
-
 static void tell_cargo(const void *solver, figures *to)
 {
     const micro_run *run = solver;
@@ -507,24 +493,11 @@ static bf_status look_at_beam(void *solver, size_t eye, run_view *ret_view, bf_e
     return BF_OK;
 }
 
-static void command(void *solver, const scene_action *a)
+static void hold(void *solver, size_t feed, bool is_held)
 {
     const micro_run *run = solver;
-    const double now = (double)micro_steps(run->solver) * micro_dt(run->solver);
 
-    switch (a->type) {
-    case SCENE_ACTION_BELT:
-        micro_command_belt(run->solver, a->target, a->value);
-        break;
-    case SCENE_ACTION_TURN:
-        micro_command_turn(run->solver, a->target, now, a->value, a->over);
-        break;
-    case SCENE_ACTION_PRESENCE:
-        micro_command_presence(run->solver, a->target, now, a->value > 0.0);
-        break;
-    default:
-        feed_parts_hold(run->feeds.entry, a->target, a->value > 0.0);
-    }
+    feed_parts_hold(run->feeds.entry, feed, is_held);
 }
 
 static bf_status admit(void *solver, figures *to, bf_error *err)
@@ -566,15 +539,13 @@ const run_backend run__micro = {
     .snapshot = take_snapshot,
     .parts = copy_parts,
     .fill_end = fill_end,
-    .belt_speeds = belt_speeds_of,
-    .plate_motion = plate_motion_of,
     .save = save_run,
     .load = load_run,
     .digest = digest_run,
     .depart = depart,
     .tell_cargo = tell_cargo,
     .look = look_at_beam,
-    .command = command,
+    .hold = hold,
     .admit = admit,
     .balance = balance_of,
     .is_exhausted = is_exhausted,

@@ -113,9 +113,6 @@ static bf_status set_surroundings(const scene *s, run__micro_setup *setup, bf_er
     def->belts = around.belts;
     def->n_obstacles = s->n_obstacles;
     def->obstacles = s->obstacles;
-    for (size_t k = 0; k < s->n_obstacles; k++)
-        setup->drives[k] = plate_drive_of(s, k);
-    def->drives = setup->drives;
     def->n_actions = s->n_actions;
     def->actions = s->actions;
     return status;
@@ -144,7 +141,7 @@ static double choose_step(const micro_def *def)
                : micro_dt_chosen(def);
 }
 
-bf_status run__micro_init_setup(const scene *s, int n_threads, run__micro_setup *setup,
+bf_status run__micro_init_setup(const scene *s, bf_world *w, int n_threads, run__micro_setup *setup,
                                 bf_error *err)
 {
     *setup = (run__micro_setup){ .def = micro_def_default() };
@@ -156,6 +153,7 @@ bf_status run__micro_init_setup(const scene *s, int n_threads, run__micro_setup 
     setup->def.n_parts = setup->placement.n;
     setup->def.poses = setup->placement.poses;
     setup->def.part_kinds = setup->placement.kinds;
+    setup->def.world = w;
     setup->def.n_threads = n_threads;
     if ((status = set_surroundings(s, setup, err)) != BF_OK ||
         (status = set_expected(s, &setup->def, err)) != BF_OK) {
@@ -263,13 +261,14 @@ void run__micro_check_setup(const scene *s, const run__micro_setup *setup, bf_fa
 
 void run__micro_check(const scene *s, bf_faults *faults)
 {
-    run__micro_setup setup;
+    run__micro_setup setup = { .def = { .n_parts = 0 } };
+    bf_world w;
     bf_error err;
 
-    if (run__micro_init_setup(s, 1, &setup, &err) != BF_OK) {
+    if (world_init(&w, s, &err) == BF_OK && run__micro_init_setup(s, &w, 1, &setup, &err) == BF_OK)
+        run__micro_check_setup(s, &setup, faults);
+    else
         faults_add_error(faults, &err);
-        return;
-    }
-    run__micro_check_setup(s, &setup, faults);
     run__micro_fini_setup(&setup);
+    world_fini(&w);
 }

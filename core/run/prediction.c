@@ -106,7 +106,7 @@ static bf_status set_micro(const scene *s, const prediction_load *load, predicti
     run__micro_setup setup;
     double *amounts = work->amounts;
 
-    const bf_status status = run__micro_init_setup(s, 1, &setup, err);
+    const bf_status status = run__micro_init_setup(s, NULL, 1, &setup, err);
     if (status != BF_OK)
         return status;
     const double per_s = 1.0 / setup.def.dt;

@@ -229,7 +229,7 @@ static bf_status review_hardness(const scene *s, review_warnings *ret_warnings, 
 {
     run__micro_setup setup;
 
-    const bf_status status = run__micro_init_setup(s, 1, &setup, err);
+    const bf_status status = run__micro_init_setup(s, NULL, 1, &setup, err);
     if (status != BF_OK)
         return status;
     const double overlap = hardness_expected_overlap(&setup.def);

@@ -36,6 +36,7 @@ struct run {
     run_model model;
     uint64_t definition; // digest of scenario and model, to which checkpoints belong
     const run_backend *backend;
+    bf_world world;
     void *solver;
     run_plan plan;
     uint64_t step, first_step;
@@ -140,9 +141,11 @@ bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_r
     r->n_columns = (uint32_t)columns_count(s);
     r->samples.of = SCHEDULE_CURVE;
     r->snapshots.of = SCHEDULE_SNAPSHOT;
-    bf_status status = r->backend->create(s, n_threads, &r->solver, &r->plan, err);
+    bf_status status = world_init(&r->world, s, err);
+    if (status == BF_OK)
+        status = r->backend->create(s, &r->world, n_threads, &r->solver, &r->plan, err);
     if (status == BF_OK) {
-        r->control = control_of(s, r->backend, &r->plan);
+        r->control = control_of(s, &r->world, r->backend, &r->plan);
         r->parts_start = r->backend->measure(r->solver).parts;
         status = allocate_results(r, err);
     }
@@ -160,6 +163,7 @@ run *run_destroy(run *r)
         return NULL;
     if (r->solver != NULL)
         r->backend->destroy(r->solver);
+    world_fini(&r->world);
     control_fini(&r->control);
     figures_destroy(r->figures);
     memory_free(r->figure_values);
@@ -192,7 +196,8 @@ static bf_status load(run *r, const void *bytes, size_t n, bf_error *err)
     bf_status status = checkpoint_open(&reader, bytes, n, CHECKPOINT_RUN, r->definition, err);
     if (status != BF_OK)
         return status;
-    if (!checkpoint_read(&reader, &h, sizeof h) || h.step > r->plan.n_steps)
+    if (!checkpoint_read(&reader, &h, sizeof h) || h.step > r->plan.n_steps ||
+        !world_load(&r->world, &reader))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
     if ((status = control_load(&r->control, &reader, err)) != BF_OK)
         return status;
@@ -296,6 +301,7 @@ static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
     r->checkpoint.n = 0;
     checkpoint_begin(&w, &r->checkpoint, CHECKPOINT_RUN, r->definition);
     checkpoint_write(&w, &h, sizeof h);
+    world_save(&r->world, &w);
     control_save(&r->control, &w);
     figures_save(r->figures, &w);
     bf_status status = r->backend->save(r->solver, &r->checkpoint, err);
@@ -351,7 +357,7 @@ static void fill_columns(run *r, const run_load *load, double *values)
     for (size_t k = 0; k < figure_items(s, FIGURE_OF_BELT); k++) {
         const size_t belt = figure_belt(s, k);
         *values++ = vec2_length(s->belts[belt].velocity) *
-                    belt_speeds_at(r->backend->belt_speeds(r->solver), belt, time_now(r));
+                    belt_speeds_at(&r->world.belts, belt, time_now(r));
     }
 }
 
@@ -458,7 +464,7 @@ static bool is_over(const run *r)
 // Takes what is due at the present step.
 static bf_status take_results(run *r, const run_sink *sink, bf_error *err)
 {
-    figures_belts(r->figures, r->backend->belt_speeds(r->solver), time_now(r));
+    figures_belts(r->figures, &r->world.belts, time_now(r));
     bf_status status = make_tick(r, sink, err);
 
     if (status == BF_OK && (r->step >= r->samples.step || is_over(r)))

@@ -11,11 +11,10 @@
 #include "core/micro/micro.h"
 #include "core/run/frame.h"
 #include "core/run/passages.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/placement.h"
-#include "core/scene/plate_drive.h"
 #include "core/scene/scene.h"
 #include "core/scene/surroundings.h"
+#include "core/world/world.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -71,9 +70,9 @@ typedef struct run_view {
 typedef struct run_backend {
     /// Add the faults for which a checked scenario cannot be solved.
     void (*check_scenario)(const scene *s, bf_faults *faults);
-    /// Build the solver at t = 0. The caller owns *ret_solver: destroy().
-    bf_status (*create)(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
-                        bf_error *err);
+    /// Build the solver at t = 0, which borrows the world. The caller owns *ret_solver: destroy().
+    bf_status (*create)(const scene *s, bf_world *w, int n_threads, void **ret_solver,
+                        run_plan *ret_plan, bf_error *err);
     void (*destroy)(void *solver);
     /// Make n steps of dt. How steps are cut into calls must not change the result. BF_ENUMERIC with
     /// step, time and place where that is detected at once.
@@ -108,12 +107,8 @@ typedef struct run_backend {
     void (*tell_exits)(const void *solver, figures *to);
     /// What a photo eye sees. BF_ENOMEM.
     bf_status (*look)(void *solver, size_t eye, run_view *ret_view, bf_error *err);
-    /// How the belts move; those of the scene where any speed changes.
-    const belt_speeds *(*belt_speeds)(const void *solver);
-    /// How the obstacles move; NULL: none does.
-    const plate_motion *(*plate_motion)(const void *solver);
-    /// Give the target of an action its value.
-    void (*command)(void *solver, const scene_action *action);
+    /// Hold a feed, or let it go on.
+    void (*hold)(void *solver, size_t feed, bool is_held);
     /// Let the parts of the feeds enter that are due and find a place, and tell their waits. BF_ENOMEM.
     bf_status (*admit)(void *solver, figures *to, bf_error *err);
 
@@ -132,15 +127,15 @@ extern const run_backend run__micro;
 /// A definition of the microscopic solver with what it borrows; must stay where it is.
 /// run__micro_fini_setup().
 typedef struct run__micro_setup {
-    micro_def def;                           ///< ready, with the step that the run takes
-    micro_kind kinds[SCENE_KINDS_MAX];       ///< def.kinds
-    plate_drive drives[SCENE_OBSTACLES_MAX]; ///< def.drives
-    surroundings inlets;       ///< def.domain, edges and belts where a feed lies on a side
-    scene_placement placement; ///< def.poses, def.part_kinds
+    micro_def def;                     ///< ready, with the step that the run takes
+    micro_kind kinds[SCENE_KINDS_MAX]; ///< def.kinds
+    surroundings inlets;               ///< def.domain, edges and belts where a feed lies on a side
+    scene_placement placement;         ///< def.poses, def.part_kinds
 } run__micro_setup;
 
-/// The definition of a checked scenario. BF_ENOMEM, BF_EINPUT as placement_of(); *setup is then empty.
-BF_MUST_CHECK bf_status run__micro_init_setup(const scene *s, int n_threads,
+/// The definition of a checked scenario; w is its world, NULL if no solver is made. BF_ENOMEM, BF_EINPUT as placement_of(); *setup is
+/// then empty.
+BF_MUST_CHECK bf_status run__micro_init_setup(const scene *s, bf_world *w, int n_threads,
                                               run__micro_setup *setup, bf_error *err);
 
 /// Free what the setup owns and zero it. NULL is fine.

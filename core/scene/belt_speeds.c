@@ -171,8 +171,9 @@ static double value_after(const belt_speeds_curve *c, size_t k, double t)
 
 double belt_speeds_at(const belt_speeds *speeds, size_t belt, double t)
 {
+    if (belt >= speeds->n_belts)
+        return 1.0;
     const belt_speeds_curve *c = &speeds->curves[belt];
-
     return value_after(c, find_knot(c, t), t);
 }
 
@@ -188,6 +189,8 @@ bool belt_speeds_stands(const belt_speeds *speeds, size_t belt, double t, double
 
 double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, double to)
 {
+    if (belt >= speeds->n_belts)
+        return 1.0;
     const belt_speeds_curve *c = &speeds->curves[belt];
     size_t k = find_knot(c, from);
     double t = from, factor = value_after(c, k, from), sum = 0.0;

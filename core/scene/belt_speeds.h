@@ -58,13 +58,13 @@ BF_MUST_CHECK bf_status belt_speeds_init(belt_speeds *ret_speeds, size_t n_belts
 /// Free what *speeds owns and zero it.
 void belt_speeds_fini(belt_speeds *speeds);
 
-/// f of a belt at a time t >= 0, s.
+/// f of a belt at a time t >= 0, s; 1 for n_belts, off every belt.
 double belt_speeds_at(const belt_speeds *speeds, size_t belt, double t);
 
 /// Whether a belt stands from a time t >= 0 on, s, and until when at least: the next knot of its f.
 bool belt_speeds_stands(const belt_speeds *speeds, size_t belt, double t, double *ret_until);
 
-/// The mean of f of a belt over [from, to], s, 0 <= from < to; the same bits as f where that is constant.
+/// The mean of f of a belt over [from, to], s, 0 <= from < to; the same bits as f where that is constant. 1 for n_belts.
 double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, double to);
 
 /// The factors of all belts in a step: their means over [step dt, (step + 1) dt]. ret_factors has room for

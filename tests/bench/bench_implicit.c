@@ -182,7 +182,7 @@ static void read_mix(scene *ret_scene, run__micro_setup *ret_setup)
     bf_error err;
 
     if (mix == NULL || scenario_read(mix->document, mix->n, ret_scene, &faults, &err) != BF_OK ||
-        run__micro_init_setup(ret_scene, 1, ret_setup, &err) != BF_OK)
+        run__micro_init_setup(ret_scene, NULL, 1, ret_setup, &err) != BF_OK)
         fail("the example cannot be read");
 }
 

@@ -1,5 +1,5 @@
 """Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, base <- compare <- figures,
-scene <- macro, micro <- run, inside api json <- scenario <- results <- study <- http, openapi, inside server base <- http, store <- run,
+scene <- world <- macro, micro <- run, inside api json <- scenario <- results <- study <- http, openapi, inside server base <- http, store <- run,
 study <- daemon, run <- pull <- slurm <- daemon, run <- worker <- cli; and every outside header is included only where it belongs."""
 
 import re
@@ -16,11 +16,12 @@ ARROWS = {
     "core/scene": {"core/base", "core/scene"},
     "core/feed": {"core/base", "core/scene", "core/feed"},
     "core/figures": {"core/base", "core/scene", "core/feed", "core/compare", "core/figures"},
-    "core/macro": {"core/base", "core/scene", "core/macro"},
-    "core/micro": {"core/base", "core/convex", "core/scene", "core/micro"},
-    "core/micro/disk": {"core/base", "core/scene", "core/micro", "core/micro/disk"},
-    "core/micro/body": {"core/base", "core/convex", "core/scene", "core/micro", "core/micro/body"},
-    "core/run": {"core/base", "core/scene", "core/feed", "core/figures", "core/macro", "core/micro",
+    "core/world": {"core/base", "core/scene", "core/world"},
+    "core/macro": {"core/base", "core/scene", "core/world", "core/macro"},
+    "core/micro": {"core/base", "core/convex", "core/scene", "core/world", "core/micro"},
+    "core/micro/disk": {"core/base", "core/scene", "core/world", "core/micro", "core/micro/disk"},
+    "core/micro/body": {"core/base", "core/convex", "core/scene", "core/world", "core/micro", "core/micro/body"},
+    "core/run": {"core/base", "core/scene", "core/world", "core/feed", "core/figures", "core/macro", "core/micro",
                  "core/run"},
     "core/compare": {"core/base", "core/compare"},
     "core/study": {"core/base", "core/feed", "core/figures", "core/study"},

@@ -34,15 +34,12 @@ bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
     for (size_t k = 0; k < def->n_belts; k++)
         s->belt_velocities[k] = in_space(def->belts[k].velocity, 1.0);
-    bf_status status = micro__copy_surroundings(def, &s->common.around, err);
-    return status == BF_OK ? belt_speeds_init(&s->common.speeds, def->n_belts, def->belts, err)
-                           : status;
+    return micro__copy_surroundings(def, &s->common.around, err);
 }
 
 void body__belt_fini(body_state *s)
 {
     surroundings_fini(&s->common.around);
-    belt_speeds_fini(&s->common.speeds);
     memory_free(s->belt_cache);
     memory_free(s->belt_velocities);
 }
@@ -51,10 +48,10 @@ void body__update_belts(body_state *s, uint64_t n_before)
 {
     double factors[SCENE_BELTS_MAX + 1];
 
-    if (s->common.speeds.are_constant)
+    if (s->common.world->belts.are_constant)
         return;
-    belt_speeds_in_step(&s->common.speeds, n_before, s->def.dt, factors);
-    for (size_t k = 0; k < s->common.speeds.n_belts; k++)
+    belt_speeds_in_step(&s->common.world->belts, n_before, s->def.dt, factors);
+    for (size_t k = 0; k < s->common.around.n_belts; k++)
         s->belt_velocities[k] = in_space(s->common.around.belts[k].velocity, factors[k]);
 }
 

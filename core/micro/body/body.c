@@ -37,10 +37,10 @@ static void place_parts(body_state *s, const micro_def *def)
         body__place_part(s, k, &arrival);
         const size_t belt = surroundings_belt_under(
             &s->common.around, (vec2){ body->x.x, body->x.y }, s->kinds[body->kind].inner_radius);
-        if (belt == s->common.speeds.n_belts)
+        if (belt == def->n_belts)
             continue;
-        vec2 v =
-            vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->common.speeds, belt, 0.0));
+        vec2 v = vec2_scale(def->belts[belt].velocity,
+                            belt_speeds_at(&s->common.world->belts, belt, 0.0));
         body->v = (vec3){ v.x, v.y, 0.0 };
     }
 }
@@ -207,6 +207,7 @@ static bf_status create(const micro_def *def, micro_common **ret_state, bf_error
     body_state *s = memory_alloc(1, sizeof *s);
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
+    s->common.world = micro__world(def);
     take_def(s, def);
     if ((status = init_kinds(s, def, err)) == BF_OK &&
         (status = init_arrays(s, def->n_parts, err)) == BF_OK &&
@@ -242,13 +243,6 @@ static void press(const void *state, micro_press *ret_press)
     };
 }
 
-static void pose_plates(void *state)
-{
-    body_state *s = state;
-
-    body__pose_plates(s, s->common.steps);
-}
-
 const micro_backend micro__body = {
     .dt_stable = body__dt_stable,
     .create = create,
@@ -260,7 +254,6 @@ const micro_backend micro__body = {
     .forget_gone = body__forget_gone,
     .measure = body__measure,
     .press = press,
-    .pose_plates = pose_plates,
     .load_on = body__load_on,
     .save = body__save,
     .load = body__load,

@@ -33,7 +33,6 @@
 #include "core/micro/driver.h"
 #include "core/micro/micro.h"
 #include "core/micro/neighbours.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/surroundings.h"
 
 enum {

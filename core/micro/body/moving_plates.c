@@ -3,27 +3,7 @@
 
 #include "core/micro/body/body_priv.h"
 
-#include "core/base/memory.h"
-
 #include <math.h>
-
-bf_status body__moving_plates_init(body_state *s, const micro_def *def, size_t n_plates,
-                                   bf_error *err)
-{
-    bf_status status = plate_motion_init(&s->common.motion, def->n_obstacles, def->obstacles, err);
-
-    if (status != BF_OK || !s->common.motion.is_any)
-        return status;
-    s->moving = memory_alloc(n_plates, sizeof *s->moving);
-    return s->moving != NULL ? BF_OK
-                             : bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
-}
-
-void body__moving_plates_fini(body_state *s)
-{
-    plate_motion_fini(&s->common.motion);
-    memory_free(s->moving);
-}
 
 void body__add_moving_plates(body_state *s, const scene_obstacle *obstacle, size_t index,
                              size_t first)
@@ -64,8 +44,8 @@ void body__pose_plates(body_state *s, uint64_t n_before)
         body_moving *moving = &s->moving[k];
         if (!moving->moves)
             continue;
-        const plate_motion_step step = plate_motion_in_step(&s->common.motion, moving->obstacle,
-                                                            n_before, s->def.dt, moving->depth);
+        const plate_motion_step step = plate_motion_in_step(
+            &s->common.world->plates, moving->obstacle, n_before, s->def.dt, moving->depth);
         pose_plate(moving, &step, &s->plates[k]);
     }
 }

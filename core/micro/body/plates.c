@@ -211,11 +211,10 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
         return BF_OK;
     s->plates = memory_alloc(n, sizeof *s->plates);
     s->plate_memories = memory_alloc(s->capacity, sizeof *s->plate_memories);
-    if (s->plates == NULL || s->plate_memories == NULL)
+    s->moving = s->common.world->plates.is_any ? memory_alloc(n, sizeof *s->moving) : NULL;
+    if (s->plates == NULL || s->plate_memories == NULL ||
+        (s->common.world->plates.is_any && s->moving == NULL))
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
-    bf_status status = body__moving_plates_init(s, def, n, err);
-    if (status != BF_OK)
-        return status;
     for (size_t k = 0; k < def->n_obstacles; k++) {
         const size_t first = s->n_plates;
         make_plates(s, &def->obstacles[k]);
@@ -230,7 +229,7 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
 
 void body__plates_fini(body_state *s)
 {
-    body__moving_plates_fini(s);
+    memory_free(s->moving);
     memory_free(s->plates);
     memory_free(s->plate_memories);
     memory_free(s->map.first);

@@ -4,7 +4,6 @@
 
 #include "core/micro/body/narrow_phase.h"
 #include "core/micro/micro.h"
-#include "core/scene/plate_drive.h"
 
 /// How a plate moves. The velocity of its surface in p is spin x (p - pivot) + growth n, n the normal there.
 typedef struct body_moving {
@@ -22,11 +21,6 @@ typedef struct body_moving {
 /// Make the plates of the obstacles and map them. BF_ENOMEM.
 BF_MUST_CHECK bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err);
 void body__plates_fini(body_state *s); ///< Free them.
-
-/// Copy the motion of the obstacles, and make room for n_plates plates if any moves. BF_ENOMEM.
-BF_MUST_CHECK bf_status body__moving_plates_init(body_state *s, const micro_def *def,
-                                                 size_t n_plates, bf_error *err);
-void body__moving_plates_fini(body_state *s); ///< Free what that made.
 
 /// Note that the plates from `first` on are those of an obstacle that moves.
 void body__add_moving_plates(body_state *s, const scene_obstacle *obstacle, size_t index,

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/// The start of a saved state, followed by the commands to obstacles, n saved_part, n_pairs saved_pair,
+/// The start of a saved state, followed by n saved_part, n_pairs saved_pair,
 /// n_plate_memories saved_plate_memory and n_warm_starts saved_warm_start (of MICRO_IMPLICIT).
 typedef struct saved_header {
     uint64_t steps;
@@ -226,7 +226,6 @@ void body__save(const void *state, checkpoint_writer *w)
                             .overlap_share = s->overlap_share };
 
     checkpoint_write(w, &header, sizeof header);
-    plate_motion_save(&s->common.motion, w);
     for (size_t k = 0; k < s->n; k++) {
         const saved_part part = save_part(s, k);
         checkpoint_write(w, &part, sizeof part);
@@ -391,8 +390,8 @@ bf_status body__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
     body_state *s = state;
     saved_header header;
 
-    if (!checkpoint_read(r, &header, sizeof header) || !plate_motion_load(&s->common.motion, r) ||
-        n > r->n_left / sizeof(saved_part) || header.n_pairs > r->n_left / sizeof(saved_pair))
+    if (!checkpoint_read(r, &header, sizeof header) || n > r->n_left / sizeof(saved_part) ||
+        header.n_pairs > r->n_left / sizeof(saved_pair))
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
     if ((n > s->capacity && body__resize(s, n) != BF_OK) ||
         memory_reserve(&s->pairs, &s->pairs_capacity, header.n_pairs, sizeof *s->pairs) != 0)

@@ -154,7 +154,8 @@ bf_status disk__boundary_init(disk_state *s, const micro_def *def, bf_error *err
     }
     s->faces = memory_alloc(n_faces, sizeof *s->faces);
     s->arcs = memory_alloc(n_arcs, sizeof *s->arcs);
-    if (s->faces == NULL || s->arcs == NULL)
+    s->plates.of = memory_alloc(def->n_obstacles, sizeof *s->plates.of);
+    if (s->faces == NULL || s->arcs == NULL || s->plates.of == NULL)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
     add_walls(s);
     for (size_t k = 0; k < def->n_obstacles; k++) {

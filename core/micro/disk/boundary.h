@@ -4,7 +4,6 @@
 
 #include "core/micro/disk/kernels.h"
 #include "core/micro/micro.h"
-#include "core/scene/plate_drive.h"
 
 /// A plate that moves.
 typedef struct disk_plate {
@@ -26,7 +25,7 @@ typedef struct disk_plates {
     disk_surface *surfaces; ///< of each feature in the step that begins now
 } disk_plates;
 
-/// Lay out faces and arcs of walls and obstacles; s->common.around and s->plates must be there. BF_ENOMEM.
+/// Lay out faces and arcs of walls and obstacles; s->common must be there. BF_ENOMEM.
 BF_MUST_CHECK bf_status disk__boundary_init(disk_state *s, const micro_def *def, bf_error *err);
 void disk__boundary_fini(disk_state *s); ///< Free them.
 
@@ -34,9 +33,7 @@ void disk__boundary_fini(disk_state *s); ///< Free them.
 /// are not in contact.
 double disk__overlap(const disk_state *s, const disk *part, uint32_t feature, bool *ret_counts);
 
-/// Copy the motion of obstacles. BF_ENOMEM.
-BF_MUST_CHECK bf_status disk__plates_init(disk_state *s, const micro_def *def, bf_error *err);
-void disk__plates_fini(disk_state *s); ///< Free them.
+void disk__plates_fini(disk_state *s); ///< Free the plates that move.
 
 /// Note that the last faces and arcs, from these on, are those of an obstacle that moves.
 void disk__add_moving_plate(disk_state *s, const scene_obstacle *obstacle, size_t index,

@@ -21,7 +21,6 @@ static void destroy(void *state)
     disk__plates_fini(s);
     disk__tiling_fini(s);
     surroundings_fini(&s->common.around);
-    belt_speeds_fini(&s->common.speeds);
     memory_free(s->now);
     memory_free(s->next);
     memory_free(s->heading);
@@ -136,25 +135,14 @@ void disk__fill_slots(disk_state *s)
     }
 }
 
-static bf_status init_belts(disk_state *s, const micro_def *def, bf_error *err)
-{
-    bf_status status = micro__copy_surroundings(def, &s->common.around, err);
-
-    if (status == BF_OK)
-        status = belt_speeds_init(&s->common.speeds, def->n_belts, def->belts, err);
-    for (size_t k = 0; status == BF_OK && k < def->n_belts; k++)
-        s->belts.of[k] = (disk_belt){ def->belts[k].velocity.x, def->belts[k].velocity.y, 1.0 };
-    return status;
-}
-
 const disk_belt *disk__belts_in_step(const disk_state *s, uint64_t n_before, disk_belts *room)
 {
     double factors[SCENE_BELTS_MAX + 1];
 
-    if (s->common.speeds.are_constant)
+    if (s->common.world->belts.are_constant)
         return s->belts.of;
-    belt_speeds_in_step(&s->common.speeds, n_before, s->def.dt, factors);
-    for (size_t k = 0; k <= s->common.speeds.n_belts; k++) {
+    belt_speeds_in_step(&s->common.world->belts, n_before, s->def.dt, factors);
+    for (size_t k = 0; k <= s->common.around.n_belts; k++) {
         const disk_belt *belt = &s->belts.of[k];
         room->of[k] = (disk_belt){ belt->vx * factors[k], belt->vy * factors[k], belt->on_belt };
     }
@@ -170,8 +158,9 @@ static void start_parts(disk_state *s, const micro_def *def)
         s->now[k].x = pose->x;
         s->now[k].y = pose->y;
         const size_t belt = disk__belt_under(s, &s->now[k]);
-        if (belt < s->common.speeds.n_belts)
-            v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->common.speeds, belt, 0.0));
+        if (belt < def->n_belts)
+            v = vec2_scale(def->belts[belt].velocity,
+                           belt_speeds_at(&s->common.world->belts, belt, 0.0));
         s->now[k].vx = v.x;
         s->now[k].vy = v.y;
         s->heading[k] = pose->heading;
@@ -190,13 +179,14 @@ static bool is_tiled(const micro_def *def)
 
 static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
 {
+    s->common.world = micro__world(def);
     set_constants(s, def);
     if (copy_kinds(s, def) != BF_OK || make_arrays(s, def) != BF_OK ||
         (is_tiled(def) && disk__tiling_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
-    bf_status status = init_belts(s, def, err);
-    if (status == BF_OK)
-        status = disk__plates_init(s, def, err);
+    for (size_t k = 0; k < def->n_belts; k++)
+        s->belts.of[k] = (disk_belt){ def->belts[k].velocity.x, def->belts[k].velocity.y, 1.0 };
+    bf_status status = micro__copy_surroundings(def, &s->common.around, err);
     if (status == BF_OK)
         status = disk__boundary_init(s, def, err);
     if (status != BF_OK)
@@ -242,13 +232,6 @@ void disk__harden(void *state, double reduction)
     disk__set_iterations(s);
 }
 
-static void pose_plates(void *state)
-{
-    disk_state *s = state;
-
-    disk__pose_plates(s, s->common.steps);
-}
-
 const micro_backend micro__disk = {
     .dt_stable = disk__dt_stable_explicit,
     .create = create,
@@ -261,7 +244,6 @@ const micro_backend micro__disk = {
     .measure = disk__measure,
     .press = disk__press,
     .harden = disk__harden,
-    .pose_plates = pose_plates,
     .load_on = disk__load_on,
     .save = disk__save,
     .load = disk__load,

@@ -34,7 +34,6 @@
 #include "core/micro/disk/kernels.h"
 #include "core/micro/micro.h"
 #include "core/micro/neighbours.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/surroundings.h"
 
 enum { DISK_PARTITIONS_MAX = 64 }; ///< threads that advance the parts together

@@ -8,21 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-bf_status disk__plates_init(disk_state *s, const micro_def *def, bf_error *err)
-{
-    bf_status status = plate_motion_init(&s->common.motion, def->n_obstacles, def->obstacles, err);
-
-    if (status != BF_OK || !s->common.motion.is_any)
-        return status;
-    s->plates.of = memory_alloc(def->n_obstacles, sizeof *s->plates.of);
-    return s->plates.of != NULL
-               ? BF_OK
-               : bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
-}
-
 void disk__plates_fini(disk_state *s)
 {
-    plate_motion_fini(&s->common.motion);
     memory_free(s->plates.of);
     memory_free(s->plates.faces);
     memory_free(s->plates.arcs);
@@ -103,8 +90,8 @@ void disk__pose_plates(disk_state *s, uint64_t n_before)
 {
     for (size_t k = 0; k < s->plates.n; k++) {
         const disk_plate *plate = &s->plates.of[k];
-        const plate_motion_step step = plate_motion_in_step(&s->common.motion, plate->obstacle,
-                                                            n_before, s->def.dt, plate->depth);
+        const plate_motion_step step = plate_motion_in_step(
+            &s->common.world->plates, plate->obstacle, n_before, s->def.dt, plate->depth);
         pose_plate(s, plate, &step);
     }
 }
@@ -127,8 +114,8 @@ double disk__plates_travel(const disk_state *s, uint64_t n_before)
 
     for (size_t k = 0; k < s->plates.n; k++) {
         const disk_plate *plate = &s->plates.of[k];
-        const plate_motion_step step =
-            plate_motion_in_step(&s->common.motion, plate->obstacle, n_before, dt, plate->depth);
+        const plate_motion_step step = plate_motion_in_step(
+            &s->common.world->plates, plate->obstacle, n_before, dt, plate->depth);
         speed = fmax(speed, fabs(step.spin) * plate->radius + step.growth);
     }
     return speed * dt;
@@ -171,7 +158,7 @@ static void add_load(const disk_state *s, const disk_plate *plate, const disk_ca
     const double force = s->handling.line / (part->compliance + s->handling_compliance) * overlap;
     const vec2 normal = find_normal(s, part, candidate->feature);
     const vec2 at = vec2_sub((vec2){ part->x, part->y }, vec2_scale(normal, part->radius));
-    const vec2 pivot = s->common.motion.plates[plate->obstacle].pivot;
+    const vec2 pivot = s->common.world->plates.plates[plate->obstacle].pivot;
     load->force += force;
     load->torque -= force * vec2_cross(vec2_sub(at, pivot), normal);
 }

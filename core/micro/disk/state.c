@@ -308,7 +308,6 @@ void disk__save(const void *state, checkpoint_writer *w)
         const saved_part part = read_part(s, k);
         checkpoint_write(w, &part, sizeof part);
     }
-    plate_motion_save(&s->common.motion, w);
     disk_implicit__save(s, w);
 }
 
@@ -347,7 +346,7 @@ bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
 
     if (checkpoint_read(r, &header, sizeof header))
         parts = checkpoint_read_items(r, n, sizeof(saved_part));
-    if (parts == NULL || !plate_motion_load(&s->common.motion, r))
+    if (parts == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
     if (n > s->capacity && disk__resize(s, n) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);

@@ -2,6 +2,7 @@
 
 #include "core/base/check.h"
 #include "core/micro/backend.h"
+#include "tests/unit/core/helper_world.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -84,9 +85,11 @@ void helper_disk_state_jam(helper_outflow *e, double angle_deg)
 
 disk_state *helper_disk_state_start(const micro_def *def)
 {
+    micro_def own = *def;
     micro_common *state = NULL;
 
-    BF_CHECK(micro__disk.create(def, &state, NULL) == BF_OK);
+    own.world = helper_world_of(def);
+    BF_CHECK(micro__disk.create(&own, &state, NULL) == BF_OK);
     return (disk_state *)state;
 }
 

@@ -1,6 +1,7 @@
 #include "tests/unit/core/helper_disks.h"
 
 #include "core/base/check.h"
+#include "tests/unit/core/helper_world.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -76,9 +77,11 @@ void helper_disks_block(helper_disks *d, size_t n, double thickness)
 
 micro_solver *helper_disks_start(const helper_disks *d)
 {
+    micro_def own = d->def;
     micro_solver *s = NULL;
 
-    BF_CHECK(micro_create(&d->def, &s, NULL) == BF_OK);
+    own.world = helper_world_of(&own);
+    BF_CHECK(micro_create(&own, &s, NULL) == BF_OK);
     return s;
 }
 

@@ -4,6 +4,7 @@
 #include "core/base/memory.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
+#include "tests/unit/core/helper_world.h"
 
 #include <math.h>
 
@@ -15,7 +16,12 @@ velocity_field *helper_macro_field(const scene *s)
     return f;
 }
 
-macro_def helper_macro_def(const scene *s, const velocity_field *f)
+static bf_world *world_of(const scene *s)
+{
+    return helper_world(s->n_belts, s->belts, s->n_obstacles, s->obstacles);
+}
+
+static macro_def def_of(const scene *s, const bf_world *w, const velocity_field *f)
 {
     macro_def def = macro_def_default();
 
@@ -33,6 +39,7 @@ macro_def helper_macro_def(const scene *s, const velocity_field *f)
     def.tracer_portion = s->n_feeds > 0 ? 1.0 : 0.0;
     def.n_belts = f->belt1 != NULL ? s->n_belts : 0;
     def.belts = s->belts;
+    def.world = w;
     def.belt1 = f->belt1;
     def.belt2 = f->belt2;
     def.aperture1 = f->aperture1;
@@ -44,6 +51,11 @@ macro_def helper_macro_def(const scene *s, const velocity_field *f)
         def.one_way[side] = s->edges[side] != SCENE_EDGE_OUTFLOW;
     }
     return def;
+}
+
+macro_def helper_macro_def(const scene *s, const velocity_field *f)
+{
+    return def_of(s, world_of(s), f);
 }
 
 macro_solver *helper_macro_create(const scene *s, int n_threads)
@@ -94,12 +106,13 @@ double helper_macro_bump(double x1, double x2, double deviation)
     return 0.8 * exp(-(x1 * x1 + x2 * x2) / (2.0 * deviation * deviation));
 }
 
-static bf_status create_both(const scene *s, velocity_field **ret_f, macro_solver **ret_solver)
+static bf_status create_both(const scene *s, const bf_world *w, velocity_field **ret_f,
+                             macro_solver **ret_solver)
 {
     bf_status status = velocity_field_create(s, ret_f, NULL);
 
     if (status == BF_OK) {
-        const macro_def def = helper_macro_def(s, *ret_f);
+        const macro_def def = def_of(s, w, *ret_f);
         status = macro_create(&def, ret_solver, NULL);
     }
     return status;
@@ -107,13 +120,14 @@ static bf_status create_both(const scene *s, velocity_field **ret_f, macro_solve
 
 void helper_macro_lack_memory(const scene *s)
 {
+    const bf_world *w = world_of(s);
     bf_status status = BF_ENOMEM;
 
     for (size_t n = 1; status != BF_OK; n++) {
         velocity_field *f = NULL;
         macro_solver *solver = NULL;
         memory_plan_fault(n, 0);
-        status = create_both(s, &f, &solver);
+        status = create_both(s, w, &f, &solver);
         memory_plan_fault(0, 0);
         BF_CHECK(status == BF_OK ? solver != NULL : status == BF_ENOMEM && solver == NULL);
         macro_destroy(solver);

@@ -1,5 +1,7 @@
 #include "tests/unit/core/helper_micro.h"
 
+#include "tests/unit/core/helper_world.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,10 +31,12 @@ micro_def helper_micro_def(int solver)
 
 micro_solver *helper_micro_start(const micro_def *def)
 {
+    micro_def own = *def;
     micro_solver *s = NULL;
     bf_error err = { 0 };
 
-    if (micro_create(def, &s, &err) != BF_OK)
+    own.world = helper_world_of(def);
+    if (micro_create(&own, &s, &err) != BF_OK)
         fail_msg("%s: %s", err.pointer, err.text);
     return s;
 }

@@ -19,7 +19,7 @@ extern const helper_micro_solver helper_micro_solvers[HELPER_MICRO_SOLVERS];
 /// micro_def_default() for one of them, without damping, with moduli that are divided by 1e4.
 micro_def helper_micro_def(int solver);
 
-/// The solver of a definition; micro_destroy().
+/// The solver of a definition, with a world of its own if the definition has none; micro_destroy().
 micro_solver *helper_micro_start(const micro_def *def);
 
 /// Steps up to time t, s.

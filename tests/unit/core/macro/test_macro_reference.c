@@ -5,6 +5,7 @@
 #include "core/macro/macro.h"
 #include "core/macro/macro_priv.h"
 #include "tests/reference/direct.h"
+#include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
 
 #include <math.h>
@@ -121,6 +122,7 @@ static void let_belts_change(fixture *s)
         s->belt2[k] = (uint16_t)(k % n1 < n1 / 2 ? 0 : rand() % 3);
     s->def.n_belts = 2;
     s->def.belts = s->belts;
+    s->def.world = helper_world(2, s->belts, 0, NULL);
     s->def.belt1 = s->belt1;
     s->def.belt2 = s->belt2;
 }

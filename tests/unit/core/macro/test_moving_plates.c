@@ -63,15 +63,25 @@ static void make_box(scene *s, int kind, double speed, scene_series turn)
 typedef struct model {
     const scene *scene;
     bf_grid grid;
+    bf_world *world;
     moving_plates *plates;
     macro_solver *solver;
 } model;
+
+static bf_world *world_of(const scene *s)
+{
+    bf_world *w = memory_alloc(1, sizeof *w);
+
+    assert_int_equal(world_init(w, s, NULL), BF_OK);
+    return w;
+}
 
 static model start(const scene *s, int n_threads)
 {
     model m = { .scene = s, .grid = scene_grid(s) };
 
-    assert_int_equal(moving_plates_create(s, &m.plates, NULL), BF_OK);
+    m.world = world_of(s);
+    assert_int_equal(moving_plates_create(s, m.world, &m.plates, NULL), BF_OK);
     const velocity_field *f = moving_plates_field(m.plates);
     macro_def def = helper_macro_def(s, f);
     def.n_threads = n_threads;
@@ -86,6 +96,8 @@ static void stop(model *m)
 {
     macro_destroy(m->solver);
     moving_plates_destroy(m->plates);
+    world_fini(m->world);
+    memory_free(m->world);
 }
 
 // Sets a density where x_min <= x1 < x_max.
@@ -221,7 +233,7 @@ static void where_there_is_no_room_the_plate_stalls(void **state)
         fill(&m, 0.0, 0.4, part * kinds[k].full);
         const double mass = mass_of(&m), stalled = atan2((1.0 - part) * 0.4 * 0.3, 0.5 * 0.09);
         advance(&m, 500);
-        const plate_motion *motion = moving_plates_motion(m.plates);
+        const plate_motion *motion = &m.world->plates;
         const double angle = plate_motion_angle(motion, 0, macro_time(m.solver));
         assert_int_equal(plate_drive_state_of(motion, 0, macro_time(m.solver)),
                          PLATE_DRIVE_STALLED);
@@ -410,6 +422,7 @@ static void save(const model *m, bf_buffer *out)
     checkpoint_writer w;
 
     checkpoint_begin(&w, out, CHECKPOINT_RUN, 0);
+    world_save(m->world, &w);
     moving_plates_save(m->plates, &w);
     assert_int_equal(macro_save(m->solver, out, NULL), BF_OK);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
@@ -420,7 +433,7 @@ static void load(const model *m, const bf_buffer *saved)
     checkpoint_reader r;
 
     assert_int_equal(checkpoint_open(&r, saved->bytes, saved->n, CHECKPOINT_RUN, 0, NULL), BF_OK);
-    assert_true(moving_plates_load(m->plates, m->solver, &r));
+    assert_true(world_load(m->world, &r) && moving_plates_load(m->plates, m->solver, &r));
     assert_int_equal(macro_load(m->solver, r.at, r.n_left, NULL), BF_OK);
 }
 
@@ -430,7 +443,7 @@ static void turn_to(const model *m, double angle, double over)
         .type = SCENE_ACTION_TURN, .target = 0, .value = angle, .over = over
     };
 
-    moving_plates_command(m->plates, &turn, macro_time(m->solver));
+    world_command(m->world, &turn, macro_time(m->solver));
 }
 
 // Up to a number of steps, of which the 151st begins with a command.
@@ -487,7 +500,8 @@ static void damaged_places_are_refused(void **state)
         checkpoint_reader damaged = { (const char *)places, sizeof places };
         assert_false(moving_plates_load(m.plates, m.solver, &damaged));
     }
-    for (size_t n = 0; n < 2 * sizeof(double) + 1; n++) {
+    assert_true(world_load(m.world, &r));
+    for (size_t n = 0; n < 2 * sizeof(double); n++) {
         checkpoint_reader cut = { r.at, n };
         assert_false(moving_plates_load(m.plates, m.solver, &cut));
     }
@@ -522,14 +536,17 @@ static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 
     (void)state;
     make_diverter(&s, 2);
+    bf_world *w = world_of(&s);
     for (size_t n = 1; status != BF_OK; n++) {
         moving_plates *plates = NULL;
         memory_plan_fault(n, 0);
-        status = moving_plates_create(&s, &plates, NULL);
+        status = moving_plates_create(&s, w, &plates, NULL);
         memory_plan_fault(0, 0);
         assert_true(status == BF_OK ? plates != NULL : status == BF_ENOMEM && plates == NULL);
         moving_plates_destroy(plates);
     }
+    world_fini(w);
+    memory_free(w);
     scene_fini(&s);
 }
 

@@ -1,6 +1,7 @@
 // Unit tests of which places are free, and which parts are near a line.
 
 #include "tests/unit/core/helper_fed_belt.h"
+#include "tests/unit/core/helper_world.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -74,15 +75,16 @@ static void a_plate_that_turns_or_goes_frees_its_place(void **state)
         w.path[1] = (vec2){ 0.06, 0.05 };
         w.plate.is_commanded = true;
         w.def.n_obstacles = 1;
+        w.def.world = helper_world_of(&w.def);
         micro_solver *s = helper_fed_belt_start(&w);
         assert_false(helper_fed_belt_is_free(s, 0, 0.06, 0.03, 0.0));
         assert_true(helper_fed_belt_is_free(s, 0, 0.03, 0.03, 0.0));
         // A quarter of a turn to the west.
-        micro_command_turn(s, 0, 0.0, 0.5 * M_PI, 0.05);
+        helper_world_turn(w.def.world, 0.0, 0.5 * M_PI, 0.05);
         helper_fed_belt_run(s, 0.06);
         assert_true(helper_fed_belt_is_free(s, 0, 0.06, 0.03, 0.0));
         assert_false(helper_fed_belt_is_free(s, 0, 0.03, radius, 0.0));
-        micro_command_presence(s, 0, 0.06, false);
+        helper_world_presence(w.def.world, 0.06, false);
         assert_true(helper_fed_belt_is_free(s, 0, 0.03, radius, 0.0));
         micro_destroy(s);
     }

@@ -3,9 +3,9 @@
 #include "core/base/buffer.h"
 #include "core/base/memory.h"
 #include "core/micro/micro.h"
-#include "core/scene/plate_motion.h"
 #include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
 
 #include <math.h>
@@ -373,7 +373,7 @@ static void make_busy(world *w, int solver)
 }
 
 // More parts, for which the memory of the solver grows, and commands.
-static void intervene(micro_solver *s, double unit)
+static void intervene(micro_solver *s, bf_world *own, double unit)
 {
     for (int k = 0; k < 40; k++) {
         const micro_arrival arrival = { .pose = { 1.02 + 0.03 * (k % 10), 1.3 + 0.03 * (k / 10) },
@@ -381,8 +381,8 @@ static void intervene(micro_solver *s, double unit)
         size_t part;
         assert_int_equal(micro_admit(s, &arrival, &part, NULL), BF_OK);
     }
-    micro_command_turn(s, 0, 3.0 * unit, 6.0 * unit, 2.0 * unit);
-    micro_command_presence(s, 0, 3.0 * unit, true);
+    helper_world_turn(own, 3.0 * unit, 6.0 * unit, 2.0 * unit);
+    helper_world_presence(own, 3.0 * unit, true);
 }
 
 static void threads_cuts_and_checkpoints_do_not_change_a_bit(void **state)
@@ -394,19 +394,25 @@ static void threads_cuts_and_checkpoints_do_not_change_a_bit(void **state)
         bf_error err = { 0 };
         world w;
         make_busy(&w, k);
+        bf_world *of_whole = w.def.world = helper_world_of(&w.def);
         micro_solver *whole = helper_micro_start(&w.def), *cut;
+        w.def.world = NULL;
+        bf_world *of_cut = w.def.world = helper_world_of(&w.def);
         w.def.n_threads = 2;
         cut = helper_micro_start(&w.def);
         helper_micro_advance_to(whole, 3.0 * unit);
         for (int part = 1; part <= 10; part++)
             helper_micro_advance_to(cut, 0.3 * unit * part);
         assert_true(micro_digest(whole) == micro_digest(cut));
-        intervene(whole, unit);
-        intervene(cut, unit);
+        intervene(whole, of_whole, unit);
+        intervene(cut, of_cut, unit);
         helper_micro_advance_to(cut, 4.1 * unit);
         assert_int_equal(micro_save(cut, &bytes, &err), BF_OK);
         cut = micro_destroy(cut);
         w.def.n_threads = 1;
+        w.def.world = NULL;
+        w.def.world = helper_world_of(&w.def);
+        helper_world_copy(of_cut, w.def.world);
         cut = helper_micro_start(&w.def);
         assert_int_equal(micro_load(cut, bytes.bytes, bytes.n, &err), BF_OK);
         helper_micro_advance_to(whole, 6.0 * unit);
@@ -429,7 +435,8 @@ static void every_lack_of_memory_is_reported(void **state)
         world w;
         make_world(&w, k);
         set_turn(&w, 2, times, angles);
-        w.def.drives = &(plate_drive){ 1.0, 1.0, 1.0 };
+        w.plate.force_limit = 1.0;
+        w.def.world = helper_world_of(&w.def);
         for (int m = 0; m < 4; m++)
             add_part(&w, 1.1 + 0.05 * m, 1.0 + radius);
         for (size_t n = 1; status != BF_OK; n++) {
@@ -455,10 +462,11 @@ static void a_command_turns_a_plate(void **state)
         make_bare(&w);
         w.plate.is_commanded = true;
         add_part(&w, 1.2, 1.0 + radius + 1e-4);
+        w.def.world = helper_world_of(&w.def);
         micro_solver *s = helper_micro_start(&w.def);
         helper_micro_advance_to(s, 0.1);
         assert_near(micro_part_of(s, 0).x[1], 1.0 + radius + 1e-4, 1e-12);
-        micro_command_turn(s, 0, 0.1, 0.2, 0.2);
+        helper_world_turn(w.def.world, 0.1, 0.2, 0.2);
         helper_micro_advance_to(s, 0.3);
         const micro_part p = micro_part_of(s, 0);
         const vec2 x = { p.x[0] - 1.0, p.x[1] - 1.0 };
@@ -469,8 +477,7 @@ static void a_command_turns_a_plate(void **state)
 }
 
 // A part at 0.3 m from the pivot between the plate, which turns at 1 rad/s, and another plate, which stands.
-static void make_vice(world *w, int solver, scene_obstacle obstacles[2], plate_drive drives[2],
-                      double torque)
+static void make_vice(world *w, int solver, scene_obstacle obstacles[2], double torque)
 {
     static const double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 1.0 };
     static vec2 above[] = { { 1.1, 1.0285 }, { 1.6, 1.0285 } };
@@ -484,11 +491,10 @@ static void make_vice(world *w, int solver, scene_obstacle obstacles[2], plate_d
     scene_obstacle_init(&obstacles[1]);
     obstacles[1].n_points = 2;
     obstacles[1].path = above;
-    drives[0] = (plate_drive){ torque / 0.5, torque, 1.0 };
-    drives[1] = (plate_drive){ INFINITY, INFINITY, 0.0 };
     w->def.n_obstacles = 2;
     w->def.obstacles = obstacles;
-    w->def.drives = drives;
+    obstacles[0].force_limit = torque / plate_motion_radius(&obstacles[0]);
+    w->def.world = helper_world_of(&w->def);
 }
 
 // It comes into contact at 2 mm of way and goes on until what bears on it has lasted, at most 10 % of the part's radius, and
@@ -500,11 +506,10 @@ static void a_drive_that_bears_its_limit_stalls(void **state)
     (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         scene_obstacle obstacles[2];
-        plate_drive drives[2];
         world w;
-        make_vice(&w, k, obstacles, drives, torque);
+        make_vice(&w, k, obstacles, torque);
         micro_solver *s = helper_micro_start(&w.def);
-        const plate_motion *motion = micro_plate_motion(s);
+        const plate_motion *motion = &w.def.world->plates;
         helper_micro_advance_to(s, 0.08);
         const double way = 0.3 * plate_motion_angle(motion, 0, 0.08);
         assert_true(0.002 < way && way < 0.002 + press + 0.1 * radius);
@@ -521,24 +526,27 @@ static void a_drive_that_lags_goes_on_with_the_same_bits(void **state)
     (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         scene_obstacle obstacles[2];
-        plate_drive drives[2];
         bf_buffer bytes = { 0 };
         world w;
-        make_vice(&w, k, obstacles, drives, 0.6);
+        make_vice(&w, k, obstacles, 0.6);
+        bf_world *of_whole = w.def.world;
         micro_solver *whole = helper_micro_start(&w.def), *resumed;
-        while (plate_drive_state_of(micro_plate_motion(whole), 0,
+        while (plate_drive_state_of(&of_whole->plates, 0,
                                     (double)micro_steps(whole) * micro_dt(whole)) ==
                PLATE_DRIVE_AS_TOLD)
             assert_int_equal(micro_advance(whole, 1, NULL), BF_OK);
         assert_int_equal(micro_save(whole, &bytes, NULL), BF_OK);
         w.def.n_threads = 2;
+        w.def.world = NULL;
+        w.def.world = helper_world_of(&w.def);
+        helper_world_copy(of_whole, w.def.world);
         resumed = helper_micro_start(&w.def);
         assert_int_equal(micro_load(resumed, bytes.bytes, bytes.n, NULL), BF_OK);
         helper_micro_advance_to(whole, 0.08);
         helper_micro_advance_to(resumed, 0.08);
         assert_true(micro_digest(whole) == micro_digest(resumed));
-        assert_true(plate_motion_angle(micro_plate_motion(whole), 0, 0.08) ==
-                    plate_motion_angle(micro_plate_motion(resumed), 0, 0.08));
+        assert_true(plate_motion_angle(&of_whole->plates, 0, 0.08) ==
+                    plate_motion_angle(&w.def.world->plates, 0, 0.08));
         whole = micro_destroy(whole);
         resumed = micro_destroy(resumed);
         buffer_fini(&bytes);

@@ -124,7 +124,7 @@ static void check_soft(const goods *of)
         is_warned =
             is_warned || strcmp(review.warnings.items[k].pointer, "/micro/modulus_reduction") == 0;
     assert_true(is_warned);
-    assert_int_equal(run__micro_init_setup(&s, 1, &setup, NULL), BF_OK);
+    assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
     micro_solver *solver = start(&setup.def);
     assert_false(micro_press_now(solver, &press));
     assert_int_equal(micro_advance(solver, 10000, &err), BF_ENUMERIC);
@@ -181,7 +181,7 @@ static void the_expected_overlap_stops_the_line(void **state)
 
     (void)state;
     make_line(&s, &can, 15.0);
-    assert_int_equal(run__micro_init_setup(&s, 1, &setup, NULL), BF_OK);
+    assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
     const micro_def *def = &setup.def;
     const double r = can.shape.radius, length = def->domain.x_max - def->domain.x_min;
     const double mass = 2.0 * length * can.mass / (2.0 * r), v = s.belts[0].velocity.x;
@@ -225,7 +225,7 @@ static void light_parts_take_steps_as_long_as_heavy_ones(void **state)
             scene s;
             make_line(&s, all[k], 15.0);
             s.cargo[0].mass = light ? 1e-4 : all[k]->mass;
-            assert_int_equal(run__micro_init_setup(&s, 1, &setup, NULL), BF_OK);
+            assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
             steps[light] = setup.def.dt;
             run__micro_fini_setup(&setup);
             scene_fini(&s);
@@ -243,7 +243,7 @@ static void parts_that_press_harder_than_foreseen_become_harder(void **state)
 
     (void)state;
     make_heap(&s, &can);
-    assert_int_equal(run__micro_init_setup(&s, 1, &setup, NULL), BF_OK);
+    assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
     setup.def.modulus_reduction = 3e4;
     micro_solver *whole = start(&setup.def), *resumed = start(&setup.def);
     assert_int_equal(micro_advance(whole, 505, NULL), BF_OK);

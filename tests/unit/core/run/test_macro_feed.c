@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/run/run_priv.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
 
 #include <setjmp.h>
@@ -45,7 +46,8 @@ static void *make_run(scene *s, int n_threads, double *ret_dt)
     void *solver = NULL;
 
     helper_scene_resolve(s);
-    assert_int_equal(run__macro.create(s, n_threads, &solver, &plan, NULL), BF_OK);
+    bf_world *w = helper_world(s->n_belts, s->belts, s->n_obstacles, s->obstacles);
+    assert_int_equal(run__macro.create(s, w, n_threads, &solver, &plan, NULL), BF_OK);
     *ret_dt = plan.dt;
     return solver;
 }
@@ -192,14 +194,13 @@ static void a_line_inside_fills_the_cells_it_crosses(void **state)
 static void a_held_feed_goes_on_to_be_offered(void **state)
 {
     (void)state;
-    const scene_action hold = { .type = SCENE_ACTION_FEED, .target = 0, .value = 1.0 };
     double dt;
     scene s;
     make_scene(&s, SCENE_CONGESTED, SCENE_SCHEME_ROE, 30.0);
     s.feeds[0].when_blocked = SCENE_BLOCKED_DISCARD;
     s.feeds[0].max_wait = 0.5;
     void *run = make_run(&s, 1, &dt);
-    run__macro.command(run, &hold);
+    run__macro.hold(run, 0, true);
     step(run, (size_t)(2.0 / dt) + 1);
     const feed_balance b = run__macro.balance(run, 0);
     check_balance(&b);
@@ -285,9 +286,10 @@ static void out_of_memory_anywhere_is_an_error(void **state)
     scene s;
     make_scene(&s, SCENE_CONGESTED, SCENE_SCHEME_MUSCL, 60.0);
     helper_scene_resolve(&s);
+    bf_world *w = helper_world(s.n_belts, s.belts, s.n_obstacles, s.obstacles);
     for (size_t n = 1; status != BF_OK; n++) {
         memory_plan_fault(n, 0);
-        status = run__macro.create(&s, 1, &run, &plan, NULL);
+        status = run__macro.create(&s, w, 1, &run, &plan, NULL);
         memory_plan_fault(0, 0);
         assert_true(status == BF_OK || (status == BF_ENOMEM && run == NULL));
     }

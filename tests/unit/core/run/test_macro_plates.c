@@ -4,6 +4,7 @@
 #include "core/run/run_priv.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
 
 #include <math.h>
@@ -81,20 +82,20 @@ static void a_checkpoint_fits_no_other_motion(void **state)
     helper_run_free(log);
 }
 
-static void make(const scene *s, void **ret_solver)
+static bf_world *make(const scene *s, void **ret_solver)
 {
+    bf_world *w = helper_world(s->n_belts, s->belts, s->n_obstacles, s->obstacles);
     run_plan plan;
 
-    assert_int_equal(run__macro.create(s, 1, ret_solver, &plan, NULL), BF_OK);
+    assert_int_equal(run__macro.create(s, w, 1, ret_solver, &plan, NULL), BF_OK);
+    return w;
 }
 
-static void command(const scene *s, void *solver, scene_action_type type, double value)
+static void command(bf_world *w, uint64_t step, scene_action_type type, double value)
 {
     const scene_action action = { .type = type, .value = value, .over = 0.125 };
 
-    assert_true(type == SCENE_ACTION_BELT ? s->belts[0].is_commanded
-                                          : s->obstacles[0].is_commanded);
-    run__macro.command(solver, &action);
+    world_command(w, &action, (double)step * 0x1p-9);
 }
 
 static void advance(void *solver, uint64_t n_steps)
@@ -106,7 +107,7 @@ static uint64_t digest_after(const scene *s, uint64_t n_steps)
 {
     void *solver;
 
-    make(s, &solver);
+    (void)make(s, &solver);
     advance(solver, n_steps);
     const uint64_t digest = run__macro.digest(solver);
     run__macro.destroy(solver);
@@ -131,14 +132,14 @@ static void commands_act_as_schedules_do(void **state)
         s.obstacles[0].turn.n_times = s.obstacles[0].turn.n_values = 0;
         s.obstacles[0].presence.n_times = s.obstacles[0].presence.n_values = 0;
         s.obstacles[0].is_commanded = s.belts[0].is_commanded = true;
-        make(&s, &first);
-        make(&s, &then);
+        bf_world *w = make(&s, &first), *w_then = make(&s, &then);
         advance(first, 32);
-        command(&s, first, SCENE_ACTION_TURN, 20.0 * degree);
+        command(w, 32, SCENE_ACTION_TURN, 20.0 * degree);
         advance(first, 72);
-        command(&s, first, SCENE_ACTION_PRESENCE, 0.0);
+        command(w, 104, SCENE_ACTION_PRESENCE, 0.0);
         advance(first, 16);
-        command(&s, first, SCENE_ACTION_BELT, 0.0);
+        command(w, 120, SCENE_ACTION_BELT, 0.0);
+        helper_world_copy(w, w_then);
         assert_int_equal(run__macro.save(first, &saved, NULL), BF_OK);
         assert_int_equal(run__macro.load(then, saved.bytes, saved.n, NULL), BF_OK);
         advance(then, 30);

@@ -249,12 +249,6 @@ static bf_status look(void *solver, size_t at, run_view *ret_view, bf_error *err
     return BF_OK;
 }
 
-static const plate_motion *no_plates(const void *solver)
-{
-    (void)solver;
-    return NULL;
-}
-
 static bf_status count_change(void *context, const frame *f, bf_error *err)
 {
     uint64_t *n = context;
@@ -267,10 +261,11 @@ static bf_status count_change(void *context, const frame *f, bf_error *err)
 
 static void a_run_tells_of_so_many_changes_at_most(void **state)
 {
-    static const run_backend backend = { .look = look, .plate_motion = no_plates };
+    static const run_backend backend = { .look = look };
     scene_photo_eye nervous = { .id = "pe" };
     const scene s = { .n_eyes = 1, .eyes = &nervous };
-    control c = control_of(&s, &backend, &(run_plan){ .dt = 1e-3, .n_tick = 1 });
+    bf_world at_rest = { .drives = NULL };
+    control c = control_of(&s, &at_rest, &backend, &(run_plan){ .dt = 1e-3, .n_tick = 1 });
     bool is_broken = false;
     uint64_t n = 0;
     const run_sink sink = { .context = &n, .take = count_change };
