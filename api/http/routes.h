@@ -50,10 +50,8 @@ typedef struct route {
     const char *summary;        ///< what it does, one line
     const char *help;           ///< what a client should know beyond that
     const char *body;           ///< schema of the request's body as JSON; NULL: it has none
-    const char
-        *body_formats;    ///< formats of the body, words of MEDIA_LIST; NULL: JSON only; several
-                          ///< have paths of their own, and the answer has one format
-    const char *refusals; ///< HTTP statuses beside ROUTES_COMMON_REFUSALS, words; NULL: none
+    const char *body_formats;   ///< of the body, the same; NULL: JSON; if several, one of answers
+    const char *refusals;       ///< HTTP statuses beside ROUTES_COMMON_REFUSALS, words; NULL: none
     route_answer answers[ROUTES_ANSWERS_MAX]; ///< the others
 } route;
 
