@@ -99,6 +99,8 @@
     X(slurm_idle_s, NUMBER, "120", 5, 86400, RESTART,                                              \
       "seconds without a run until a worker that Slurm started ends")                              \
     X(slurm_interval_s, NUMBER, "60", 1, 3600, RESTART, "seconds between looks at Slurm's queue")  \
+    X(check_every, NUMBER, "100", 0, 1000000, RESTART,                                             \
+      "one of so many runs is solved again by a worker with another token, and compared; 0: none") \
     X(access_log, NUMBER, "0", 0, 1, RELOAD,                                                       \
       "1: a line in the log for each request, with its client")                                    \
     X(log_level, TEXT, "info", 0, 0, RELOAD, "error, warn, info or debug")

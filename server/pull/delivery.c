@@ -45,7 +45,8 @@ static void answer_named(answer *a, const pull__lease *lease)
 static void note_begin(executor_job *job)
 {
     job->has_begun = true;
-    buffer_fini(&job->input);
+    if (job->check == NULL)
+        buffer_fini(&job->input);
 }
 
 // Take what is new of a section and has room. Without memory nothing is taken, and the worker tries again.
@@ -60,11 +61,13 @@ static void take_section(pull_executor *e, pull__lease *lease, executor_job *job
     const size_t of_job = PULL_JOB_BYTES_MAX - job->bytes.n, of_all = PULL_BYTES_MAX - e->n_bytes;
     const size_t room = of_job < of_all ? of_job : of_all;
     const size_t n = section->n - skip < room ? section->n - skip : room;
-    if (n == 0 || buffer_append(&job->bytes, (const char *)section->bytes + skip, n) != BF_OK)
+    const char *bytes = (const char *)section->bytes + skip;
+    if (n == 0 || (!job->is_repetition && buffer_append(&job->bytes, bytes, n) != BF_OK))
         return;
     note_begin(job);
+    pull__check_bytes(job->check, bytes, n);
     job->n_received += n;
-    e->n_bytes += n;
+    e->n_bytes += job->is_repetition ? 0 : n;
     lease->n_bytes += n;
 }
 
@@ -152,6 +155,8 @@ static void take_end(pull_executor *e, answer *a, const pull__lease *lease, cons
     if (end->error.code == BF_OK)
         (void)bf_fail(&job->end.error, BF_ESYSTEM, "",
                       "the solver ended before the end of the run");
+    if (end->cause == API_JOB_EXITED)
+        pull__check_end(e, job);
     pull__note_end(e, worker, end);
     if (e->predictor != NULL && job->study[0] != '\0' && end->cause == API_JOB_EXITED)
         predictor_learn(e->predictor, job->study, job->used_s);

@@ -60,6 +60,8 @@ static bool has_others(const pull_executor *e, uint64_t token, const char *name)
 bool pull__may_have(const pull_executor *e, const executor_job *job, const api_worker *who)
 {
     lock_assert_held(&e->lock);
+    if (job->is_repetition)
+        return !pull__is_witness(job->check, who->token);
     if (clock_monotonic_ms() >= job->started_ms + PULL_OTHERS_FIRST_MS)
         return true;
     for (size_t k = 0; k < count_noted(e); k++) {

@@ -85,9 +85,8 @@ static bool has_room(executor *base, bool is_trial)
     return has;
 }
 
-// A job at the end of the list. NULL: no memory.
-static executor_job *add_job(pull_executor *e, pull__place place, const char *run_id,
-                             uint64_t attempt)
+executor_job *pull__add_job(pull_executor *e, pull__place place, const char *run_id,
+                            uint64_t attempt)
 {
     executor_job *job = memory_alloc(1, sizeof *job);
 
@@ -110,7 +109,7 @@ static executor_job *add_job(pull_executor *e, pull__place place, const char *ru
     return job;
 }
 
-static void remove_job(pull_executor *e, executor_job *job)
+void pull__remove_job(pull_executor *e, executor_job *job)
 {
     if (!has_ended(job->place))
         pull__move(e, job, PULL_LOST);
@@ -126,6 +125,7 @@ static void remove_job(pull_executor *e, executor_job *job)
     e->n_bytes -= job->bytes.n;
     buffer_fini(&job->input);
     buffer_fini(&job->bytes);
+    job->check = pull__check_destroy(job->check);
     memory_free(job);
 }
 
@@ -146,7 +146,7 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
                        bf_error *err)
 {
     pull_executor *e = pull__enter(base);
-    executor_job *job = add_job(e, PULL_WAITING, work->run_id, ++e->last_attempt);
+    executor_job *job = pull__add_job(e, PULL_WAITING, work->run_id, ++e->last_attempt);
 
     bf_status status = job == NULL ? bf_fail(err, BF_ENOMEM, "", "no memory to start a run")
                                    : executor_encode(work, &job->input, err);
@@ -155,12 +155,14 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
         if (work->is_trial)
             snprintf(job->study, sizeof job->study, "%s", work->study_id);
         (void)pull__predict(e, job); // so that it is known when somebody leases it
+        if (work->checkpoint->n == 0)
+            job->check = pull__choose_check(e);
         *ret_job = job;
     }
     if (job != NULL)
         e->n_cores_used[job->about.is_trial] += job->about.n_threads;
     if (status != BF_OK && job != NULL)
-        remove_job(e, job);
+        pull__remove_job(e, job);
     lock_release(&e->lock);
     return status;
 }
@@ -199,7 +201,7 @@ static bf_status attach(executor *base, const char *external_id, executor_job **
     pull_executor *e = pull__enter(base);
     executor_job *job = find_job(e, external_id);
     if (job == NULL) {
-        job = add_job(e, PULL_AWAITED, run_id, attempt);
+        job = pull__add_job(e, PULL_AWAITED, run_id, attempt);
         e->n_cores_used[false] += job != NULL;
     }
     if (job == NULL)
@@ -253,6 +255,7 @@ static void update(executor *base)
     (void)!read(e->news_fd, &n, sizeof n);
     if (read(e->timer_fd, &n, sizeof n) > 0)
         pull__expire(e, clock_monotonic_ms());
+    pull__drop_repetitions(e, clock_monotonic_ms());
     tick(e);
     metrics_set(METRICS_PULL_WORKERS, 0, (int64_t)e->n_workers);
     metrics_set(METRICS_PULL_LEASES, 0, (int64_t)e->n_leases);
@@ -341,7 +344,7 @@ static void release(executor *base, executor_job *job)
 {
     pull_executor *e = pull__enter(base);
 
-    remove_job(e, job);
+    pull__remove_job(e, job);
     lock_release(&e->lock);
 }
 
@@ -410,6 +413,14 @@ void pull_executor_set_predictor(executor *base, predictor *p)
     lock_release(&e->lock);
 }
 
+void pull_executor_set_check_every(executor *base, uint32_t n)
+{
+    pull_executor *e = pull__enter(base);
+
+    e->check_every = n;
+    lock_release(&e->lock);
+}
+
 uint32_t pull_executor_count_cores(executor *base)
 {
     pull_executor *e = pull__enter(base);
@@ -439,7 +450,7 @@ executor *pull_executor_destroy(executor *base)
         return NULL;
     lock_acquire(&e->lock);
     while (e->first != NULL) // attached, but not taken
-        remove_job(e, e->first);
+        pull__remove_job(e, e->first);
     while (e->n_leases > 0)
         pull__end_lease(e, e->leases[0]);
     lock_release(&e->lock);

@@ -27,6 +27,9 @@ BF_MUST_CHECK bf_status pull_executor_create(executor **ret_executor, bf_error *
 /// at the beginning: nothing is said.
 void pull_executor_set_predictor(executor *e, predictor *p);
 
+/// From now on solve one of n runs a second time, at a worker with another token, and compare the results. 0, as at the beginning: none.
+void pull_executor_set_check_every(executor *e, uint32_t n);
+
 /// Free it; all jobs that the supervisor took must have been released, and no request may be in it. NULL is fine. Always
 /// returns NULL.
 executor *pull_executor_destroy(executor *e);

@@ -1,6 +1,6 @@
 /// What the files of the pulling workers' executor have in common: pull_executor.c (what the supervisor calls), workers.c
-/// (who there is), leases.c (who has which jobs), delivery.c (bytes of frames), ends.c (what was reported as ended), and doubts.c (failures
-/// that are to be confirmed).
+/// (who there is), leases.c (who has which jobs), delivery.c (bytes of frames), ends.c (what was reported as ended), doubts.c (failures
+/// that are to be confirmed), and checks.c (runs that are solved twice).
 /// All functions but the executor's and the services' own are called with the lock held.
 
 #pragma once
@@ -24,6 +24,7 @@ enum {
 };
 
 typedef struct pull__lease pull__lease;
+typedef struct pull__check pull__check;
 
 /// Where a job is.
 typedef enum pull__place {
@@ -35,7 +36,8 @@ typedef enum pull__place {
     PULL_PLACES
 } pull__place;
 
-/// A job of the supervisor. It is in the executor's list until the supervisor releases it.
+/// A job of the supervisor, or a repetition of one for comparison. It is in the executor's list until the supervisor
+/// releases it; a repetition, of which the supervisor does not know, until it is over.
 struct executor_job {
     char id[EXECUTOR_ID_SIZE];    ///< "pull:RUN:ATTEMPT"
     api_lease_job about;          ///< as workers see it
@@ -48,15 +50,17 @@ struct executor_job {
     int64_t leased_ms;            ///< PULL_LEASED: since when
     bool is_adopted;              ///< it was leased by the daemon before
     int64_t until_ms;             ///< PULL_AWAITED: then it is lost
-    bf_buffer input;              ///< for the solver, until it has begun
-    bool has_begun;               ///< its worker has sent something, or used time
-    bf_buffer bytes;              ///< that came and were not taken
-    uint64_t n_received;          ///< bytes of its frames so far
-    api_job_stop stop;            ///< what its worker is to do
-    executor_end end;             ///< PULL_ENDED
-    double used_s;                ///< CPU time so far
-    executor_job *previous;       ///< in the list, by age
-    executor_job *next;           ///< same
+    bf_buffer input;        ///< for the solver, until it has begun; with a check until the end
+    pull__check *check;     ///< of a run that is solved twice; NULL: it is not
+    bool is_repetition;     ///< what comes is compared and dropped
+    bool has_begun;         ///< its worker has sent something, or used time
+    bf_buffer bytes;        ///< that came and were not taken
+    uint64_t n_received;    ///< bytes of its frames so far
+    api_job_stop stop;      ///< what its worker is to do
+    executor_end end;       ///< PULL_ENDED
+    double used_s;          ///< CPU time so far
+    executor_job *previous; ///< in the list, by age
+    executor_job *next;     ///< same
 };
 
 /// A worker.
@@ -121,10 +125,18 @@ typedef struct pull_executor {
     pull__end *ends;          ///< PULL_ENDS_KEPT, the newest ones, in a ring
     size_t n_doubts;          ///< ever noted
     pull__doubt *doubts;      ///< PULL_DOUBTS_KEPT, the newest ones, in a ring
+    uint32_t check_every;     ///< one of so many runs is solved twice; 0: none
 } pull_executor;
 
 /// Make wake_fd readable.
 void pull__wake(pull_executor *e);
+
+/// A job at the end of the list. NULL: no memory.
+executor_job *pull__add_job(pull_executor *e, pull__place place, const char *run_id,
+                            uint64_t attempt);
+
+/// Take a job off the list, and free it.
+void pull__remove_job(pull_executor *e, executor_job *job);
 
 /// Move a job to another place: out of its lease, if it is in one, and out of the count of cores, if it has ended.
 void pull__move(pull_executor *e, executor_job *job, pull__place place);
@@ -205,6 +217,24 @@ void pull__refute_failures(pull_executor *e, const executor_job *job);
 
 /// Whether a worker may have the job: not one that failed at its run, while there are others, first of all of other tokens.
 bool pull__may_have(const pull_executor *e, const executor_job *job, const api_worker *who);
+
+/// A check for a run that begins, if it is one of those that are solved twice; else, and without memory, NULL.
+pull__check *pull__choose_check(const pull_executor *e);
+
+/// Further bytes of a job's frames; NULL is fine.
+void pull__check_bytes(pull__check *c, const char *bytes, size_t n);
+
+/// A job has been solved: begin its repetition, or compare with those who have solved it before.
+void pull__check_end(pull_executor *e, executor_job *job);
+
+/// Whether a worker with this token has solved the run before.
+bool pull__is_witness(const pull__check *c, uint64_t token);
+
+/// Remove the repetitions that are over, or that took too long.
+void pull__drop_repetitions(pull_executor *e, int64_t now_ms);
+
+/// Free a check; NULL is fine. Always returns NULL.
+pull__check *pull__check_destroy(pull__check *c);
 
 /// Note the end of an attempt that was completed, and compare that of another attempt at the same run with it.
 void pull__note_end(pull_executor *e, const char *worker, const api_job_end *end);

@@ -75,7 +75,7 @@ ONLY_IN = {
     "curl/curl.h": r"server/worker/http_call\.c",
     "microhttpd.h": r"server/http/.+",
     "sqlite3.h": r"server/store/.+|tests/unit/server/(store/)?\w+_store\w*\.c|tests/fuzz/fuzz_row\.c",
-    "sodium.h": r"server/store/\w+\.c|tests/unit/server/store/test_store_golden\.c",
+    "sodium.h": r"server/store/\w+\.c|server/pull/checks\.c|tests/unit/server/store/test_store_golden\.c",
     "zstd.h": r"server/(store/\w+|http/representation)\.c|tests/unit/server/.+\.c",
     "zlib.h": r"server/http/representation\.c|tests/unit/server/.+\.c",
     "ini.h": r"server/daemon/config(_\w+)?\.c",
