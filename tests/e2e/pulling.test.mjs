@@ -10,7 +10,7 @@ import test, { after } from "node:test";
 import { daemon } from "./daemon.mjs";
 import { beltflow, childrenOf, isAlive } from "./processes.mjs";
 import { assertSameResults, solve } from "./results.mjs";
-import { endless, jam, tiny } from "./scenarios.mjs";
+import { endless, fed, jam, tiny } from "./scenarios.mjs";
 import { binaries, temporaryFolder, until, within } from "./setup.mjs";
 import { makeToken } from "./tokens.mjs";
 
@@ -124,6 +124,29 @@ test("a study has the bytes of the command line, and few requests a trial", asyn
   // One or two each, more only while a trial takes longer than 250 ms.
   assert.ok(Number(found[1]) < 10 * 12, counts);
   assert.equal(await w.stop(), 0, w.log());
+});
+
+test("workers of two tokens have the same results of runs that both solve", async (t) => {
+  const d = await daemon(t, { ...pulling, check_every: 1 });
+  const token = (name, scopes) => {
+    const file = path.join(temporaryFolder(t), "token");
+    writeFileSync(file, `${makeToken(d.data, name, "--scopes", scopes)}\n`);
+    return file;
+  };
+  const files = [token("one", "work"), token("two", "work")];
+  const admin = { authorization: `Bearer ${makeToken(d.data, "all", "--scopes", "admin")}` };
+  await until(async () => (await d.get("/v1/leases")).status === 401, "the tokens to count");
+  const workers = files.map((file, k) => worker(t, d, `worker-${k}`, "--token-file", file));
+  const hasBoth = async () => (await d.get("/v1/leases", admin)).json.workers.length === 2;
+  await until(hasBoth, "both workers");
+  // Feeds, photo eyes, plates that move, and of the microscopic model rows of parts.
+  const bodies = ["macro", "micro"].flatMap((model) => [tiny(), fed()].map((scenario) => ({ model, scenario })));
+  for (const body of bodies) assert.equal((await d.post("/v1/runs", body, admin)).status, 201);
+  const compared = async (match) =>
+    Number(new RegExp(`duplicates_total\\{match="${match}"\\} (\\d+)`).exec((await d.get("/metrics", admin)).text)[1]);
+  await until(async () => (await compared("equal")) === bodies.length, "each to be solved twice");
+  assert.equal(await compared("unequal"), 0);
+  for (const w of workers) assert.equal(await w.stop(), 0, w.log());
 });
 
 test("a daemon that refuses ends the worker, and its words are told", async (t) => {
