@@ -4,6 +4,7 @@
 #include "server/http/http.h"
 
 #include "core/base/memory.h"
+#include "server/base/metrics.h"
 #include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
@@ -220,6 +221,7 @@ static void *release_later(void *context)
 static void requests_under_way_are_answered_when_the_server_stops(void **state)
 {
     enum { N = 8 };
+    const int64_t n_before = metrics_value(METRICS_REQUESTS_NOW, 0);
     pthread_t releaser;
     int fds[N];
 
@@ -230,7 +232,7 @@ static void requests_under_way_are_answered_when_the_server_stops(void **state)
         fds[i] = client_connect(http_port(server));
         assert_true(client_send(fds[i], "GET /v1/runs HTTP/1.1\r\n" HOST "\r\n"));
     }
-    (void)usleep(200000);
+    HELPER_AWAIT(metrics_value(METRICS_REQUESTS_NOW, 0) == n_before + N);
     assert_int_equal(pthread_create(&releaser, NULL, release_later, &server_services), 0);
     server = http_stop(server);
     assert_int_equal(pthread_join(releaser, NULL), 0);

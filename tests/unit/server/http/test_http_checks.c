@@ -1,6 +1,6 @@
 // Tests that scenarios which are checked do not keep other requests, the watchdog and the stop waiting.
 
-#include "server/http/http.h"
+#include "server/http/http_priv.h"
 
 #include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
@@ -91,6 +91,7 @@ static void scenarios_that_wait_are_refused_when_the_server_stops(void **state)
     assert_runs_are_listed();
     assert_int_equal(usleep(300000), 0);
     assert_int_equal(pthread_create(&stopper, NULL, stop, NULL), 0);
+    HELPER_AWAIT(atomic_load(&server->is_ending));
     assert_int_equal(usleep(300000), 0);
     fake_hold(&server_services, FAKE_HELD_NONE);
     for (int i = 0; i < N_SUBMISSIONS; i++) {
