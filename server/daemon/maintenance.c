@@ -37,14 +37,20 @@ static int complain(const bf_error *err)
     return err->code == BF_EINPUT ? EXIT_ARGUMENTS : EXIT_FAILURE;
 }
 
-static bf_status copy_settings(const char *from, const char *to, bf_error *err)
+// readers: a directory whose group may read what root writes; NULL: nobody else may.
+static bf_status copy_settings(const char *from, const char *to, const char *readers, bf_error *err)
 {
     bf_buffer text = { 0 };
+    struct stat whose;
 
     bf_status status = file_io_read(from, NULL, SETTINGS_BYTES, &text, err);
     const int fd = status == BF_OK ? open(to, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600) : -1;
     if (status == BF_OK && (fd < 0 || !file_io_write_fd(fd, text.bytes, text.n) || fsync(fd) != 0))
         status = bf_fail(err, BF_ESYSTEM, "", "cannot write %.200s: %s", to, strerror(errno));
+    if (status == BF_OK && readers != NULL && geteuid() == 0 &&
+        (stat(readers, &whose) != 0 || fchown(fd, 0, whose.st_gid) != 0 || fchmod(fd, 0640) != 0))
+        status =
+            bf_fail(err, BF_ESYSTEM, "", "cannot set the owner of %.200s: %s", to, strerror(errno));
     if (fd >= 0)
         (void)close(fd);
     buffer_fini(&text);
@@ -95,7 +101,7 @@ static bf_status back_up(const char *directory, const char *settings, const char
     if (status != BF_OK)
         return status;
     (void)snprintf(path, sizeof path, "%.1000s.conf", file);
-    if (settings != NULL && (status = copy_settings(settings, path, err)) != BF_OK) {
+    if (settings != NULL && (status = copy_settings(settings, path, NULL, err)) != BF_OK) {
         (void)unlink(file);
         (void)snprintf(path, sizeof path, "%.1000s.access", file);
         (void)unlink(path);
@@ -151,7 +157,7 @@ int maintenance_restore(const char *directory, const char *settings, const char 
     const bool has_settings = access(path, F_OK) == 0;
     const bool wants_settings = has_settings && settings != NULL && access(settings, F_OK) != 0;
     if (status == BF_OK && wants_settings)
-        status = copy_settings(path, settings, &err);
+        status = copy_settings(path, settings, directory, &err);
     if (status != BF_OK)
         return complain(&err);
     (void)printf("%s is the store in %s now, %s\n", file, directory,

@@ -105,6 +105,7 @@ static bf_status check_copy(const char *file, bf_error *err)
 static bf_status hold(const char *directory, int *ret_lock, bf_error *err)
 {
     char path[STORE__PATH_SIZE + 64];
+    struct stat whose;
 
     if (!file_io_make_directories(directory, 0700, FILE_IO_NOW))
         return fail_errno("cannot make", directory, err);
@@ -112,6 +113,10 @@ static bf_status hold(const char *directory, int *ret_lock, bf_error *err)
                      O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (*ret_lock < 0)
         return fail_errno("cannot open", path, err);
+    // The daemon opens it, too.
+    if (geteuid() == 0 &&
+        (stat(directory, &whose) != 0 || fchown(*ret_lock, whose.st_uid, whose.st_gid) != 0))
+        return fail_errno("cannot set the owner of", path, err);
     if (flock(*ret_lock, LOCK_EX | LOCK_NB) == 0)
         return BF_OK;
     return errno == EWOULDBLOCK

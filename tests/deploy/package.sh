@@ -79,8 +79,10 @@ if [[ ${1:-} == --inside ]]; then
     [[ $(stat -c %U /var/lib/beltflow/access.db) == beltflow ]] || fail "the tokens are not the daemon's"
     beltflowd backup /var/backups/beltflow --copies 7 >"$work/copy" || fail "no copy"
     copy=$(sed 's/: .*//' "$work/copy")
-    rm -rf /var/lib/beltflow/beltflow.db*
-    beltflowd restore "$copy" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
+    rm -rf /var/lib/beltflow/* /etc/beltflow/beltflow.conf
+    beltflowd --config /etc/beltflow/beltflow.conf --data /var/lib/beltflow restore "$copy" >"$work/log" 2>&1 ||
+        fail "$(cat "$work/log")"
+    grep -qx "retention_days = 30" /etc/beltflow/beltflow.conf || fail "the settings did not come back"
     start_daemon
     curl -sS --fail -H "Authorization: Bearer $token" "$url$run" | grep -q '"status": *"succeeded"' ||
         fail "the copy has not the run"
