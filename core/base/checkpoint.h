@@ -5,7 +5,7 @@
 ///     4       4      CHECKPOINT_VERSION
 ///     8       4      owner of the state, enum checkpoint_kind
 ///     12      4      0
-///     16      8      digest of the definition that the state belongs to
+///     16      8      digest of the definition that the state belongs to; 0 of envelopes within a run's, which has it
 ///     24      8      n, length of the payload
 ///     32      8      digest of the bytes 0 to 31 and of the payload
 ///     40      n      payload: fields as the solver writes them

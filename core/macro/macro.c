@@ -116,7 +116,6 @@ static ptrdiff_t round_up(ptrdiff_t n)
 static void lay_out(macro_solver *s, const macro_def *def)
 {
     s->def = *def;
-    s->definition = macro__digest_definition(def);
     s->def.v1 = s->def.v2 = NULL;
     s->def.closed1 = s->def.closed2 = NULL;
     s->def.belts = NULL;

@@ -177,6 +177,6 @@ uint64_t macro_digest(const macro_solver *s);
 /// same bits. BF_ENOMEM.
 BF_MUST_CHECK bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err);
 
-/// Take a state that macro_save() wrote, into a solver without steps. BF_ECORRUPT: damaged or of another definition; s can
-/// then only be destroyed.
+/// Take a state that macro_save() wrote of the same definition, into a solver without steps. BF_ECORRUPT: damaged; s can then
+/// only be destroyed.
 BF_MUST_CHECK bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err);

@@ -154,7 +154,6 @@ struct macro_solver {
     uint8_t *off;      ///< of the definition, or NULL
     double *fallen; ///< of each cell: sum of the densities that fell since t = 0; NULL without off
     uint64_t steps; ///< made since t = 0
-    uint64_t definition; ///< macro__digest_definition()
 };
 
 /// Cell 0 of row j of rows.
@@ -194,9 +193,6 @@ void macro__fill_margins(const macro_solver *s, double *row);
 
 /// Set margins, span and sets of row j of `now` from its densities.
 void macro__measure_row(macro_solver *s, ptrdiff_t j);
-
-/// Digest of all of a definition but the number of threads: of what a checkpoint belongs to.
-uint64_t macro__digest_definition(const macro_def *def);
 
 #if defined(CPU_BUILD) && defined(MACRO_IS_NARROW)
 /// For the files that are compiled once per instruction set, and for narrow and wide grids: each build's

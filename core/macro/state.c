@@ -6,7 +6,6 @@
 #include "core/macro/congested.h"
 #include "core/macro/macro_priv.h"
 #include "core/macro/tracers.h"
-#include "core/scene/definition.h"
 
 #include <math.h>
 #include <string.h>
@@ -247,48 +246,6 @@ uint64_t macro_digest(const macro_solver *s)
     return digest;
 }
 
-// All that determines the solution, so not the number of threads: a checkpoint is refused by a solver that differs.
-uint64_t macro__digest_definition(const macro_def *def)
-{
-    const bf_grid *g = &def->grid;
-    const double numbers[] = { (double)g->n1,
-                               (double)g->n2,
-                               g->lower1,
-                               g->lower2,
-                               g->d1,
-                               g->d2,
-                               def->dt,
-                               def->dispersion,
-                               def->mollifier,
-                               def->heaviside_width,
-                               (double)def->heaviside,
-                               (double)def->scheme };
-    const size_t n_faces1 = (g->n1 + 1) * g->n2, n_faces2 = g->n1 * (g->n2 + 1);
-    uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
-
-    digest = digest_add(digest, def->mirror, sizeof def->mirror);
-    digest = digest_add(digest, &def->tracer_portion, sizeof def->tracer_portion);
-    digest = digest_add(digest, def->v1, def->v1 == NULL ? 0 : n_faces1 * sizeof *def->v1);
-    digest = digest_add(digest, def->v2, def->v2 == NULL ? 0 : n_faces2 * sizeof *def->v2);
-    digest = digest_add(digest, def->closed1, def->closed1 == NULL ? 0 : n_faces1);
-    digest = digest_add(digest, def->closed2, def->closed2 == NULL ? 0 : n_faces2);
-    digest = digest_add(digest, def->off, def->off == NULL ? 0 : grid_cells(g));
-    if (def->n_belts == 0)
-        return digest;
-    digest = definition_add_belts(digest, def->n_belts, def->belts);
-    digest = digest_add(digest, def->belt1, n_faces1 * sizeof *def->belt1);
-    digest = digest_add(digest, def->belt2, n_faces2 * sizeof *def->belt2);
-    if (def->closure == SCENE_DISPERSIVE)
-        return digest;
-    const double closure[] = { (double)def->closure, def->jam_density, def->slip_rate };
-    digest = digest_add(digest, closure, sizeof closure);
-    digest = digest_add(digest, def->one_way, sizeof def->one_way);
-    digest = digest_add(digest, def->aperture1, n_faces1 * sizeof *def->aperture1);
-    digest = digest_add(digest, def->aperture2, n_faces2 * sizeof *def->aperture2);
-    digest = digest_add(digest, def->transverse1, n_faces1 * sizeof *def->transverse1);
-    return digest_add(digest, def->transverse2, n_faces2 * sizeof *def->transverse2);
-}
-
 bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
 {
     enum { SMALL_STATE_BYTES = 65536 }; // of all else
@@ -300,7 +257,7 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
     // Room for the large arrays at once, so that they are not moved while they are written. If there is none, a write
     // fails.
     (void)buffer_reserve(out, n_arrays + SMALL_STATE_BYTES);
-    checkpoint_begin(&w, out, CHECKPOINT_MACRO, s->definition);
+    checkpoint_begin(&w, out, CHECKPOINT_MACRO, 0);
     checkpoint_write(&w, &s->steps, sizeof s->steps);
     for (size_t j = 0; j < s->def.grid.n2; j++)
         checkpoint_write(&w, macro_row(s, j), s->def.grid.n1 * sizeof(double));
@@ -318,7 +275,7 @@ bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err
     checkpoint_reader r;
 
     BF_CHECK(s->steps == 0);
-    bf_status status = checkpoint_open(&r, bytes, n, CHECKPOINT_MACRO, s->definition, err);
+    bf_status status = checkpoint_open(&r, bytes, n, CHECKPOINT_MACRO, 0, err);
     if (status != BF_OK)
         return status;
     const size_t n_bytes = grid_cells(&s->def.grid) * sizeof(double);

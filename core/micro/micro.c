@@ -10,7 +10,6 @@
 #include "core/micro/implicit_step.h"
 #include "core/micro/places.h"
 #include "core/micro/press.h"
-#include "core/scene/definition.h"
 #include "core/scene/goods.h"
 #include "core/scene/plate_motion.h"
 #include "core/scene/shape.h"
@@ -35,7 +34,6 @@ struct micro_solver {
     double overlap_limit; // see micro_def
     double reduction;     // of the moduli, now
     bool hardens;         // see micro_def
-    uint64_t definition;  // digest, to which checkpoints belong
     scene_rect domain;
     size_t n_kinds;
     size_t n_defined; // parts of the definition
@@ -206,40 +204,6 @@ bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy,
     return surroundings_copy(&around, ret_copy, err);
 }
 
-// All that determines the solution, so not the number of threads; the path is the checkpoint's
-// kind.
-static uint64_t digest_definition(const micro_def *def)
-{
-    const double numbers[] = { def->start_velocity.x,  def->start_velocity.y,
-                               def->modulus_reduction, def->damping,
-                               def->gravity,           def->dt,
-                               def->hardens,           def->overlap_limit,
-                               def->tension,           def->integrator,
-                               (double)def->n_parts,   (double)def->n_parts_expected };
-    uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
-
-    digest = definition_add_rect(digest, &def->domain);
-    digest = digest_add(digest, def->edges, sizeof def->edges);
-    digest = definition_add_belts(digest, def->n_belts, def->belts);
-    digest = definition_add_obstacles(digest, def->n_obstacles, def->obstacles);
-    digest = definition_add_motions(digest, def->n_obstacles, def->obstacles);
-    for (size_t k = 0; k < def->n_kinds; k++) {
-        const micro_kind *kind = &def->kinds[k];
-        digest = definition_add_shape(digest, &kind->shape);
-        digest = definition_add_materials(digest, 1, &kind->material);
-        digest = digest_add(digest, &kind->mass, sizeof kind->mass);
-        digest = digest_add(digest, &kind->spin_radius, sizeof kind->spin_radius);
-    }
-    digest = definition_add_poses(digest, def->n_parts, def->poses);
-    digest = digest_add(digest, def->part_kinds,
-                        def->part_kinds == NULL ? 0 : def->n_parts * sizeof *def->part_kinds);
-    digest = definition_add_contacts(digest, def->contact);
-    if (def->wall_friction > 0.0)
-        digest = digest_add(digest, &def->wall_friction, sizeof def->wall_friction);
-    digest = definition_add_materials(digest, 1, &def->conveyor);
-    return definition_add_materials(digest, 1, &def->handling);
-}
-
 static bf_status fill(micro_solver *s, const micro_def *def, bf_error *err)
 {
     if (memory_reserve(&s->ids, &s->capacity, def->n_parts, sizeof *s->ids) != 0)
@@ -274,7 +238,6 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
                          .reduction = own.modulus_reduction,
                          .hardens = own.hardens && own.integrator == MICRO_IMPLICIT &&
                                     backend == &micro__disk,
-                         .definition = digest_definition(&own),
                          .domain = def->domain,
                          .n_kinds = def->n_kinds,
                          .n_defined = def->n_parts,
@@ -566,7 +529,7 @@ bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
     const saved_header header = { s->n, s->next_id, s->reduction, s->state->recent_overlap,
                                   s->n_reported_fallen };
 
-    checkpoint_begin(&w, out, s->backend->kind, s->definition);
+    checkpoint_begin(&w, out, s->backend->kind, 0);
     checkpoint_write(&w, &header, sizeof header);
     checkpoint_write(&w, s->ids, s->n * sizeof *s->ids);
     drives_save(&s->drives, &w);
@@ -616,7 +579,7 @@ bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err
     saved_header header;
 
     BF_CHECK(micro_steps(s) == 0);
-    bf_status status = checkpoint_open(&r, bytes, n, s->backend->kind, s->definition, err);
+    bf_status status = checkpoint_open(&r, bytes, n, s->backend->kind, 0, err);
     if (status != BF_OK)
         return status;
     if (!checkpoint_read(&r, &header, sizeof header) || !is_header_sound(s, &header))

@@ -232,6 +232,6 @@ uint64_t micro_digest(const micro_solver *s);
 /// bits. BF_ENOMEM.
 BF_MUST_CHECK bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err);
 
-/// Take a state that micro_save() wrote, into a solver without steps. If that fails, s can only be destroyed.
-/// BF_ECORRUPT: damaged or of another definition. BF_ENOMEM.
+/// Take a state that micro_save() wrote of the same definition, into a solver without steps. If that fails, s can only be
+/// destroyed. BF_ECORRUPT: damaged. BF_ENOMEM.
 BF_MUST_CHECK bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err);

@@ -17,7 +17,7 @@ _Static_assert(sizeof(vec2) == 2 * sizeof(double), "no padding");
 #define ADD_NUMBERS(digest, ...)                                                                   \
     digest_add(digest, (const double[]){ __VA_ARGS__ }, sizeof((const double[]){ __VA_ARGS__ }))
 
-uint64_t definition_add_rect(uint64_t digest, const scene_rect *rect)
+static uint64_t add_rect(uint64_t digest, const scene_rect *rect)
 {
     return digest_add(digest, rect, sizeof *rect);
 }
@@ -34,7 +34,7 @@ static uint64_t add_speed(uint64_t digest, const scene_belt *belt)
     return digest_add(digest, s->factors, s->n_times * sizeof *s->factors);
 }
 
-uint64_t definition_add_belts(uint64_t digest, size_t n, const scene_belt *belts)
+static uint64_t add_belts(uint64_t digest, size_t n, const scene_belt *belts)
 {
     for (size_t k = 0; k < n; k++) {
         digest = ADD_NUMBERS(digest, belts[k].velocity.x, belts[k].velocity.y);
@@ -44,7 +44,7 @@ uint64_t definition_add_belts(uint64_t digest, size_t n, const scene_belt *belts
     return digest;
 }
 
-uint64_t definition_add_obstacles(uint64_t digest, size_t n, const scene_obstacle *obstacles)
+static uint64_t add_obstacles(uint64_t digest, size_t n, const scene_obstacle *obstacles)
 {
     for (size_t k = 0; k < n; k++) {
         const scene_obstacle *o = &obstacles[k];
@@ -54,24 +54,24 @@ uint64_t definition_add_obstacles(uint64_t digest, size_t n, const scene_obstacl
     return digest;
 }
 
-uint64_t definition_add_shape(uint64_t digest, const scene_shape *shape)
+static uint64_t add_shape(uint64_t digest, const scene_shape *shape)
 {
     digest =
         ADD_NUMBERS(digest, shape->type, shape->radius, shape->height, shape->length, shape->width);
     return digest_add(digest, shape->vertices, shape->n_vertices * sizeof *shape->vertices);
 }
 
-uint64_t definition_add_materials(uint64_t digest, size_t n, const scene_material *materials)
+static uint64_t add_materials(uint64_t digest, size_t n, const scene_material *materials)
 {
     return digest_add(digest, materials, n * sizeof *materials);
 }
 
-uint64_t definition_add_contacts(uint64_t digest, const scene_contact contact[SCENE_PAIR_COUNT])
+static uint64_t add_contacts(uint64_t digest, const scene_contact contact[SCENE_PAIR_COUNT])
 {
     return digest_add(digest, contact, SCENE_PAIR_COUNT * sizeof *contact);
 }
 
-uint64_t definition_add_poses(uint64_t digest, size_t n, const scene_pose *poses)
+static uint64_t add_poses(uint64_t digest, size_t n, const scene_pose *poses)
 {
     return digest_add(digest, poses, n * sizeof *poses);
 }
@@ -83,17 +83,17 @@ static uint64_t add_cargo(uint64_t digest, const scene *s)
     for (size_t k = 0; k < s->n_cargo; k++) {
         const scene_cargo *c = &s->cargo[k];
         digest = ADD_NUMBERS(digest, c->share, c->mass, c->spin_friction_radius);
-        digest = definition_add_shape(digest, &c->shape);
-        digest = definition_add_materials(digest, 1, &c->material);
+        digest = add_shape(digest, &c->shape);
+        digest = add_materials(digest, 1, &c->material);
     }
     digest = ADD_NUMBERS(digest, (double)s->cargo_seed, i->type);
     switch (i->type) {
     case SCENE_INITIAL_POSITIONS:
-        return definition_add_poses(digest, i->n_poses, i->poses);
+        return add_poses(digest, i->n_poses, i->poses);
     case SCENE_INITIAL_HEXAGONAL:
         return ADD_NUMBERS(digest, i->n_rows, i->n_columns, i->first.x, i->first.y, i->spacing);
     case SCENE_INITIAL_RANDOM:
-        return definition_add_rect(ADD_NUMBERS(digest, i->n_random, (double)i->seed), &i->region);
+        return add_rect(ADD_NUMBERS(digest, i->n_random, (double)i->seed), &i->region);
     case SCENE_INITIAL_EMPTY:
     case SCENE_INITIAL_COUNT:
         break;
@@ -146,7 +146,7 @@ static uint64_t add_feeds(uint64_t digest, const scene *s)
     return digest;
 }
 
-uint64_t definition_add_motions(uint64_t digest, size_t n, const scene_obstacle *obstacles)
+static uint64_t add_motions(uint64_t digest, size_t n, const scene_obstacle *obstacles)
 {
     for (size_t k = 0; k < n; k++) {
         const scene_obstacle *o = &obstacles[k];
@@ -163,7 +163,7 @@ uint64_t definition_add_motions(uint64_t digest, size_t n, const scene_obstacle 
 // Nothing where nothing moves and there are no photo eyes.
 static uint64_t add_equipment(uint64_t digest, const scene *s)
 {
-    digest = definition_add_motions(digest, s->n_obstacles, s->obstacles);
+    digest = add_motions(digest, s->n_obstacles, s->obstacles);
     for (size_t k = 0; k < s->n_eyes; k++) {
         const scene_photo_eye *e = &s->eyes[k];
         digest = ADD_NUMBERS(digest, e->line[0].x, e->line[0].y, e->line[1].x, e->line[1].y,
@@ -211,15 +211,15 @@ uint64_t definition_digest(const scene *s)
 {
     const scene_macro *macro = &s->macro;
     const scene_micro *micro = &s->micro;
-    uint64_t digest = definition_add_rect(DIGEST_START, &s->domain);
+    uint64_t digest = add_rect(DIGEST_START, &s->domain);
 
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         digest = ADD_NUMBERS(digest, s->edges[side]);
-    digest = definition_add_belts(digest, s->n_belts, s->belts);
-    digest = definition_add_obstacles(digest, s->n_obstacles, s->obstacles);
+    digest = add_belts(digest, s->n_belts, s->belts);
+    digest = add_obstacles(digest, s->n_obstacles, s->obstacles);
     digest = add_cargo(digest, s);
     for (size_t k = 0; k < s->n_counters; k++)
-        digest = definition_add_rect(digest, &s->counters[k].rect);
+        digest = add_rect(digest, &s->counters[k].rect);
     digest = ADD_NUMBERS(digest, s->duration, s->output.curve_every, s->output.snapshot_every);
     digest = ADD_NUMBERS(digest, cells_wanted(s), macro->step, macro->scheme, macro->heaviside,
                          macro->heaviside_width, macro->dispersion, macro->mollifier,
@@ -229,7 +229,7 @@ uint64_t definition_digest(const scene *s)
     digest = ADD_NUMBERS(digest, micro->integrator, micro->path, micro->step,
                          micro->modulus_reduction, micro->overlap_limit, micro->tension,
                          micro->damping, micro->gravity, micro->spin_friction_radius);
-    digest = definition_add_materials(digest, 1, &micro->conveyor);
-    digest = definition_add_materials(digest, 1, &micro->handling);
-    return add_walls(definition_add_contacts(digest, micro->contact), micro);
+    digest = add_materials(digest, 1, &micro->conveyor);
+    digest = add_materials(digest, 1, &micro->handling);
+    return add_walls(add_contacts(digest, micro->contact), micro);
 }

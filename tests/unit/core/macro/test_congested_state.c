@@ -165,34 +165,6 @@ static void a_damaged_state_is_refused(void **state)
     scene_fini(&s);
 }
 
-static void a_state_of_another_definition_is_refused(void **state)
-{
-    scene s;
-    bf_buffer saved = { 0 };
-
-    (void)state;
-    make_scene(&s, 0);
-    macro_solver *solver = helper_macro_start(&s, 1);
-    helper_macro_advance(solver, 50);
-    assert_int_equal(macro_save(solver, &saved, NULL), BF_OK);
-    macro_destroy(solver);
-    double *const numbers[] = { &s.macro.jam_density, &s.macro.step, &s.belts[0].velocity.x,
-                                &s.micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear,
-                                &s.obstacles[0].path[1].y };
-    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
-        const double number = *numbers[k];
-        *numbers[k] = number * (1.0 - 0x1p-30);
-        assert_int_equal(load_into(&s, &saved), BF_ECORRUPT);
-        *numbers[k] = number;
-    }
-    s.edges[SCENE_WEST] = SCENE_EDGE_OUTFLOW;
-    assert_int_equal(load_into(&s, &saved), BF_ECORRUPT);
-    s.edges[SCENE_WEST] = SCENE_EDGE_INFLOW;
-    assert_int_equal(load_into(&s, &saved), BF_OK);
-    buffer_fini(&saved);
-    scene_fini(&s);
-}
-
 static double *densities_of(const macro_solver *solver)
 {
     double *rho = memory_alloc(grid_cells(&solver->def.grid), sizeof *rho);
@@ -275,7 +247,6 @@ int main(void)
         cmocka_unit_test(every_instruction_set_gives_the_same_bits),
         cmocka_unit_test(a_run_resumed_in_a_jam_goes_on_with_the_same_bits),
         cmocka_unit_test(a_damaged_state_is_refused),
-        cmocka_unit_test(a_state_of_another_definition_is_refused),
         cmocka_unit_test(a_stop_and_go_is_the_same_run_later),
         cmocka_unit_test(nothing_is_lost_in_a_closed_box_whatever_the_belts_do),
     };

@@ -296,32 +296,6 @@ static void the_largest_speed_bounds_implicit_steps(void **state)
     assert_near(micro_dt_stable(&w.def), 0.25 * 0.012 / (0.4 * 2.5), 1e-12);
 }
 
-static void a_state_of_another_schedule_is_refused(void **state)
-{
-    (void)state;
-    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
-        bf_buffer saved = { 0 };
-        world w;
-        make_world(&w, k);
-        w.belts[0].acceleration = w.belts[0].deceleration = 1.0;
-        set_schedule(&w, 0, 2, (double[]){ 0.5, 1.0 }, (double[]){ 0.0, 1.0 });
-        micro_solver *s = helper_micro_start(&w.def);
-        assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
-        micro_destroy(s);
-        double *const numbers[] = { &w.belts[0].acceleration, &w.belts[0].deceleration,
-                                    &w.times[0][1], &w.factors[0][1] };
-        for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
-            const double before = *numbers[n];
-            *numbers[n] *= 1.0 + 0x1p-40;
-            s = helper_micro_start(&w.def);
-            assert_int_equal(micro_load(s, saved.bytes, saved.n, NULL), BF_ECORRUPT);
-            micro_destroy(s);
-            *numbers[n] = before;
-        }
-        buffer_fini(&saved);
-    }
-}
-
 static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 {
     (void)state;
@@ -352,7 +326,6 @@ int main(void)
         cmocka_unit_test(threads_and_resumes_in_ramps_change_no_bit),
         cmocka_unit_test(steps_one_by_one_give_the_bits_of_steps_in_a_row),
         cmocka_unit_test(the_largest_speed_bounds_implicit_steps),
-        cmocka_unit_test(a_state_of_another_schedule_is_refused),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error_and_nothing_leaks),
     };
 

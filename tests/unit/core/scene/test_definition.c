@@ -1,0 +1,102 @@
+// The digest that the checkpoints of a run belong to.
+
+#include "core/scene/definition.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static void make_scene(scene *s)
+{
+    helper_scene_example(s, 60.0, SCENE_SEALED);
+    s->belts[0].acceleration = s->belts[0].deceleration = 1.0;
+    helper_scene_schedule(&s->belts[0], 2, (double[]){ 0.5, 1.0 }, (double[]){ 0.5, 1.0 });
+    s->obstacles[0].turn =
+        helper_scene_series(2, (double[]){ 0.5, 1.0 }, (double[]){ 0.1, 0.2 }, INFINITY);
+    helper_scene_add_feed(s, SCENE_WEST, SCENE_ARRIVALS_POISSON, 10.0);
+}
+
+static void a_definition_that_differs_in_one_number_has_another_digest(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_scene(&s);
+    const uint64_t digest = definition_digest(&s);
+    double *const numbers[] = { &s.domain.x_max,
+                                &s.duration,
+                                &s.belts[0].velocity.x,
+                                &s.belts[0].acceleration,
+                                &s.belts[0].deceleration,
+                                &s.belts[0].speed_schedule.times[1],
+                                &s.belts[0].speed_schedule.factors[1],
+                                &s.obstacles[0].thickness,
+                                &s.obstacles[0].path[1].y,
+                                &s.obstacles[0].turn.times[1],
+                                &s.obstacles[0].turn.values[1],
+                                &s.cargo[0].shape.radius,
+                                &s.cargo[0].material.young_modulus,
+                                &s.cargo[0].mass,
+                                &s.cargo[0].spin_friction_radius,
+                                &s.feeds[0].rate,
+                                &s.counters[0].rect.x_max,
+                                &s.output.curve_every,
+                                &s.macro.step,
+                                &s.macro.dispersion,
+                                &s.macro.mollifier,
+                                &s.macro.heaviside_width,
+                                &s.micro.step,
+                                &s.micro.modulus_reduction,
+                                &s.micro.damping,
+                                &s.micro.gravity,
+                                &s.micro.handling.young_modulus,
+                                &s.micro.contact[SCENE_CARGO_CARGO].friction,
+                                &s.micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear,
+                                &s.micro.contact[SCENE_CONVEYOR_CARGO].tanh_spin };
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        const double number = *numbers[k];
+        assert_true(number > 0.0);
+        *numbers[k] = number * (1.0 - 0x1p-40);
+        assert_true(definition_digest(&s) != digest);
+        *numbers[k] = number;
+    }
+    assert_true(definition_digest(&s) == digest);
+    scene_fini(&s);
+}
+
+static void a_definition_that_differs_in_a_choice_has_another_digest(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_scene(&s);
+    const uint64_t digest = definition_digest(&s);
+    s.edges[SCENE_EAST] = SCENE_EDGE_WALL;
+    assert_true(definition_digest(&s) != digest);
+    s.edges[SCENE_EAST] = SCENE_EDGE_OUTFLOW;
+    s.macro.scheme = SCENE_SCHEME_MUSCL;
+    assert_true(definition_digest(&s) != digest);
+    s.macro.scheme = SCENE_SCHEME_ROE;
+    s.macro.heaviside = SCENE_HEAVISIDE_NONE;
+    assert_true(definition_digest(&s) != digest);
+    s.macro.heaviside = SCENE_HEAVISIDE_SHARP;
+    s.micro.path = SCENE_PATH_SPATIAL;
+    assert_true(definition_digest(&s) != digest);
+    s.micro.path = SCENE_PATH_AUTO;
+    assert_true(definition_digest(&s) == digest);
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_definition_that_differs_in_one_number_has_another_digest),
+        cmocka_unit_test(a_definition_that_differs_in_a_choice_has_another_digest),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
