@@ -32,11 +32,11 @@ static inline double unless_equal(double v, double u)
 }
 
 // Of a flux F = F_stat + g through a face of static velocity v, between the densities before and behind it.
-static inline double across(double v, double g, double near, double far)
+static inline double across(double v, double g, double left, double right)
 {
     if (g == 0.0)
         return v;
-    const double flux = v * (v >= 0.0 ? near : far) + g, rho = flux > 0.0 ? near : far;
+    const double flux = v * (v >= 0.0 ? left : right) + g, rho = flux > 0.0 ? left : right;
     return rho > least_density ? unless_equal(v, flux / rho) : 0.0;
 }
 
@@ -148,7 +148,7 @@ void cargo_velocity_put(const macro_solver *s, const macro_faces *faces,
     memcpy(u - s->margin, v - s->margin, (size_t)s->stride * sizeof *u);
     while (block_set_next_run(of->blocks, s->n_words, &b, &run))
         for (ptrdiff_t i = run.first * BLOCK_CELLS; i < run.last * BLOCK_CELLS; i++) {
-            const double flux = of->flux[i], rho = flux > 0.0 ? of->near[i] : of->far[i];
+            const double flux = of->flux[i], rho = flux > 0.0 ? of->left[i] : of->right[i];
             if (flux != 0.0)
                 u[i] = unless_equal(v[i], flux / (rho > least_density ? rho : least_density));
         }

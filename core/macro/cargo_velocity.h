@@ -43,8 +43,8 @@ void cargo_velocity_speeds(const macro_solver *s, ptrdiff_t j, double *ret_speed
 /// What crosses a row of faces, as a sweep has it.
 typedef struct cargo_velocity_fluxes {
     const double *flux;     ///< density times m/s
-    const double *near;     ///< density before each face
-    const double *far;      ///< density behind it
+    const double *left;     ///< density before each face
+    const double *right;    ///< density behind it
     const uint64_t *blocks; ///< where it may be more than the static velocity's
 } cargo_velocity_fluxes;
 

@@ -17,37 +17,37 @@
 #include <stddef.h>
 
 /// One of the two products is zero, so their sum is the upwind flux to the bit.
-static inline simd flux_upwind_one(simd v, simd near, simd far)
+static inline simd flux_upwind_one(simd v, simd left, simd right)
 {
-    return simd_positive(v) * near + simd_negative(v) * far;
+    return simd_positive(v) * left + simd_negative(v) * right;
 }
 
-/// flux = v >= 0 ? near v : far v, where near and far are the cells before and after the face.
-static inline void flux_upwind(const double *v, const double *near, const double *far,
+/// flux = v >= 0 ? left v : right v, where left and right are the cells before and after the face.
+static inline void flux_upwind(const double *v, const double *left, const double *right,
                                ptrdiff_t b_min, ptrdiff_t b_max, double *flux)
 {
     for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += SIMD_LANES)
-        simd_store(flux + i, flux_upwind_one(simd_load(v + i), simd_load_any(near + i),
-                                             simd_load_any(far + i)));
+        simd_store(flux + i, flux_upwind_one(simd_load(v + i), simd_load_any(left + i),
+                                             simd_load_any(right + i)));
 }
 
 /// The same, added to flux.
-static inline void flux_upwind_add(const double *v, const double *near, const double *far,
+static inline void flux_upwind_add(const double *v, const double *left, const double *right,
                                    ptrdiff_t b_min, ptrdiff_t b_max, double *flux)
 {
     for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += SIMD_LANES)
         simd_store(flux + i,
-                   simd_load(flux + i) + flux_upwind_one(simd_load(v + i), simd_load_any(near + i),
-                                                         simd_load_any(far + i)));
+                   simd_load(flux + i) + flux_upwind_one(simd_load(v + i), simd_load_any(left + i),
+                                                         simd_load_any(right + i)));
 }
 
 /// Static and dynamic flux with the sharp H: of v and rho, and of the dispersion velocity and H(rho - 1) rho.
-static inline void flux_upwind_sharp(const double *v, const double *dispersion, const double *near,
-                                     const double *far, ptrdiff_t b_min, ptrdiff_t b_max,
+static inline void flux_upwind_sharp(const double *v, const double *dispersion, const double *left,
+                                     const double *right, ptrdiff_t b_min, ptrdiff_t b_max,
                                      double *flux)
 {
     for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += SIMD_LANES) {
-        simd rho = simd_load_any(near + i), next = simd_load_any(far + i);
+        simd rho = simd_load_any(left + i), next = simd_load_any(right + i);
         simd_store(flux + i, flux_upwind_one(simd_load(v + i), rho, next) +
                                  flux_upwind_one(simd_load(dispersion + i), simd_from_1(rho),
                                                  simd_from_1(next)));

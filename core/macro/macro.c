@@ -10,6 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { ALIGNMENT = 64 }; // of rows and sets, bytes: as by memory_alloc()
+
 static const double cfl_slack = 1e-9; // tolerance for steps that are equal to the bound in decimal
 
 #define X(suffix)                                                                                  \
@@ -141,110 +143,86 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->n_bands = def->n_threads < s->n2 ? def->n_threads : (int)s->n2;
 }
 
-// Allocates rows and sets from the storage of a band, one after the other.
-typedef struct partition {
-    const macro_solver *solver;
-    double *rows;
-    uint64_t *sets;
-} partition;
+// Memory that is given out piece by piece; without bytes the pieces are only counted.
+typedef struct arena {
+    char *bytes;
+    size_t used;
+} arena;
 
-static double *partition_row(partition *c)
+static void *take(arena *a, size_t n, size_t size)
 {
-    double *row = c->rows + c->solver->margin;
+    void *piece = a->bytes != NULL ? a->bytes + a->used : NULL;
 
-    c->rows += c->solver->stride;
-    return row;
+    a->used += (n * size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    return piece;
 }
 
-static uint64_t *partition_set(partition *c)
+static double *take_row(arena *a, const macro_solver *s)
 {
-    uint64_t *set = c->sets;
+    double *row = take(a, (size_t)s->stride, sizeof *row);
 
-    c->sets += c->solver->n_words;
-    return set;
+    return row != NULL ? row + s->margin : NULL;
 }
 
-static void partition_ring(macro_band *band, partition *c)
+static uint64_t *take_set(arena *a, const macro_solver *s)
 {
-    for (ptrdiff_t k = 0; k < c->solver->n_ring; k++) {
-        band->ring[k].gradient1 = partition_row(c);
-        band->ring[k].integral1 = partition_row(c);
-        band->ring[k].done = partition_set(c);
-        band->gradient_ring[k] = band->gradient_ring[k + c->solver->n_ring] =
-            band->ring[k].gradient1;
-        band->integral_ring[k] = band->integral_ring[k + c->solver->n_ring] =
-            band->ring[k].integral1;
+    return take(a, s->n_words, sizeof(uint64_t));
+}
+
+static void lay_out_ring(const macro_solver *s, macro_band *band, arena *a)
+{
+    const size_t n = (size_t)s->n_ring;
+
+    band->ring = take(a, n, sizeof *band->ring);
+    band->gradient_ring = take(a, 2 * n, sizeof *band->gradient_ring);
+    band->integral_ring = take(a, 2 * n, sizeof *band->integral_ring);
+    band->gradient_rows = take(a, n, sizeof *band->gradient_rows);
+    band->integral_rows = take(a, n, sizeof *band->integral_rows);
+    for (size_t k = 0; k < n; k++) {
+        const macro_ring_row row = { take_row(a, s), take_row(a, s), take_set(a, s) };
+        if (a->bytes == NULL)
+            continue;
+        band->ring[k] = row;
+        band->gradient_ring[k] = band->gradient_ring[k + n] = row.gradient1;
+        band->integral_ring[k] = band->integral_ring[k + n] = row.integral1;
     }
 }
 
-static void partition_pairs(macro_band *band, partition *c)
+static void lay_out_band(const macro_solver *s, macro_band *band, arena *a)
 {
+    uint64_t **const sets[] = { &band->ahead,   &band->active_faces, &band->wanted,
+                                &band->missing, &band->unexpected,   &band->todo,
+                                &band->special, &band->empty };
+
+    lay_out_ring(s, band, a);
+    band->expected = take(a, (size_t)s->n2 * s->n_words, sizeof *band->expected);
+    band->near = take(a, (size_t)(s->n2 + 4 * s->across.reach) * s->n_words, sizeof *band->near);
     for (int k = 0; k < 2; k++) {
-        band->dispersion[k].i1 = partition_row(c);
-        band->dispersion[k].i2 = partition_row(c);
-        band->dispersion[k].done = partition_set(c);
-        band->outside_active[k] = partition_set(c);
-        band->outside_first[k] = partition_set(c);
-        band->states2[k].near = partition_row(c);
-        band->states2[k].far = partition_row(c);
-        band->outside[k] = partition_row(c);
-        band->flux2[k] = partition_row(c);
-        band->flux2_set[k] = partition_set(c);
+        band->dispersion[k] = (macro_dispersion_row){ .i1 = take_row(a, s),
+                                                      .i2 = take_row(a, s),
+                                                      .done = take_set(a, s) };
+        band->states2[k] = (macro_face_states){ take_row(a, s), take_row(a, s) };
+        band->outside[k] = take_row(a, s);
+        band->outside_active[k] = take_set(a, s);
+        band->outside_first[k] = take_set(a, s);
+        band->flux2[k] = take_row(a, s);
+        band->flux2_set[k] = take_set(a, s);
     }
+    band->states1 = (macro_face_states){ take_row(a, s), take_row(a, s) };
+    band->flux1 = take_row(a, s);
+    for (size_t k = 0; k < sizeof sets / sizeof *sets; k++)
+        *sets[k] = take_set(a, s);
 }
-
-enum { ROWS_IN_PAIRS = 6, SETS_IN_PAIRS = 4, SINGLE_ROWS = 3, SINGLE_SETS = 8 };
 
 static bf_status band_init(const macro_solver *s, macro_band *band)
 {
-    const size_t n_ring = (size_t)s->n_ring;
-    const size_t n_rows = 2 * n_ring + 2 * ROWS_IN_PAIRS + SINGLE_ROWS;
-    const size_t n_sets = n_ring + 2 * SETS_IN_PAIRS + SINGLE_SETS;
+    arena counted = { NULL, 0 };
 
     band->solver = s;
-    band->rows = memory_alloc(n_rows * (size_t)s->stride, sizeof *band->rows);
-    band->sets = memory_alloc(n_sets * s->n_words, sizeof *band->sets);
-    band->ring = memory_alloc(n_ring, sizeof *band->ring);
-    band->expected = memory_alloc((size_t)s->n2 * s->n_words, sizeof *band->expected);
-    band->near =
-        memory_alloc((size_t)(s->n2 + 4 * s->across.reach) * s->n_words, sizeof *band->near);
-    band->gradient_ring = memory_alloc(2 * n_ring, sizeof *band->gradient_ring);
-    band->integral_ring = memory_alloc(2 * n_ring, sizeof *band->integral_ring);
-    band->gradient_rows = memory_alloc(n_ring, sizeof *band->gradient_rows);
-    band->integral_rows = memory_alloc(n_ring, sizeof *band->integral_rows);
-    if (band->rows == NULL || band->sets == NULL || band->ring == NULL || band->expected == NULL ||
-        band->near == NULL || band->gradient_ring == NULL || band->integral_ring == NULL ||
-        band->gradient_rows == NULL || band->integral_rows == NULL)
-        return BF_ENOMEM;
-    partition c = { s, band->rows, band->sets };
-    partition_ring(band, &c);
-    partition_pairs(band, &c);
-    band->states1.near = partition_row(&c);
-    band->states1.far = partition_row(&c);
-    band->flux1 = partition_row(&c);
-    band->ahead = partition_set(&c);
-    band->active_faces = partition_set(&c);
-    band->wanted = partition_set(&c);
-    band->missing = partition_set(&c);
-    band->unexpected = partition_set(&c);
-    band->todo = partition_set(&c);
-    band->special = partition_set(&c);
-    band->empty = partition_set(&c);
-    return BF_OK;
-}
-
-static void band_fini(macro_band *band)
-{
-    memory_free(band->rows);
-    memory_free(band->sets);
-    memory_free(band->ring);
-    memory_free(band->expected);
-    memory_free(band->near);
-    memory_free(band->gradient_ring);
-    memory_free(band->integral_ring);
-    memory_free(band->gradient_rows);
-    memory_free(band->integral_rows);
-    *band = (macro_band){ 0 };
+    lay_out_band(s, band, &counted);
+    band->bytes = memory_alloc(counted.used, 1);
+    lay_out_band(s, band, &(arena){ band->bytes, 0 });
+    return band->bytes != NULL ? BF_OK : BF_ENOMEM;
 }
 
 static bf_status init_state(const macro_solver *s, macro_state *state)
@@ -335,7 +313,7 @@ macro_solver *macro_destroy(macro_solver *s)
     if (s == NULL)
         return NULL;
     for (int k = 0; s->bands != NULL && k < s->n_bands; k++)
-        band_fini(&s->bands[k]);
+        memory_free(s->bands[k].bytes);
     memory_free(s->bands);
     congested_destroy(s->congested);
     tracers_destroy(s->tracers);

@@ -60,8 +60,8 @@ typedef struct macro_dispersion_row {
 
 /// States at the faces of a row of cells (muscl.h): along x1 element i belongs to face i + 1/2, along x2 to cell i.
 typedef struct macro_face_states {
-    double *near; ///< of the cell before the face; at the cell's northern face
-    double *far;  ///< of the cell behind the face; at the cell's southern face
+    double *left;  ///< of the cell before the face; at the cell's northern face
+    double *right; ///< of the cell behind the face; at the cell's southern face
 } macro_face_states;
 
 /// A place of the ring: the x1 part of the convolution of a row.
@@ -76,8 +76,7 @@ typedef struct macro_band {
     const macro_solver *solver; ///< whose
     ptrdiff_t first;            ///< first row
     ptrdiff_t last;             ///< row after the last
-    double *rows;               ///< storage of all rows below
-    uint64_t *sets;             ///< storage of all sets below
+    char *bytes;                ///< of all that follows
     uint64_t *expected;   ///< per row of the grid: blocks whose I this step will probably need
     uint64_t *near;       ///< at j + S: blocks that the rows within S of row j expect
     macro_ring_row *ring; ///< n_ring places; row r is at place r mod n_ring

@@ -68,9 +68,9 @@ static inline muscl_cells muscl_before(const double *rho)
     return (muscl_cells){ here, next, forward, simd_all(0.0) };
 }
 
-/// The states on both sides of the x1-faces of a row of cells: near_i = high_i, far_i = low_{i+1}.
+/// The states on both sides of the x1-faces of a row of cells: left_i = high_i, right_i = low_{i+1}.
 static inline void muscl_states_x1(const double *rho, const double *open, ptrdiff_t b_min,
-                                   ptrdiff_t b_max, double *near, double *far)
+                                   ptrdiff_t b_max, double *left, double *right)
 {
     const ptrdiff_t end = b_max * BLOCK_CELLS;
     ptrdiff_t i = b_min * BLOCK_CELLS;
@@ -78,12 +78,12 @@ static inline void muscl_states_x1(const double *rho, const double *open, ptrdif
     simd half = cells.half * simd_load(open + i), low = cells.rho - half;
 
     for (; i < end; i += SIMD_LANES) {
-        simd_store(near + i, cells.rho + half);
+        simd_store(left + i, cells.rho + half);
         // Of the cells from the end on the first one alone is read.
         ptrdiff_t next = i + SIMD_LANES < end ? i + 2 * SIMD_LANES : end;
         cells = muscl_advance(cells, simd_load(rho + next));
         half = cells.half * simd_load(open + i + SIMD_LANES);
-        simd_store(far + i, simd_shift_down(low, cells.rho - half));
+        simd_store(right + i, simd_shift_down(low, cells.rho - half));
         low = cells.rho - half;
     }
 }

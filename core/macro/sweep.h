@@ -11,21 +11,21 @@
 #include <math.h>
 
 /// flux += I rho H(rho - 1) with the smooth H and rho of the upwind side; ranges as in flux.h.
-static inline void sweep_flux_smooth(const double *dispersion, double width, const double *near,
-                                     const double *far, ptrdiff_t b_min, ptrdiff_t b_max,
+static inline void sweep_flux_smooth(const double *dispersion, double width, const double *left,
+                                     const double *right, ptrdiff_t b_min, ptrdiff_t b_max,
                                      double *flux)
 {
     for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i++) {
-        double rho = dispersion[i] >= 0.0 ? near[i] : far[i];
+        double rho = dispersion[i] >= 0.0 ? left[i] : right[i];
         double h_rho = rho * (0.5 + atan((rho - 1.0) / width) / M_PI);
         flux[i] += dispersion[i] * h_rho;
     }
 }
 
-/// The flux through the faces of the blocks of range between near and far, the densities before and after each
+/// The flux through the faces of the blocks of range between left and right, the densities before and after each
 /// face: the static one everywhere, the dynamic one in the blocks of active.
 static inline void sweep_flux(const macro_solver *s, const double *v, const double *dispersion,
-                              const double *near, const double *far, block_span range,
+                              const double *left, const double *right, block_span range,
                               const uint64_t *active, double *flux)
 {
     ptrdiff_t b = range.first, done = range.first;
@@ -35,16 +35,16 @@ static inline void sweep_flux(const macro_solver *s, const double *v, const doub
         if (!block_set_next_run(active, macro__words(s), &b, &run) || run.first > range.last)
             run = (block_span){ range.last, range.last };
         run.last = run.last < range.last ? run.last : range.last;
-        flux_upwind(v, near, far, done, run.first, flux);
+        flux_upwind(v, left, right, done, run.first, flux);
         if (s->def.heaviside == SCENE_HEAVISIDE_SHARP) {
-            flux_upwind_sharp(v, dispersion, near, far, run.first, run.last, flux);
+            flux_upwind_sharp(v, dispersion, left, right, run.first, run.last, flux);
         } else {
-            flux_upwind(v, near, far, run.first, run.last, flux);
+            flux_upwind(v, left, right, run.first, run.last, flux);
             if (s->def.heaviside == SCENE_HEAVISIDE_SMOOTH)
-                sweep_flux_smooth(dispersion, s->def.heaviside_width, near, far, run.first,
+                sweep_flux_smooth(dispersion, s->def.heaviside_width, left, right, run.first,
                                   run.last, flux);
             else
-                flux_upwind_add(dispersion, near, far, run.first, run.last, flux);
+                flux_upwind_add(dispersion, left, right, run.first, run.last, flux);
         }
         done = run.last;
     }
@@ -89,11 +89,11 @@ static inline double sweep_row_cost(const macro_solver *s, const uint64_t *dispe
 }
 
 /// Record the velocities of cargo across the x1-faces of a row of the band.
-static inline void sweep_record_x1(const macro_band *band, ptrdiff_t r, const double *near,
-                                   const double *far)
+static inline void sweep_record_x1(const macro_band *band, ptrdiff_t r, const double *left,
+                                   const double *right)
 {
     const macro_solver *s = band->solver;
-    const cargo_velocity_fluxes of = { band->flux1, near, far, band->active_faces };
+    const cargo_velocity_fluxes of = { band->flux1, left, right, band->active_faces };
 
     if (s->records && r >= band->first && r < band->last)
         cargo_velocity_put(s, &s->faces1, &of, r, s->tracers->record.u1);
@@ -101,11 +101,11 @@ static inline void sweep_record_x1(const macro_band *band, ptrdiff_t r, const do
 
 /// The same of the x2-faces south of row r, whose dynamic fluxes are in the blocks band->wanted; the last ones of a band are
 /// those of the next one.
-static inline void sweep_record_x2(const macro_band *band, ptrdiff_t r, const double *near,
-                                   const double *far)
+static inline void sweep_record_x2(const macro_band *band, ptrdiff_t r, const double *left,
+                                   const double *right)
 {
     const macro_solver *s = band->solver;
-    const cargo_velocity_fluxes of = { band->flux2[r & 1], near, far, band->wanted };
+    const cargo_velocity_fluxes of = { band->flux2[r & 1], left, right, band->wanted };
 
     if (s->records && (r < band->last || r == s->n2))
         cargo_velocity_put(s, &s->faces2, &of, r, s->tracers->record.u2);

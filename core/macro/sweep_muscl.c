@@ -108,12 +108,12 @@ static void sweep_x1(macro_band *band, ptrdiff_t r, block_span span, row_update 
             break;
         const block_span faces = { run.first - 1, run.last };
         muscl_states_x1(rho, macro__row(s, s->open1, r), faces.first, faces.last,
-                        band->states1.near, band->states1.far);
-        sweep_flux(s, macro__row(s, s->faces1.v, r), band->dispersion[r & 1].i1, band->states1.near,
-                   band->states1.far, faces, band->active_faces, band->flux1);
+                        band->states1.left, band->states1.right);
+        sweep_flux(s, macro__row(s, s->faces1.v, r), band->dispersion[r & 1].i1, band->states1.left,
+                   band->states1.right, faces, band->active_faces, band->flux1);
         update_x1(rho, s->lambda1, band->flux1, run, out);
     }
-    sweep_record_x1(band, r, band->states1.near, band->states1.far);
+    sweep_record_x1(band, r, band->states1.left, band->states1.right);
 }
 
 // Blocks of the x2-faces south of row r whose dynamic flux may not be 0, in word w of a set.
@@ -147,7 +147,7 @@ static void make_states_x2(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
     const double *nothing = s->zero_row + s->margin;
-    double *low = band->states2[r & 1].far, *high = band->states2[r & 1].near;
+    double *low = band->states2[r & 1].right, *high = band->states2[r & 1].left;
     ptrdiff_t b = -1;
     block_span run;
 
@@ -170,8 +170,8 @@ static void flux_x2(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
     const double *nothing = s->zero_row + s->margin;
-    const double *near = r > 0 ? band->states2[(r - 1) & 1].near : nothing;
-    const double *far = r < s->n2 ? band->states2[r & 1].far : nothing;
+    const double *left = r > 0 ? band->states2[(r - 1) & 1].left : nothing;
+    const double *right = r < s->n2 ? band->states2[r & 1].right : nothing;
     ptrdiff_t b = -1;
     block_span run;
 
@@ -181,9 +181,9 @@ static void flux_x2(macro_band *band, ptrdiff_t r)
         band->wanted[w] = dynamic_x2(band, r, w);
     sweep_make_dispersion(band, r - 1, band->wanted);
     while (block_set_next_run(band->flux2_set[r & 1], macro__words(s), &b, &run))
-        sweep_flux(s, macro__row(s, s->faces2.v, r), band->dispersion[(r - 1) & 1].i2, near, far,
+        sweep_flux(s, macro__row(s, s->faces2.v, r), band->dispersion[(r - 1) & 1].i2, left, right,
                    run, band->wanted, band->flux2[r & 1]);
-    sweep_record_x2(band, r, near, far);
+    sweep_record_x2(band, r, left, right);
 }
 
 // The stage of row r along x2, and what is known of the result. After x1 the density was in span.

@@ -126,9 +126,9 @@ static bool lay_out_stage(const macro_solver *s, congested *c)
         return false;
     double *at = c->stage_storage + s->margin;
     for (congested_rows *r = c->rows; r < c->rows + n_members; r++) {
-        double **const members[ROWS] = { &r->states1.near,    &r->states1.far,
-                                         &r->states2[0].near, &r->states2[0].far,
-                                         &r->states2[1].near, &r->states2[1].far,
+        double **const members[ROWS] = { &r->states1.left,    &r->states1.right,
+                                         &r->states2[0].left, &r->states2[0].right,
+                                         &r->states2[1].left, &r->states2[1].right,
                                          &r->flux1,           &r->flux2[0],
                                          &r->flux2[1] };
         for (int k = 0; k < ROWS; k++, at += s->stride)

@@ -37,7 +37,7 @@ void congested__muscl_states_x2(const macro_solver *s, const congested_stage *st
     const double *rho = macro__row(s, stage->from->rho, r);
     muscl_states_x2(r > 0 ? rho - s->stride : nothing, rho,
                     r + 1 < s->n2 ? rho + s->stride : nothing, macro__row(s, s->open2, r),
-                    span.first, span.last, states->far, states->near);
+                    span.first, span.last, states->right, states->left);
 }
 
 void congested__muscl_flux_x2(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,
@@ -46,8 +46,8 @@ void congested__muscl_flux_x2(const macro_solver *s, const congested_stage *stag
     const double *nothing = s->zero_row + s->margin;
     const congested_rows *rows = stage->rows;
 
-    flux_upwind(macro__row(s, s->faces2.v, r), r > 0 ? rows->states2[(r - 1) & 1].near : nothing,
-                r < s->n2 ? rows->states2[r & 1].far : nothing, span.first, span.last,
+    flux_upwind(macro__row(s, s->faces2.v, r), r > 0 ? rows->states2[(r - 1) & 1].left : nothing,
+                r < s->n2 ? rows->states2[r & 1].right : nothing, span.first, span.last,
                 rows->flux2[r & 1]);
 }
 
@@ -80,8 +80,8 @@ void congested__muscl_update(const macro_solver *s, const congested_stage *stage
     const block_span faces = { span.first - 1, span.last };
 
     muscl_states_x1(macro__row(s, stage->from->rho, row), macro__row(s, s->open1, row), faces.first,
-                    faces.last, rows->states1.near, rows->states1.far);
-    flux_upwind(macro__row(s, s->faces1.v, row), rows->states1.near, rows->states1.far, faces.first,
-                faces.last, rows->flux1);
+                    faces.last, rows->states1.left, rows->states1.right);
+    flux_upwind(macro__row(s, s->faces1.v, row), rows->states1.left, rows->states1.right,
+                faces.first, faces.last, rows->flux1);
     update(s, stage, row, span);
 }
