@@ -16,6 +16,27 @@ void driver_split(const driver_member *m, size_t first, size_t last, driver_work
         work(m, item);
 }
 
+void driver_split_groups(const driver_member *m, const size_t *first, size_t n_groups, size_t slice,
+                         driver_work *work)
+{
+    bool is_alone = true;
+
+    for (size_t g = 0; g < n_groups; g++) {
+        const size_t n = first[g + 1] - first[g];
+        const bool is_short = n <= slice || g + 1 == n_groups;
+        const size_t step = is_short ? n : slice;
+        if (n == 0)
+            continue;
+        if (!is_alone || !is_short)
+            driver_wait(m);
+        is_alone = is_short;
+        for (size_t k = (size_t)m->index * step; k < n; k += (size_t)m->n_members * step)
+            for (size_t at = k; at < k + step && at < n; at++)
+                work(m, first[g] + at);
+    }
+    driver_wait(m);
+}
+
 static void make_steps(void *context, int index, int n_members, team_barrier *barrier)
 {
     team_task *task = context;

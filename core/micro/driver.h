@@ -85,6 +85,12 @@ typedef void driver_work(const driver_member *m, size_t item);
 /// Do the member's part of the items first .. last - 1: every n_members-th of them.
 void driver_split(const driver_member *m, size_t first, size_t last, driver_work *work);
 
+/// Do the member's part of the items of one group after those of the other, each `slice` items at a time: group g has the
+/// items first[g] .. first[g + 1] - 1. Groups of one slice, and the last one, are done by the first member alone, without
+/// waiting between them. All have done everything afterwards.
+void driver_split_groups(const driver_member *m, const size_t *first, size_t n_groups, size_t slice,
+                         driver_work *work);
+
 /// Barrier: wait until all members have called it.
 static inline void driver_wait(const driver_member *m)
 {

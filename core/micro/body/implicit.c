@@ -200,20 +200,24 @@ static void find_block_contacts(const driver_member *m, size_t block)
     body_implicit__find_contacts(m->state, block, *margin);
 }
 
-typedef void batch_work(const body_state *s, body_batch *batch);
-
-static void warm_start(const body_state *s, body_batch *batch)
+static void warm_start(const driver_member *m, size_t batch)
 {
-    body_implicit__fill_batch(s, batch);
-    s->implicit->kernels->warm_start(s->implicit->solver_bodies, batch);
+    const body_state *s = m->state;
+    const body_solver *z = s->implicit;
+
+    body_implicit__fill_batch(s, &z->batches[batch]);
+    z->kernels->warm_start(z->solver_bodies, &z->batches[batch]);
 }
 
-static void solve(const body_state *s, body_batch *batch)
+static void solve(const driver_member *m, size_t batch)
 {
-    s->implicit->kernels->solve(s->implicit->solver_bodies, batch);
+    const body_solver *z = ((const body_state *)m->state)->implicit;
+
+    z->kernels->solve(z->solver_bodies, &z->batches[batch]);
 }
 
-static void sweep_boundaries(const driver_member *m, batch_work *work)
+/// Work on all constraints once: those with boundaries, then those of pairs by colours.
+static void sweep(const driver_member *m, driver_work *work)
 {
     const body_state *s = m->state;
     const body_solver *z = s->implicit;
@@ -221,34 +225,10 @@ static void sweep_boundaries(const driver_member *m, batch_work *work)
     for (size_t block = (size_t)m->index; block < s->n_blocks; block += (size_t)m->n_members) {
         const body_block_buffer *buffer = &z->buffers[block];
         for (size_t k = 0; k < buffer->n_batches; k++)
-            work(s, &z->batches[buffer->first_batch + k]);
-    }
-}
-
-/// Work on all constraints once. The first member alone does colours of one slice, without waiting between
-/// them.
-static void sweep(const driver_member *m, batch_work *work)
-{
-    const body_state *s = m->state;
-    const body_solver *z = s->implicit;
-    const size_t *first = z->colour;
-    bool is_alone = false;
-
-    sweep_boundaries(m, work);
-    for (int c = 0; c <= BODY_COLOURS; c++) {
-        const size_t n = first[c + 1] - first[c];
-        const bool is_short = n <= BODY_SLICE || c == BODY_COLOURS;
-        if (n == 0)
-            continue;
-        if (!is_alone || !is_short)
-            driver_wait(m);
-        is_alone = is_short;
-        size_t step = is_short ? n : BODY_SLICE;
-        for (size_t k = (size_t)m->index * step; k < n; k += (size_t)m->n_members * step)
-            for (size_t at = k; at < k + step && at < n; at++)
-                work(s, &z->batches[first[c] + at]);
+            work(m, buffer->first_batch + k);
     }
     driver_wait(m);
+    driver_split_groups(m, z->colour, BODY_COLOURS + 1, BODY_SLICE, work);
 }
 
 static void note_constraint(const body_state *s, const body_constraint *p, body_report *report)

@@ -3,6 +3,7 @@
 #include "core/micro/body/implicit.h"
 
 #include "core/base/check.h"
+#include "core/micro/colours.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,19 +39,14 @@ static void add_to_batch(body_constraint *constraint, size_t lane, body_batch *b
     batch->n = (uint32_t)lane + 1;
 }
 
-/// Assign each constraint of a pair the first colour that neither part has, in the order of the parts.
+/// Give each constraint of a pair its colour, in the order of the parts.
 static void choose_colours(body_solver *z, size_t n_blocks, size_t *count)
 {
     for (size_t block = 0; block < n_blocks; block++) {
         const body_block_buffer *buffer = &z->buffers[block];
         for (size_t k = buffer->first; k < buffer->first + buffer->n_pairs; k++) {
             body_constraint *p = &z->constraints[k];
-            uint64_t free = ~(z->used_colours[p->a] | z->used_colours[p->b]);
-            p->colour = free != 0 ? (uint32_t)__builtin_ctzll(free) : BODY_COLOURS;
-            if (free != 0) {
-                z->used_colours[p->a] |= 1ULL << p->colour;
-                z->used_colours[p->b] |= 1ULL << p->colour;
-            }
+            p->colour = colours_take(&z->used_colours[p->a], &z->used_colours[p->b], BODY_COLOURS);
             count[p->colour]++;
         }
     }

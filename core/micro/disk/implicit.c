@@ -151,23 +151,9 @@ static implicit_state *state_of(const driver_member *m)
     return ((disk_state *)m->state)->implicit;
 }
 
-// The pieces of one group after those of the other. Groups of one piece are solved by the first member alone,
-// without waiting between them.
 static void split_groups(const driver_member *m, driver_work *work)
 {
-    const size_t *piece = state_of(m)->group_piece;
-    bool is_alone = true;
-
-    for (size_t g = 0; g < IMPLICIT_GROUPS; g++) {
-        const size_t n = piece[g + 1] - piece[g];
-        if (n == 0)
-            continue;
-        if (n > 1 || !is_alone)
-            driver_wait(m);
-        is_alone = n == 1;
-        driver_split(m, piece[g], piece[g + 1], work);
-    }
-    driver_wait(m);
+    driver_split_groups(m, state_of(m)->group_piece, IMPLICIT_GROUPS, 1, work);
 }
 
 static size_t count_chunks(const disk_state *s)

@@ -20,7 +20,8 @@
 enum {
     IMPLICIT_BOUNDARY = 4, ///< groups 0 .. 3: contacts with the boundary
     IMPLICIT_COLOURS = 31, ///< groups from IMPLICIT_BOUNDARY on
-    IMPLICIT_REST = 35,    ///< group of pairs without a colour, one contact a block
+    /// group of pairs without a colour, one contact a block
+    IMPLICIT_REST = IMPLICIT_BOUNDARY + IMPLICIT_COLOURS,
     IMPLICIT_GROUPS = 36,  ///< all of them
     IMPLICIT_PIECE = 1024, ///< most pairs of a piece but the last
     IMPLICIT_CHUNK = 1024, ///< slots that a thread takes at a time, a multiple of IMPLICIT_WIDTH

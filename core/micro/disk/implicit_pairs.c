@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/simd_rows.h"
+#include "core/micro/colours.h"
 #include "core/micro/disk/implicit.h"
 
 #include <string.h>
@@ -137,7 +138,7 @@ typedef struct choice {
     uint8_t *colour; // of each pair: its group
     size_t n;        // pairs
     uint32_t *first; // by id and one more: its pairs
-    uint32_t *used;  // by slot: colours taken
+    uint64_t *used;  // by slot: colours taken
     uint32_t *head;  // by id: the lane of its first former pair with an impulse
     uint32_t *next;  // by lane: that of the next one with the same first id
 } choice;
@@ -167,33 +168,21 @@ static bf_status reserve_choice(disk_state *s, const implicit_state *z, choice *
                : fail_for_memory(err);
 }
 
-// A colour that neither slot has; without one the pair goes to the last group.
-static uint8_t take_colour(uint32_t *used, uint32_t a, uint32_t b)
-{
-    uint32_t free = ~(used[a] | used[b]) & (UINT32_MAX >> (32 - IMPLICIT_COLOURS));
-
-    if (free == 0)
-        return IMPLICIT_REST;
-    int colour = __builtin_ctz(free);
-    used[a] |= 1U << colour;
-    used[b] |= 1U << colour;
-    return (uint8_t)(IMPLICIT_BOUNDARY + colour);
-}
-
 static void add_pair(choice *c, uint32_t id, uint32_t other_id, uint8_t colour)
 {
     c->colour[c->n] = colour;
     c->pairs[c->n++] = (implicit_pair){ .id = { id, other_id } };
 }
 
-// The pairs of a part with those of higher ids.
+// The pairs of a part with those of higher ids; those without a colour go to the last group.
 static void collect_of_part(const disk_state *s, choice *c, uint32_t slot)
 {
     for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
         uint32_t other = disk__neighbour(s, slot, row);
         if (other == s->void_slot || s->id_of[other] < s->id_of[slot])
             continue;
-        add_pair(c, s->id_of[slot], s->id_of[other], take_colour(c->used, slot, other));
+        const uint32_t colour = colours_take(&c->used[slot], &c->used[other], IMPLICIT_COLOURS);
+        add_pair(c, s->id_of[slot], s->id_of[other], (uint8_t)(IMPLICIT_BOUNDARY + colour));
     }
 }
 
