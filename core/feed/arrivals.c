@@ -2,6 +2,7 @@
 
 #include "core/base/digest.h"
 #include "core/base/memory.h"
+#include "core/base/search.h"
 #include "core/feed/draws.h"
 
 #include <math.h>
@@ -109,16 +110,9 @@ feed_arrivals *feed_arrivals_destroy(feed_arrivals *a)
 static double list_until(const feed_arrivals *a, double t)
 {
     const double *times = a->feed->schedule.times + a->first;
-    size_t low = 0, high = a->n_entries;
+    const size_t n = search_count(times, sizeof *times, a->n_entries, t, true);
 
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (times[middle] <= t)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low > 0 ? (double)a->totals[low - 1] : 0.0;
+    return n > 0 ? (double)a->totals[n - 1] : 0.0;
 }
 
 // The slope of the rate behind a knot, parts/s2.
@@ -132,21 +126,13 @@ static double slope_behind(const feed_arrivals *a, size_t k)
 // Parts in the first t seconds of a period.
 static double knots_until(const feed_arrivals *a, double t)
 {
-    size_t low = 0, high = a->n_knots; // the knot is at low or between, t is before high
-
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (a->knots[middle].t <= t)
-            low = middle;
-        else
-            high = middle;
-    }
-    const knot *at = &a->knots[low];
+    const size_t k = search_last(&a->knots->t, sizeof *a->knots, a->n_knots, t);
+    const knot *at = &a->knots[k];
     const double past = t - at->t;
     // Without further knots and without a rate nothing more arrives, however long it takes.
-    return at->rate == 0.0 && low + 1 == a->n_knots
+    return at->rate == 0.0 && k + 1 == a->n_knots
                ? at->total
-               : at->total + past * (at->rate + 0.5 * slope_behind(a, low) * past);
+               : at->total + past * (at->rate + 0.5 * slope_behind(a, k) * past);
 }
 
 static double parts_in_period(const feed_arrivals *a)
@@ -209,22 +195,15 @@ static double list_time(const feed_arrivals *a, double level)
 // Seconds of a period until it has brought `level` parts.
 static double knots_time(const feed_arrivals *a, double level)
 {
-    size_t low = 0, high = a->n_knots; // the level is above that of low, at most that of high
-
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (a->knots[middle].total < level)
-            low = middle;
-        else
-            high = middle;
-    }
-    const knot *at = &a->knots[low];
+    const size_t n = search_count(&a->knots->total, sizeof *a->knots, a->n_knots, level, false);
+    const size_t k = n > 0 ? n - 1 : 0; // the level is above that of this knot
+    const knot *at = &a->knots[k];
     const double missing = fmax(level - at->total, 0.0);
     // missing = rate s + slope s^2/2, with the root of the quadratic that has no difference of like numbers.
-    const double square = at->rate * at->rate + 2.0 * slope_behind(a, low) * missing;
+    const double square = at->rate * at->rate + 2.0 * slope_behind(a, k) * missing;
     const double divisor = at->rate + sqrt(fmax(square, 0.0));
     const double t = at->t + (divisor > 0.0 ? 2.0 * missing / divisor : INFINITY);
-    return low + 1 < a->n_knots ? fmin(t, at[1].t) : t;
+    return k + 1 < a->n_knots ? fmin(t, at[1].t) : t;
 }
 
 double feed_arrivals_time(const feed_arrivals *a, double level)

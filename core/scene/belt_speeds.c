@@ -2,6 +2,7 @@
 
 #include "core/base/check.h"
 #include "core/base/memory.h"
+#include "core/base/search.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene_priv.h"
 
@@ -148,16 +149,7 @@ void belt_speeds_fini(belt_speeds *speeds)
 // The last knot at or before t, or the first.
 static size_t find_knot(const belt_speeds_curve *c, double t)
 {
-    size_t low = 0, high = c->n;
-
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (c->knots[middle].t <= t)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
+    return search_last(&c->knots->t, sizeof *c->knots, c->n, t);
 }
 
 // f at t, which lies between knot k and the next one.

@@ -3,6 +3,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
+#include "core/base/search.h"
 #include "core/scene/mix.h"
 #include "core/scene/placement.h"
 #include "core/scene/plate_pieces.h"
@@ -85,16 +86,10 @@ static void sort_places(plate_findings *f)
 /// The first place of a strip at or beyond x.
 static size_t find_first(const plate_findings *f, size_t strip, double x)
 {
-    size_t low = strip == 0 ? 0 : f->ends[strip - 1], high = f->ends[strip];
+    const size_t first = strip == 0 ? 0 : f->ends[strip - 1];
 
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (f->places[middle].x < x)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
+    return first +
+           search_count(&f->places[first].x, sizeof *f->places, f->ends[strip] - first, x, false);
 }
 
 /// The box about what of a plate lies at heights from y_min to y_max.

@@ -1,6 +1,7 @@
 #include "core/scene/plate_motion.h"
 
 #include "core/base/memory.h"
+#include "core/base/search.h"
 #include "core/scene/scene.h"
 
 #include <math.h>
@@ -85,16 +86,7 @@ static double time_in_round(const scene_series *s, double t)
 // How many times of a series are at or before t.
 static size_t count_times(const scene_series *s, double t)
 {
-    size_t low = 0, high = s->n_times;
-
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (s->times[middle] <= t)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
+    return search_count(s->times, sizeof *s->times, s->n_times, t, true);
 }
 
 static double scheduled_angle(const scene_series *s, double t)
