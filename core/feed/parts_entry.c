@@ -38,10 +38,11 @@ bf_status feed_parts_create(const scene *s, feed_parts **ret_parts, bf_error *er
     bf_status status = BF_OK;
 
     if (p != NULL) {
-        *p = (feed_parts){ .scene = s, .around = surroundings_of(s), .n_feeds = s->n_feeds };
+        *p = (feed_parts){ .scene = s,
+                           .around = surroundings_of(s),
+                           .largest_radius = mix_radii_of(s).largest,
+                           .n_feeds = s->n_feeds };
         mix_footprints(s, p->footprints);
-        for (size_t k = 0; k < s->n_cargo; k++)
-            p->largest_radius = fmax(p->largest_radius, p->footprints[k].bounding_radius);
         p->arrivals = memory_alloc(p->n_feeds, sizeof *p->arrivals);
         p->states = memory_alloc(p->n_feeds, sizeof *p->states);
     }

@@ -1,7 +1,7 @@
 #include "core/run/micro_press.h"
 
 #include "core/base/polygon.h"
-#include "core/scene/shape.h"
+#include "core/scene/mix.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -26,10 +26,8 @@ static bool may_touch(const scene_obstacle *o, vec2 at, double range)
 
 static const scene_obstacle *find_plate(const scene *s, vec2 at)
 {
-    double range = 0.0;
+    const double range = mix_radii_of(s).largest;
 
-    for (size_t k = 0; k < s->n_cargo; k++)
-        range = fmax(range, shape_footprint_of(&s->cargo[k].shape).bounding_radius);
     for (size_t k = 0; k < s->n_obstacles; k++)
         if (may_touch(&s->obstacles[k], at, range))
             return &s->obstacles[k];

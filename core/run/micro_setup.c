@@ -5,7 +5,7 @@
 #include "core/feed/arrivals.h"
 #include "core/micro/hardness.h"
 #include "core/run/run_priv.h"
-#include "core/scene/shape.h"
+#include "core/scene/mix.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -49,15 +49,6 @@ static void set_parameters(const scene_micro *micro, micro_def *def)
     def->path = paths[micro->path];
 }
 
-static double largest_radius(const scene *s)
-{
-    double largest = 0.0;
-
-    for (size_t k = 0; k < s->n_cargo; k++)
-        largest = fmax(largest, shape_footprint_of(&s->cargo[k].shape).bounding_radius);
-    return largest;
-}
-
 // Moves the corners of belts that lie on a side.
 static void extend_belts(surroundings *around, scene_side side, vec2 outward)
 {
@@ -96,7 +87,7 @@ static bf_status make_inlets(const scene *s, surroundings *ret_inlets, bf_error 
         belts[k].speed_schedule = s->belts[k].speed_schedule; // borrowed
     for (int side = 0; side < SCENE_SIDE_COUNT && status == BF_OK; side++)
         if (scene_is_fed(s, (scene_side)side))
-            extend_side(ret_inlets, (scene_side)side, 2.0 * largest_radius(s));
+            extend_side(ret_inlets, (scene_side)side, 2.0 * mix_radii_of(s).largest);
     return status;
 }
 

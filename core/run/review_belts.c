@@ -148,15 +148,11 @@ bf_status review_belts(const scene *s, review_warnings *ret_warnings, bf_error *
 {
     borders b = { .s = s,
                   .around = surroundings_of(s),
-                  .radius = INFINITY,
+                  .radius = mix_radii_of(s).smallest,
                   .steps_of_place = steps_of_place(s) };
-    shape_footprint footprints[SCENE_KINDS_MAX];
 
     if (!s->may_drop)
         return BF_OK;
-    mix_footprints(s, footprints);
-    for (size_t k = 0; k < s->n_cargo; k++)
-        b.radius = fmin(b.radius, footprints[k].bounding_radius);
     for (size_t k = 0; k < s->n_belts; k++) {
         const scene_belt *belt = &s->belts[k];
         const double turn =

@@ -663,15 +663,6 @@ static void note_grid(findings *f)
     note(f, VALIDITY_CELL, scene_cell_edge(f->s) / f->diameter, "/macro/cell_m");
 }
 
-static double diameter_of(const scene *s)
-{
-    double radius = 0.0;
-
-    for (size_t k = 0; k < s->n_cargo; k++)
-        radius = fmax(radius, shape_footprint_of(&s->cargo[k].shape).bounding_radius);
-    return 2.0 * radius;
-}
-
 static void note_figures(findings *f, const layout *of)
 {
     const size_t n_velocities = count_velocities(f->s);
@@ -740,7 +731,7 @@ static bf_status find(const scene *s, validity_subject subject, findings **ret_f
         return bf_fail(err, BF_ENOMEM, "", "no memory for the validity of a scenario");
     f->s = s;
     f->subject = subject;
-    f->diameter = diameter_of(s);
+    f->diameter = 2.0 * mix_radii_of(s).largest;
     for (int figure = 0; figure < VALIDITY_FIGURE_COUNT; figure++)
         f->least[figure] = f->largest[figure] = NAN;
     bf_status status = sum_feeds(f, err);

@@ -349,12 +349,9 @@ static void check_room(const plate_pieces *pieces, size_t feed, const shape_foot
     const scene *s = pieces->s;
     const scene_feed *f = &s->feeds[feed];
     char room[BF_POINTER_SIZE];
-    double radius = 0.0;
     near_plates near;
 
-    for (uint32_t kind = 0; kind < s->n_cargo; kind++)
-        radius = fmax(radius, footprints[kind].bounding_radius);
-    find_near_plates(pieces, f, radius, &near);
+    find_near_plates(pieces, f, mix_radii_of(s).largest, &near);
     for (uint32_t kind = 0; kind < s->n_cargo; kind++) {
         const shape_footprint disk = { .bounding_radius = footprints[kind].bounding_radius };
         if (!delivers(f, kind) ||
@@ -497,7 +494,7 @@ static void check_others(const scene *s, size_t feed, bf_faults *faults)
 bf_status scene__check_feed_lines(const scene *s, bf_faults *faults)
 {
     shape_footprint footprints[SCENE_KINDS_MAX];
-    double radius = INFINITY; // of the smallest part
+    const double radius = mix_radii_of(s).smallest;
     plate_pieces pieces;
 
     if (s->n_feeds == 0)
@@ -506,8 +503,6 @@ bf_status scene__check_feed_lines(const scene *s, bf_faults *faults)
     if (status != BF_OK)
         return status;
     mix_footprints(s, footprints);
-    for (size_t k = 0; k < s->n_cargo; k++)
-        radius = fmin(radius, footprints[k].bounding_radius);
     for (size_t k = 0; k < s->n_feeds; k++) {
         check_belts(s, &pieces.around, k, faults);
         check_room(&pieces, k, footprints, faults);

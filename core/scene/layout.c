@@ -2,7 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
-#include "core/scene/shape.h"
+#include "core/scene/mix.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -457,6 +457,7 @@ static void measure_walls(const measuring *m, layout *out)
 bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
 {
     measuring m = { .s = s,
+                    .radius = mix_radii_of(s).largest,
                     .around = surroundings_of(s),
                     .closed_gap = fmax(0.5 * scene_cell_edge(s), SCENE_LENGTH_MIN),
                     .opening = { INFINITY, 0 } };
@@ -464,8 +465,6 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
 
     for (size_t k = 0; k < s->n_obstacles; k++)
         out.n_pieces += s->obstacles[k].n_points - 1;
-    for (size_t k = 0; k < s->n_cargo; k++)
-        m.radius = fmax(m.radius, shape_footprint_of(&s->cargo[k].shape).bounding_radius);
     for (size_t k = 0; k < s->n_belts; k++)
         m.steps_of_lookup += 1.0 + (double)s->belts[k].n_points;
     out.opening = m.opening;

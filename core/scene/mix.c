@@ -67,3 +67,15 @@ void mix_footprints(const scene *s, shape_footprint ret_footprints[SCENE_KINDS_M
     for (size_t k = 0; k < s->n_cargo; k++)
         ret_footprints[k] = shape_footprint_of(&s->cargo[k].shape);
 }
+
+mix_radii mix_radii_of(const scene *s)
+{
+    mix_radii radii = { INFINITY, 0.0 };
+
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        const double radius = shape_footprint_of(&s->cargo[k].shape).bounding_radius;
+        radii.smallest = fmin(radii.smallest, radius);
+        radii.largest = fmax(radii.largest, radius);
+    }
+    return radii;
+}

@@ -17,6 +17,15 @@ BF_MUST_CHECK bf_status mix_draw(const scene *s, size_t n, uint32_t **ret_kinds,
 /// The footprint of each kind.
 void mix_footprints(const scene *s, shape_footprint ret_footprints[SCENE_KINDS_MAX]);
 
+/// The smallest and the largest radius, m, of the disk about the footprint of a kind.
+typedef struct mix_radii {
+    double smallest; ///< of all kinds
+    double largest;  ///< same
+} mix_radii;
+
+/// Those of a scene.
+mix_radii mix_radii_of(const scene *s);
+
 /// The kind of part k by what mix_draw() gave.
 static inline uint32_t mix_kind(const uint32_t *kinds, size_t k)
 {
