@@ -5,14 +5,11 @@
 
 #include <stdint.h>
 
-/// Most colours.
-enum { COLOURS_MAX = 64 };
-
-/// The first of n colours, n > 0, that neither of two parts has yet, by their sets of colours; both have it from now on. n: there
+/// The first of n colours, 1 to 64, that neither of two parts has yet, by their sets of colours; both have it from now on. n: there
 /// is none.
 static inline uint32_t colours_take(uint64_t *a, uint64_t *b, uint32_t n)
 {
-    const uint64_t free = ~(*a | *b) & (UINT64_MAX >> (COLOURS_MAX - n));
+    const uint64_t free = ~(*a | *b) & (UINT64_MAX >> (64 - n));
 
     if (free == 0)
         return n;

@@ -39,6 +39,13 @@ enum {
     TURN_PIECES_MAX = 64,  ///< straight pieces of all plates up to which they are
 };
 
+/// The values of a figure.
+typedef struct noted {
+    double least;                            ///< of all; NAN: there is none
+    double largest;                          ///< the same
+    validity_item items[VALIDITY_WAY_COUNT]; ///< the farthest out; without a pointer: there is none
+} noted;
+
 /// What was found so far.
 typedef struct findings {
     const scene *s;
@@ -48,25 +55,13 @@ typedef struct findings {
     double n_fed;             ///< parts of feeds in the run
     bool is_turning;          ///< a plate turns
     review_warnings falls;    ///< of places at which cargo gets off the belts
-    validity_item items[VALIDITY_FIGURE_COUNT][VALIDITY_WAY_COUNT];
-    bool has[VALIDITY_FIGURE_COUNT][VALIDITY_WAY_COUNT]; ///< the item is filled in
-    double least[VALIDITY_FIGURE_COUNT];                 ///< of the values; NAN: there is none
-    double largest[VALIDITY_FIGURE_COUNT];               ///< the same
-    bool is_unknown;                                     ///< one of them is
+    noted figures[VALIDITY_FIGURE_COUNT];
+    bool is_unknown; ///< a value is
 } findings;
 
 static const validity_range *range_of(const findings *f, validity_figure figure)
 {
     return &validity_table[figure].ranges[f->subject];
-}
-
-static int way_of(const validity_range *range, double value)
-{
-    if (isnan(range->minimum) || isnan(value))
-        return VALIDITY_NEVER_COMPARED;
-    if (value < range->minimum * (1.0 - SLACK))
-        return VALIDITY_TOO_SMALL;
-    return value > range->maximum * (1.0 + SLACK) ? VALIDITY_TOO_LARGE : VALIDITY_WAY_COUNT;
 }
 
 static void note(findings *f, validity_figure figure, double value, const char *format, ...)
@@ -77,19 +72,25 @@ static void note(findings *f, validity_figure figure, double value, const char *
 {
     const validity_range *range = range_of(f, figure);
     const bool is_any = range->minimum == -INFINITY && range->maximum == INFINITY;
-    const int way = way_of(range, value);
+    noted *of = &f->figures[figure];
+    int way = VALIDITY_WAY_COUNT;
     va_list args;
 
-    f->least[figure] = fmin(f->least[figure], value);
-    f->largest[figure] = fmax(f->largest[figure], value);
+    of->least = fmin(of->least, value);
+    of->largest = fmax(of->largest, value);
     f->is_unknown = f->is_unknown || isnan(value);
+    if (isnan(range->minimum) || isnan(value))
+        way = VALIDITY_NEVER_COMPARED;
+    else if (value < range->minimum * (1.0 - SLACK))
+        way = VALIDITY_TOO_SMALL;
+    else if (value > range->maximum * (1.0 + SLACK))
+        way = VALIDITY_TOO_LARGE;
     if (way == VALIDITY_WAY_COUNT || is_any)
         return;
-    validity_item *item = &f->items[figure][way];
-    if (f->has[figure][way] && !isnan(value) &&
+    validity_item *item = &of->items[way];
+    if (item->pointer[0] != '\0' && !isnan(value) &&
         (way == VALIDITY_TOO_SMALL ? value >= item->value : value <= item->value))
         return;
-    f->has[figure][way] = true;
     item->figure = figure;
     item->value = value;
     va_start(args, format);
@@ -112,15 +113,6 @@ static void note_angles(findings *f, const layout *of)
     note(f, VALIDITY_ANGLE, of->greatest.value, "/obstacles/%zu", of->greatest.index);
     note(f, VALIDITY_PLATES, (double)of->n_plates, "/obstacles");
     note(f, VALIDITY_BENDS, of->bends.value, "/obstacles/%zu", of->bends.index);
-}
-
-static void note_opening(findings *f, const layout *of)
-{
-    const double width = of->opening.value / f->diameter;
-
-    if (of->n_plates > 0 && isfinite(width))
-        note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
-             of->opening.index);
 }
 
 /// Parts/s that the narrowest opening passes when it is full: what a packed one would carry, times a share by the angle
@@ -172,13 +164,6 @@ static void note_load(findings *f, const layout *of)
              "/feeds/%zu", k);
 }
 
-static void note_bridges(findings *f, const layout *of)
-{
-    if (f->s->n_feeds == 0 || f->rate >= QUEUES * full_rate(f, of))
-        note(f, VALIDITY_BRIDGES, 100.0 * bridges_of(f->s, of, f->diameter, BRIDGED_WITHIN),
-             "/obstacles/%zu", of->opening.index);
-}
-
 static void note_heap(findings *f, const layout *of)
 {
     const double n_parts = (double)scene_parts(f->s), width = of->opening.value / f->diameter;
@@ -191,8 +176,12 @@ static void note_heap(findings *f, const layout *of)
         note(f, VALIDITY_PARTS, fmin(n_parts + f->n_fed, most), "/feeds");
     if (of->n_plates == 0)
         return;
-    note_opening(f, of);
-    note_bridges(f, of);
+    if (isfinite(width))
+        note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
+             of->opening.index);
+    if (f->s->n_feeds == 0 || f->rate >= QUEUES * full_rate(f, of))
+        note(f, VALIDITY_BRIDGES, 100.0 * bridges_of(f->s, of, f->diameter, BRIDGED_WITHIN),
+             "/obstacles/%zu", of->opening.index);
     if (width > 0.0 && isfinite(width))
         note(f, VALIDITY_HEAP, n_parts / width, "/initial");
     if (f->s->n_feeds > 0)
@@ -237,17 +226,6 @@ static size_t count_velocities(const scene *s)
     return n;
 }
 
-/// What photo eyes command of belts.
-static void note_commanded_speeds(findings *f)
-{
-    for (size_t k = 0; k < f->s->n_actions; k++) {
-        const scene_action *a = &f->s->actions[k];
-        if (a->type == SCENE_ACTION_BELT)
-            note(f, VALIDITY_SPEED, vec2_length(f->s->belts[a->target].velocity) * a->value,
-                 "/actions/%zu/do/factor", k);
-    }
-}
-
 static void note_speeds(findings *f)
 {
     double n_schedules = 0.0;
@@ -263,7 +241,12 @@ static void note_speeds(findings *f)
                  "/belts/%zu/speed_schedule/factor/%zu", k, i);
         n_schedules += schedule->n_times > 0 || belt->is_commanded;
     }
-    note_commanded_speeds(f);
+    for (size_t k = 0; k < f->s->n_actions; k++) {
+        const scene_action *a = &f->s->actions[k];
+        if (a->type == SCENE_ACTION_BELT)
+            note(f, VALIDITY_SPEED, vec2_length(f->s->belts[a->target].velocity) * a->value,
+                 "/actions/%zu/do/factor", k);
+    }
     if (n_schedules > 0.0)
         note(f, VALIDITY_SCHEDULES, n_schedules, "/belts");
 }
@@ -278,18 +261,14 @@ static void note_acceleration(findings *f)
          "/belts");
 }
 
-static double angle_between(vec2 a, vec2 b)
-{
-    return atan2(fabs(vec2_cross(a, b)), vec2_dot(a, b)) * 180.0 / M_PI;
-}
-
 static void note_turns(findings *f)
 {
     for (size_t k = 0; k < f->s->n_belts; k++) {
         const vec2 a = f->s->belts[k].velocity;
         for (size_t i = 0; i < k; i++) {
             const vec2 b = f->s->belts[i].velocity;
-            const double turn = angle_between(a, b), ratio = vec2_length(a) / vec2_length(b);
+            const double turn = atan2(fabs(vec2_cross(a, b)), vec2_dot(a, b)) * 180.0 / M_PI;
+            const double ratio = vec2_length(a) / vec2_length(b);
             if (vec2_length(a) == 0.0 || vec2_length(b) == 0.0)
                 continue;
             if (turn > ROUNDING)
@@ -607,7 +586,7 @@ static void note_frictions(findings *f)
          "/contacts/conveyor_cargo/tanh_linear_s_m");
 }
 
-/// A constant with the values of the comparison.
+/// A constant: whether it has another value than in the comparison.
 typedef struct constant {
     bool is_other;
     const char *pointer;
@@ -693,8 +672,8 @@ static void values_of(const findings *f, double ret_values[COMPARISON_COLUMNS])
 {
     for (size_t k = 0; k < COMPARISON_COLUMNS; k++) {
         const comparison_column *column = &comparisons_columns[k];
-        const double value =
-            column->is_least ? f->least[column->figure] : f->largest[column->figure];
+        const double value = column->is_least ? f->figures[column->figure].least
+                                              : f->figures[column->figure].largest;
         ret_values[k] = f->is_unknown ? NAN : value;
     }
 }
@@ -707,11 +686,12 @@ static void collect(const findings *f, validity *out)
     out->n = out->n_never = 0;
     for (int figure = 0; figure < VALIDITY_FIGURE_COUNT; figure++) {
         for (int way = 0; way < VALIDITY_WAY_COUNT; way++) {
-            if (!f->has[figure][way])
+            const validity_item *found = &f->figures[figure].items[way];
+            if (found->pointer[0] == '\0')
                 continue;
             validity_item *item = way == VALIDITY_NEVER_COMPARED ? &out->never[out->n_never++]
                                                                  : &out->items[out->n++];
-            *item = f->items[figure][way];
+            *item = *found;
             validity_complete(item, f->subject, (validity_way)way);
         }
     }
@@ -733,7 +713,7 @@ static bf_status find(const scene *s, validity_subject subject, findings **ret_f
     f->subject = subject;
     f->diameter = 2.0 * mix_radii_of(s).largest;
     for (int figure = 0; figure < VALIDITY_FIGURE_COUNT; figure++)
-        f->least[figure] = f->largest[figure] = NAN;
+        f->figures[figure].least = f->figures[figure].largest = NAN;
     bf_status status = sum_feeds(f, err);
     if (status == BF_OK)
         status = layout_measure(s, &of, err);
