@@ -287,13 +287,18 @@ static void harden_if_pressed(micro_solver *s)
     s->state->recent_overlap = 0.0;
 }
 
+static double time_now(const micro_solver *s)
+{
+    return (double)micro_steps(s) * s->dt;
+}
+
 static bf_status fail_pressed(const micro_solver *s, const micro_press *press, bf_error *err)
 {
     return bf_fail(err, BF_ENUMERIC, "/micro/modulus_reduction",
                    "part %llu overlaps by %.3g %% of a radius at (%.4g, %.4g) m after %.6g s, more "
                    "than overlap_limit, %.3g %%",
                    (unsigned long long)press->part, 100.0 * press->overlap, press->at.x,
-                   press->at.y, (double)micro_steps(s) * s->dt, 100.0 * s->overlap_limit);
+                   press->at.y, time_now(s), 100.0 * s->overlap_limit);
 }
 
 bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
@@ -366,23 +371,21 @@ static size_t find_gone(const micro_solver *s, size_t first)
     return left < fell ? left : fell;
 }
 
-static bool is_inside(const scene_rect *d, const scene_pose *pose)
-{
-    return pose->x >= d->x_min && pose->x <= d->x_max && pose->y >= d->y_min &&
-           pose->y <= d->y_max && isfinite(pose->heading);
-}
-
 static bf_status check_arrival(const micro_solver *s, const micro_arrival *arrival, bf_error *err)
 {
+    const scene_rect *d = &s->domain;
+    const scene_pose *pose = &arrival->pose;
+
     if (!s->admits)
         return bf_fail(err, BF_EINPUT, "", "the definition does not expect parts to be admitted");
     if (arrival->kind >= s->n_kinds)
         return bf_fail(err, BF_EINPUT, "/cargo", "kind %u of %zu", (unsigned)arrival->kind,
                        s->n_kinds);
-    if (!is_inside(&s->domain, &arrival->pose) || !isfinite(arrival->velocity.x) ||
-        !isfinite(arrival->velocity.y))
+    if (!(pose->x >= d->x_min && pose->x <= d->x_max && pose->y >= d->y_min &&
+          pose->y <= d->y_max && isfinite(pose->heading) && isfinite(arrival->velocity.x) &&
+          isfinite(arrival->velocity.y)))
         return bf_fail(err, BF_EINPUT, "", "no part can enter at (%g, %g) m with (%g, %g) m/s",
-                       arrival->pose.x, arrival->pose.y, arrival->velocity.x, arrival->velocity.y);
+                       pose->x, pose->y, arrival->velocity.x, arrival->velocity.y);
     return BF_OK;
 }
 
@@ -437,11 +440,6 @@ size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, s
     return n;
 }
 
-static double time_now(const micro_solver *s)
-{
-    return (double)micro_steps(s) * s->dt;
-}
-
 vec2 micro_belt_velocity(const micro_solver *s, vec2 at)
 {
     const surroundings *around = &s->state->around;
@@ -453,7 +451,7 @@ vec2 micro_belt_velocity(const micro_solver *s, vec2 at)
 
 static places_parts parts_of(const micro_solver *s)
 {
-    return (places_parts){ s->backend, s->state, s->n, (double)micro_steps(s) * s->dt };
+    return (places_parts){ s->backend, s->state, s->n, time_now(s) };
 }
 
 bf_status micro_is_free(micro_solver *s, uint32_t kind, scene_pose pose, bool *ret_is_free,

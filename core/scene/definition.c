@@ -13,14 +13,12 @@ _Static_assert(sizeof(scene_contact) == 5 * sizeof(double), "no padding");
 _Static_assert(sizeof(scene_pose) == 3 * sizeof(double), "no padding");
 _Static_assert(sizeof(vec2) == 2 * sizeof(double), "no padding");
 
+// The digest with n items of an array added to it.
+#define ADD_ITEMS(digest, items, n) digest_add(digest, items, (n) * sizeof *(items))
+
 // The digest with numbers, integers below 2^53 among them, added to it.
 #define ADD_NUMBERS(digest, ...)                                                                   \
     digest_add(digest, (const double[]){ __VA_ARGS__ }, sizeof((const double[]){ __VA_ARGS__ }))
-
-static uint64_t add_rect(uint64_t digest, const scene_rect *rect)
-{
-    return digest_add(digest, rect, sizeof *rect);
-}
 
 // Nothing for a belt of constant speed.
 static uint64_t add_speed(uint64_t digest, const scene_belt *belt)
@@ -30,8 +28,8 @@ static uint64_t add_speed(uint64_t digest, const scene_belt *belt)
     if (s->n_times == 0 && !belt->is_commanded)
         return digest;
     digest = ADD_NUMBERS(digest, (double)s->n_times, belt->acceleration, belt->deceleration);
-    digest = digest_add(digest, s->times, s->n_times * sizeof *s->times);
-    return digest_add(digest, s->factors, s->n_times * sizeof *s->factors);
+    digest = ADD_ITEMS(digest, s->times, s->n_times);
+    return ADD_ITEMS(digest, s->factors, s->n_times);
 }
 
 static uint64_t add_belts(uint64_t digest, size_t n, const scene_belt *belts)
@@ -39,7 +37,7 @@ static uint64_t add_belts(uint64_t digest, size_t n, const scene_belt *belts)
     for (size_t k = 0; k < n; k++) {
         digest = ADD_NUMBERS(digest, belts[k].velocity.x, belts[k].velocity.y);
         digest = add_speed(digest, &belts[k]);
-        digest = digest_add(digest, belts[k].polygon, belts[k].n_points * sizeof(vec2));
+        digest = ADD_ITEMS(digest, belts[k].polygon, belts[k].n_points);
     }
     return digest;
 }
@@ -49,31 +47,9 @@ static uint64_t add_obstacles(uint64_t digest, size_t n, const scene_obstacle *o
     for (size_t k = 0; k < n; k++) {
         const scene_obstacle *o = &obstacles[k];
         digest = ADD_NUMBERS(digest, o->thickness, o->treatment, o->band, o->slide_width);
-        digest = digest_add(digest, o->path, o->n_points * sizeof *o->path);
+        digest = ADD_ITEMS(digest, o->path, o->n_points);
     }
     return digest;
-}
-
-static uint64_t add_shape(uint64_t digest, const scene_shape *shape)
-{
-    digest =
-        ADD_NUMBERS(digest, shape->type, shape->radius, shape->height, shape->length, shape->width);
-    return digest_add(digest, shape->vertices, shape->n_vertices * sizeof *shape->vertices);
-}
-
-static uint64_t add_materials(uint64_t digest, size_t n, const scene_material *materials)
-{
-    return digest_add(digest, materials, n * sizeof *materials);
-}
-
-static uint64_t add_contacts(uint64_t digest, const scene_contact contact[SCENE_PAIR_COUNT])
-{
-    return digest_add(digest, contact, SCENE_PAIR_COUNT * sizeof *contact);
-}
-
-static uint64_t add_poses(uint64_t digest, size_t n, const scene_pose *poses)
-{
-    return digest_add(digest, poses, n * sizeof *poses);
 }
 
 static uint64_t add_cargo(uint64_t digest, const scene *s)
@@ -82,18 +58,21 @@ static uint64_t add_cargo(uint64_t digest, const scene *s)
 
     for (size_t k = 0; k < s->n_cargo; k++) {
         const scene_cargo *c = &s->cargo[k];
-        digest = ADD_NUMBERS(digest, c->share, c->mass, c->spin_friction_radius);
-        digest = add_shape(digest, &c->shape);
-        digest = add_materials(digest, 1, &c->material);
+        const scene_shape *shape = &c->shape;
+        digest = ADD_NUMBERS(digest, c->share, c->mass, c->spin_friction_radius, shape->type,
+                             shape->radius, shape->height, shape->length, shape->width);
+        digest = ADD_ITEMS(digest, shape->vertices, shape->n_vertices);
+        digest = ADD_ITEMS(digest, &c->material, 1);
     }
     digest = ADD_NUMBERS(digest, (double)s->cargo_seed, i->type);
     switch (i->type) {
     case SCENE_INITIAL_POSITIONS:
-        return add_poses(digest, i->n_poses, i->poses);
+        return ADD_ITEMS(digest, i->poses, i->n_poses);
     case SCENE_INITIAL_HEXAGONAL:
         return ADD_NUMBERS(digest, i->n_rows, i->n_columns, i->first.x, i->first.y, i->spacing);
     case SCENE_INITIAL_RANDOM:
-        return add_rect(ADD_NUMBERS(digest, i->n_random, (double)i->seed), &i->region);
+        digest = ADD_NUMBERS(digest, i->n_random, (double)i->seed);
+        return ADD_ITEMS(digest, &i->region, 1);
     case SCENE_INITIAL_EMPTY:
     case SCENE_INITIAL_COUNT:
         break;
@@ -104,8 +83,8 @@ static uint64_t add_cargo(uint64_t digest, const scene *s)
 static uint64_t add_series(uint64_t digest, const scene_series *s)
 {
     digest = ADD_NUMBERS(digest, (double)s->n_times, s->repeat);
-    digest = digest_add(digest, s->times, s->n_times * sizeof *s->times);
-    return digest_add(digest, s->values, s->n_values * sizeof *s->values);
+    digest = ADD_ITEMS(digest, s->times, s->n_times);
+    return ADD_ITEMS(digest, s->values, s->n_values);
 }
 
 // An array of a list of arrivals that may be missing.
@@ -193,25 +172,11 @@ static uint64_t add_schedule(uint64_t digest, const scene *s)
     return digest;
 }
 
-// Nothing where walls slip freely.
-static uint64_t add_walls(uint64_t digest, const scene_micro *micro)
-{
-    return micro->wall_friction > 0.0 ? ADD_NUMBERS(digest, micro->wall_friction) : digest;
-}
-
-// Nothing for the dispersive closure.
-static uint64_t add_closure(uint64_t digest, const scene_macro *macro)
-{
-    if (macro->closure == SCENE_DISPERSIVE)
-        return digest;
-    return ADD_NUMBERS(digest, macro->closure, macro->jam_density);
-}
-
 uint64_t definition_digest(const scene *s)
 {
     const scene_macro *macro = &s->macro;
     const scene_micro *micro = &s->micro;
-    uint64_t digest = add_rect(DIGEST_START, &s->domain);
+    uint64_t digest = ADD_ITEMS(DIGEST_START, &s->domain, 1);
 
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         digest = ADD_NUMBERS(digest, s->edges[side]);
@@ -219,17 +184,19 @@ uint64_t definition_digest(const scene *s)
     digest = add_obstacles(digest, s->n_obstacles, s->obstacles);
     digest = add_cargo(digest, s);
     for (size_t k = 0; k < s->n_counters; k++)
-        digest = add_rect(digest, &s->counters[k].rect);
+        digest = ADD_ITEMS(digest, &s->counters[k].rect, 1);
     digest = ADD_NUMBERS(digest, s->duration, s->output.curve_every, s->output.snapshot_every);
     digest = ADD_NUMBERS(digest, cells_wanted(s), macro->step, macro->scheme, macro->heaviside,
                          macro->heaviside_width, macro->dispersion, macro->mollifier,
                          macro->initial_mollifier, macro->packing);
-    digest = add_closure(digest, macro);
+    if (macro->closure != SCENE_DISPERSIVE)
+        digest = ADD_NUMBERS(digest, macro->closure, macro->jam_density);
     digest = add_schedule(add_equipment(add_feeds(digest, s), s), s);
     digest = ADD_NUMBERS(digest, micro->integrator, micro->path, micro->step,
                          micro->modulus_reduction, micro->overlap_limit, micro->tension,
                          micro->damping, micro->gravity, micro->spin_friction_radius);
-    digest = add_materials(digest, 1, &micro->conveyor);
-    digest = add_materials(digest, 1, &micro->handling);
-    return add_walls(add_contacts(digest, micro->contact), micro);
+    digest = ADD_ITEMS(digest, &micro->conveyor, 1);
+    digest = ADD_ITEMS(digest, &micro->handling, 1);
+    digest = ADD_ITEMS(digest, micro->contact, SCENE_PAIR_COUNT);
+    return micro->wall_friction > 0.0 ? ADD_NUMBERS(digest, micro->wall_friction) : digest;
 }

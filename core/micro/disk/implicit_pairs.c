@@ -60,18 +60,6 @@ void disk_implicit__forget_gone(const disk_state *s, implicit_state *z)
     }
 }
 
-// Pieces of a group of n pairs.
-static size_t count_pieces(size_t group, size_t n)
-{
-    return group == IMPLICIT_REST ? n > 0 : (n + IMPLICIT_PIECE - 1) / IMPLICIT_PIECE;
-}
-
-// Blocks of a piece of n pairs.
-static size_t count_blocks(size_t group, size_t n)
-{
-    return (n + IMPLICIT_WIDTH - 1) / IMPLICIT_WIDTH + (group == IMPLICIT_REST ? 0 : 1);
-}
-
 // Cut groups into pieces, all pairs at the front, into *pieces if that is not NULL. Returns how many blocks they need.
 static size_t cut_groups(const disk_state *s, const size_t *group, implicit_piece *pieces,
                          size_t *ret_group_piece)
@@ -79,17 +67,21 @@ static size_t cut_groups(const disk_state *s, const size_t *group, implicit_piec
     size_t n = 0, n_blocks = 0;
 
     for (size_t g = 0; g < IMPLICIT_GROUPS; g++) {
-        const size_t n_own = count_pieces(g, group[g + 1] - group[g]);
+        const bool is_rest = g == IMPLICIT_REST;
+        const size_t n_pairs = group[g + 1] - group[g];
+        const size_t n_own =
+            is_rest ? n_pairs > 0 : (n_pairs + IMPLICIT_PIECE - 1) / IMPLICIT_PIECE;
         ret_group_piece[g] = n;
         for (size_t k = 0; k < n_own; k++) {
             const size_t first = group[g] + k * IMPLICIT_PIECE, end = group[g + 1];
             const bool is_last = k + 1 == n_own;
             const size_t length = is_last ? end - first : IMPLICIT_PIECE;
+            const size_t n_full = (length + IMPLICIT_WIDTH - 1) / IMPLICIT_WIDTH;
             const implicit_piece piece = { .block = n_blocks,
-                                           .n_blocks = count_blocks(g, length),
+                                           .n_blocks = n_full + (is_rest ? 0 : 1),
                                            .n = length,
                                            .n_front = length,
-                                           .is_rest = g == IMPLICIT_REST,
+                                           .is_rest = is_rest,
                                            .static_body = s->void_slot + (uint32_t)k };
             if (pieces != NULL)
                 pieces[n + k] = piece;
