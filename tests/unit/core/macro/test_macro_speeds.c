@@ -344,31 +344,6 @@ static void a_run_resumed_in_a_ramp_goes_on_with_the_same_bits(void **state)
     scene_fini(&s);
 }
 
-static void a_state_of_another_schedule_is_refused(void **state)
-{
-    scene s;
-    bf_buffer saved = { 0 };
-
-    (void)state;
-    make_box(&s);
-    macro_solver *solver = helper_macro_start(&s, 1);
-    assert_int_equal(macro_save(solver, &saved, NULL), BF_OK);
-    macro_destroy(solver);
-    double *const numbers[] = { &s.belts[0].acceleration, &s.belts[0].deceleration,
-                                &s.belts[0].speed_schedule.times[1],
-                                &s.belts[0].speed_schedule.factors[2] };
-    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
-        const double before = *numbers[k];
-        *numbers[k] *= 1.0 + 0x1p-40;
-        solver = helper_macro_start(&s, 1);
-        assert_int_equal(macro_load(solver, saved.bytes, saved.n, NULL), BF_ECORRUPT);
-        macro_destroy(solver);
-        *numbers[k] = before;
-    }
-    buffer_fini(&saved);
-    scene_fini(&s);
-}
-
 // 1 cm in 2^-9 s are 5.12 m/s, for v + eps = 3 * 0.395 m/s times the largest factor, 4.32.
 static void the_largest_factor_bounds_the_step(void **state)
 {
@@ -413,7 +388,6 @@ int main(void)
         cmocka_unit_test(mass_is_conserved_through_ramps),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(a_run_resumed_in_a_ramp_goes_on_with_the_same_bits),
-        cmocka_unit_test(a_state_of_another_schedule_is_refused),
         cmocka_unit_test(the_largest_factor_bounds_the_step),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error_and_nothing_leaks),
     };
