@@ -9,8 +9,9 @@
 
 enum { HELP_SIZE = 400 };
 
-static const char *const titles[FIGURE_SCOPES] = { "RunFigures", "FeedFigures", "CounterFigures",
-                                                   "PhotoEyeFigures", "BeltFigures" };
+static const char *const titles[FIGURE_SCOPES] = { "RunFigures",     "FeedFigures",
+                                                   "CounterFigures", "PhotoEyeFigures",
+                                                   "BeltFigures",    "OutletFigures" };
 
 static void write_number(json_out *w, const figure *f)
 {
@@ -110,8 +111,19 @@ void openapi__write_belt_figures(json_out *w)
     write_item(w, FIGURE_OF_BELT);
 }
 
+void openapi__write_outlet_figures(json_out *w)
+{
+    write_item(w, FIGURE_OF_OUTLET);
+}
+
 void openapi__write_figures(json_out *w)
 {
+    static const char *const of_some[FIGURE_SCOPES] = {
+        [FIGURE_OF_BELT] = "Of each belt that a schedule or a photo eye commands; absent: none",
+        [FIGURE_OF_OUTLET] =
+            "With feeds, of each belt from which cargo leaves the domain, where there "
+            "are several; absent: none"
+    };
     char type[MEMBER_TEXT_SIZE];
 
     json_out_key_string(w, "type", "object");
@@ -121,10 +133,7 @@ void openapi__write_figures(json_out *w)
     for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
         snprintf(type, sizeof type, "[#%s]", titles[scope]);
         json_out_key(w, key_figures_list(scope));
-        schema_write(w, type, NULL,
-                     scope == FIGURE_OF_BELT
-                         ? "Of each belt that a schedule or a photo eye commands; absent: none"
-                         : "Of each of them");
+        schema_write(w, type, NULL, of_some[scope] != NULL ? of_some[scope] : "Of each of them");
     }
     json_out_object_end(w);
     json_out_key(w, "required");

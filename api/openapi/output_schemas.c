@@ -286,6 +286,8 @@ static const openapi_schema table[] = {
     WRITTEN("PhotoEyeFigures", openapi__write_eye_figures, "Key figures of a photo eye"),
     WRITTEN("BeltFigures", openapi__write_belt_figures,
             "Key figures of a belt that a schedule or a photo eye commands"),
+    WRITTEN("OutletFigures", openapi__write_outlet_figures,
+            "Key figures of one of several belts from which cargo leaves the domain"),
     OBJECT(submission_validation_members, "A submission that is valid"),
     OBJECT(submission_part_members, "A part at the start"),
     OBJECT(review_validity_members, "Whether a model was compared for scenarios like this one"),
@@ -299,7 +301,8 @@ static const openapi_schema table[] = {
           "counter, under its id; `left_domain`, that have left the domain; `fallen` off the "
           "belts, where some of the domain is under no belt; of each feed `<feed>.offered`, "
           "`.admitted`, `.waiting` and `.discarded`; of each photo eye `<eye>.blocked`; "
-          "of each belt that a schedule or a photo eye commands `<belt>.speed_m_s`",
+          "of each belt that a schedule or a photo eye commands `<belt>.speed_m_s`; with feeds, of "
+          "each belt from which cargo leaves the domain, where there are several, `<belt>.left`",
       .table = &results_columns_members,
       .others = "[number]" },
     OBJECT(results_changes_members, "What the photo eyes of a run saw and did"),

@@ -23,6 +23,7 @@ static const struct {
     [FIGURE_OF_COUNTER] = { "counters", "counter" },
     [FIGURE_OF_EYE] = { "photo_eyes", "photo_eye" },
     [FIGURE_OF_BELT] = { "belts", "belt" },
+    [FIGURE_OF_OUTLET] = { "outlets", "outlet" },
 };
 
 const char *key_figures_list(figure_scope scope)
@@ -58,7 +59,8 @@ static void find_items(const char *columns, items *ret_items)
         figure_scope scope;
     } told_by[] = { { ".offered", FIGURE_OF_FEED },
                     { ".blocked", FIGURE_OF_EYE },
-                    { ".speed_m_s", FIGURE_OF_BELT } };
+                    { ".speed_m_s", FIGURE_OF_BELT },
+                    { ".left", FIGURE_OF_OUTLET } };
     bool is_counter = true;
     size_t n = 0;
 
@@ -148,7 +150,7 @@ void key_figures_write(json_out *w, const key_figures *figures)
     write_item(w, FIGURE_OF_RUN, values);
     values += figures_of(FIGURE_OF_RUN);
     for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
-        if (scope == FIGURE_OF_BELT && all.n[scope] == 0)
+        if (scope >= FIGURE_OF_BELT && all.n[scope] == 0)
             continue;
         json_out_key(w, scopes[scope].list);
         json_out_array(w);

@@ -2,9 +2,10 @@
 ///
 ///     {"throughput_per_h": 5400, "residence_s": {"mean": 2.5, "p50": ...}, ...,
 ///      "feeds": [{"id": "infeed", "offered": 240, ...}], "counters": [{"id": ...}], "photo_eyes": [{"id": ...}],
-///      "belts": [{"id": ...}]}
+///      "belts": [{"id": ...}], "outlets": [{"id": ...}]}
 ///
-/// `belts` has those that a schedule or a photo eye commands, and is left out where there is none.
+/// `belts` has those that a schedule or a photo eye commands, `outlets` those from which cargo leaves the domain where there
+/// are several; each is left out where there is none.
 /// Ids are taken from the columns of the run's curve (core/run/columns.h), which name all of them.
 
 #pragma once

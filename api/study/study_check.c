@@ -98,8 +98,12 @@ static size_t find_id(const scene *s, figure_scope scope, const char *id)
 
 static void check_objective(json_in *in, study_document *d, const scene *s, size_t k)
 {
-    static const char *const words[FIGURE_SCOPES] = { "run", "feed", "counter", "photo eye",
-                                                      "belt with a schedule or an action" };
+    static const char *const words[FIGURE_SCOPES] = { "run",
+                                                      "feed",
+                                                      "counter",
+                                                      "photo eye",
+                                                      "belt with a schedule or an action",
+                                                      "belt that is one of several outlets" };
     study_document_objective *o = &d->objectives[k];
     const figure *f = &figure_table[o->figure];
     const bool needs_both = d->method.type == STUDY_SCREEN;

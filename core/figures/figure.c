@@ -116,6 +116,21 @@ const figure figure_table[FIGURE_COUNT] = {
                                "the "
                                "belt under them, or that one stood",
                                OF(COUNTER, BOTH_FED) },
+    [FIGURE_FLOW] = { "flow_per_h", NULL, "parts/h",
+                      "Parts that left the counter after the warm-up, by the time since then (with "
+                      "feeds): one that "
+                      "comes back has not left, but of a density counts again; what falls off the "
+                      "belts does not",
+                      OF(COUNTER, BOTH_FED) },
+    [FIGURE_FLOW_ERROR] = { "flow_error_per_h", NULL, "parts/h",
+                            "Half the width of the 95 % confidence interval of this flow in the "
+                            "long run, as of the throughput and where that has one; its share of "
+                            "that of the throughput at least",
+                            OF(COUNTER, PARTS) },
+    [FIGURE_FLOW_NEEDS] = { "flow_needs_s", NULL, "s",
+                            "Where the run, or its warm-up, is too short for such an interval: "
+                            "about how long it has to be",
+                            OF(COUNTER, PARTS) },
     [FIGURE_GAP_MIN] = { "gap_m", "min", "m",
                          "Smallest gap between parts that pass the beam: what the belt moved "
                          "between the end of one interruption and the start of the next",
@@ -135,34 +150,77 @@ const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_STOPPED_TOTAL] = { "stopped", "total_s", "s", "For how long together", OF(BELT, BOTH) },
     [FIGURE_STOPPED_LONGEST] = { "stopped", "longest_s", "s", "For how long at most at a time",
                                  OF(BELT, BOTH) },
+    [FIGURE_OUTFLOW] = { "outflow_per_h", NULL, "parts/h",
+                         "Parts that left the domain from the belt after the warm-up, by the time "
+                         "since then",
+                         OF(OUTLET, BOTH) },
+    [FIGURE_OUTFLOW_ERROR] = { "outflow_error_per_h", NULL, "parts/h",
+                               "Half the width of the 95 % confidence interval of this flow in the "
+                               "long run, as of the throughput and where that has one; its share "
+                               "of that of the throughput at least",
+                               OF(OUTLET, PARTS) },
+    [FIGURE_OUTFLOW_NEEDS] = { "outflow_needs_s", NULL, "s",
+                               "Where the run, or its warm-up, is too short for such an interval: "
+                               "about how long it has to be",
+                               OF(OUTLET, PARTS) },
 };
 
 figure_id figure_first(figure_scope scope)
 {
     static const figure_id first[FIGURE_SCOPES + 1] = { FIGURE_THROUGHPUT,    FIGURE_OFFERED,
                                                         FIGURE_CONTENT_MEAN,  FIGURE_GAP_MIN,
-                                                        FIGURE_STOPPED_COUNT, FIGURE_COUNT };
+                                                        FIGURE_STOPPED_COUNT, FIGURE_OUTFLOW,
+                                                        FIGURE_COUNT };
 
     return first[scope];
 }
 
-size_t figure_items(const scene *s, figure_scope scope)
+// Whether a belt is one of a scope.
+static bool is_of(const scene_belt *belt, figure_scope scope)
 {
-    size_t n_changing = 0;
+    return scope == FIGURE_OF_OUTLET ? belt->is_outlet : belt_speeds_may_change(belt);
+}
+
+static size_t belts_of(const scene *s, figure_scope scope)
+{
+    size_t n = 0;
 
     for (size_t k = 0; k < s->n_belts; k++)
-        n_changing += belt_speeds_may_change(&s->belts[k]);
-    const size_t n[FIGURE_SCOPES] = { 1, s->n_feeds, s->n_counters, s->n_eyes, n_changing };
+        n += is_of(&s->belts[k], scope);
+    return n;
+}
+
+size_t figure_items(const scene *s, figure_scope scope)
+{
+    const size_t n_outlets = s->n_feeds > 0 ? belts_of(s, FIGURE_OF_OUTLET) : 0;
+    const size_t n[FIGURE_SCOPES] = { 1,
+                                      s->n_feeds,
+                                      s->n_counters,
+                                      s->n_eyes,
+                                      belts_of(s, FIGURE_OF_BELT),
+                                      n_outlets > 1 ? n_outlets : 0 };
+
     return n[scope];
 }
 
-size_t figure_belt(const scene *s, size_t k)
+size_t figure_belt(const scene *s, figure_scope scope, size_t k)
 {
     size_t belt = 0;
 
-    while (!belt_speeds_may_change(&s->belts[belt]) || k-- > 0)
+    while (!is_of(&s->belts[belt], scope) || k-- > 0)
         belt++;
     return belt;
+}
+
+size_t figure_outlet(const scene *s, size_t belt)
+{
+    size_t n = 0;
+
+    if (belt >= s->n_belts || !s->belts[belt].is_outlet)
+        return SIZE_MAX;
+    for (size_t k = 0; k < belt; k++)
+        n += s->belts[k].is_outlet;
+    return n;
 }
 
 const char *figure_item_id(const scene *s, figure_scope scope, size_t item)
@@ -175,7 +233,8 @@ const char *figure_item_id(const scene *s, figure_scope scope, size_t item)
     case FIGURE_OF_EYE:
         return s->eyes[item].id;
     case FIGURE_OF_BELT:
-        return s->belts[figure_belt(s, item)].id;
+    case FIGURE_OF_OUTLET:
+        return s->belts[figure_belt(s, scope, item)].id;
     default:
         return "";
     }

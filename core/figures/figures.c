@@ -29,6 +29,9 @@ static bf_status init_items(figures *f, bf_error *err)
         status = fifo_init(&f->queues[k], err);
     if (status == BF_OK && f->s->n_feeds == 0)
         status = thinned_init(&f->outflow, err);
+    if (status == BF_OK && f->n_flows > 0 &&
+        (f->flows = memory_alloc(f->n_flows, sizeof *f->flows)) == NULL)
+        status = bf_fail(err, BF_ENOMEM, "", "no memory for key figures");
     return status;
 }
 
@@ -61,6 +64,7 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
     for (size_t k = 0; k < s->n_eyes; k++)
         f->eyes[k].last_end = (double)NAN;
     f->n_belts = figure_items(s, FIGURE_OF_BELT);
+    f->n_flows = f->has_exits ? s->n_counters + figure_items(s, FIGURE_OF_OUTLET) : 0;
     f->queue = queue_of(s);
     if (s->warmup <= 0.0)
         begin(f, &(figures_now){ .t = 0.0 });
@@ -81,6 +85,7 @@ figures *figures_destroy(figures *f)
     quantiles_fini(&f->ages_first);
     fifo_fini(&f->inside);
     thinned_fini(&f->outflow);
+    memory_free(f->flows);
     for (size_t k = 0; k < SCENE_FEEDS_MAX; k++) {
         quantiles_fini(&f->waits[k]);
         fifo_fini(&f->queues[k]);
@@ -149,6 +154,24 @@ static void sample_counter(counter_sums *c, bool was_warm, bool is_warm, double 
     c->content = content;
 }
 
+// What an outlet lets through it does not hold: as much enters as leaves.
+static void sample_flow(figures *f, size_t k, bool was_warm, const figures_now *now)
+{
+    flow_sums *flow = &f->flows[k];
+    const double left = now->flows[k];
+    const double held = k < f->s->n_counters ? now->counters[k] : 0.0;
+    const steady_levels levels = { now->t, left + held, left };
+
+    flow->left = left;
+    if (was_warm && flow->batches.length > 0.0) {
+        steady_sample(&flow->batches, &levels);
+    } else if (f->run.is_warm) {
+        const scene_regime regime = scene_regime_of(f->s, !f->has_parts);
+        flow->left_start = left;
+        flow->batches = steady_from(&regime, f->s->steady_precision, &levels);
+    }
+}
+
 static void sample_feed(figures *f, size_t k, bool was_warm, double t, const feed_balance *b)
 {
     feed_sums *sums = &f->feeds[k];
@@ -215,6 +238,8 @@ void figures_sample(figures *f, const figures_now *now)
     for (size_t k = 0; k < f->s->n_counters; k++)
         sample_counter(&f->counters[k], was_warm, f->run.is_warm, now->t - f->run.t,
                        now->counters[k]);
+    for (size_t k = 0; k < f->n_flows; k++)
+        sample_flow(f, k, was_warm, now);
     for (size_t k = 0; k < f->s->n_feeds; k++)
         sample_feed(f, k, was_warm, now->t, &now->feeds[k]);
     if (!f->has_exits)
@@ -297,7 +322,7 @@ void figures_belts(figures *f, const belt_speeds *speeds, double t)
 {
     for (size_t k = 0; k < f->n_belts; k++) {
         belt_sums *b = &f->belts[k];
-        const size_t belt = figure_belt(f->s, k);
+        const size_t belt = figure_belt(f->s, FIGURE_OF_BELT, k);
         double until;
         for (double at = b->known_until; at < t; at = until) {
             const bool stands = belt_speeds_stands(speeds, belt, at, &until);

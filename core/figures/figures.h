@@ -4,7 +4,8 @@
 /// functions of events in the order of their times. Means over time take what is sampled as linear between samples.
 /// The values are those until the last sample; they depend on the scenario and the order of the calls alone.
 ///
-/// Memory   bounded: some 70 kB for each feed and photo eye and 280 kB for the run, whatever its length.
+/// Memory   bounded: some 70 kB for each feed and photo eye, 8 kB for each counter and outlet and 280 kB for the run,
+///          whatever its length.
 /// Units    SI.
 /// Threads  figures belong to one thread at a time.
 
@@ -30,8 +31,10 @@ typedef struct figures_now {
     double entered; ///< parts that entered since t = 0, with those of the start
     double exited;  ///< parts that left since t = 0
     double fallen;  ///< parts that fell off the belts since t = 0, which do not count as left
-    double fallen_in_first;    ///< those of them that fell in the first counter; without feeds
-    const double *counters;    ///< parts in each counter
+    double fallen_in_first; ///< those of them that fell in the first counter; without feeds
+    const double *counters; ///< parts in each counter
+    const double
+        *flows; ///< with feeds: parts that left each counter, then each outlet, since t = 0
     const feed_balance *feeds; ///< of each feed
 } figures_now;
 

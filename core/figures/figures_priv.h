@@ -22,6 +22,13 @@ typedef struct counter_sums {
     double states_integral[QUEUE_STATES]; ///< parts s
 } counter_sums;
 
+/// Of what leaves a counter or an outlet.
+typedef struct flow_sums {
+    double left;       ///< until the last sample, parts
+    double left_start; ///< until the end of the warm-up
+    steady batches;    ///< see there; .length is 0 until the warm-up is over
+} flow_sums;
+
 /// Of a feed.
 typedef struct feed_sums {
     feed_balance balance; ///< of the last sample
@@ -99,6 +106,8 @@ struct figures {
     feed_sums feeds[SCENE_FEEDS_MAX];          ///< of each feed
     counter_sums counters[SCENE_COUNTERS_MAX]; ///< of each counter
     eye_sums eyes[SCENE_EYES_MAX];             ///< of each photo eye
+    size_t n_flows;                            ///< counters and outlets; 0 without feeds
+    flow_sums *flows;                          ///< of each counter, then of each outlet
     size_t n_belts;                            ///< that belt_speeds_may_change()
     belt_sums belts[SCENE_BELTS_MAX];          ///< of each of them
     quantiles residence;                       ///< times in the domain

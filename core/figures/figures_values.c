@@ -105,6 +105,30 @@ static void fill_counter(const figures *f, size_t k, double *ret_values)
             ratio(c->states_integral[state], all);
 }
 
+// Where a queue comes and goes out of sight of a counter, its own batches do not show it: the interval is never narrower
+// than that of the throughput, in proportion.
+static void fill_flow(const figures *f, size_t k, double *ret_values)
+{
+    const flow_sums *flow = &f->flows[k];
+    const bool is_counter = k < f->s->n_counters;
+    const size_t item = is_counter ? k : k - f->s->n_counters;
+    const figure_id first = is_counter ? FIGURE_FLOW : FIGURE_OUTFLOW;
+    const double through = ret_values[FIGURE_THROUGHPUT];
+
+    if (flow->batches.length == 0.0)
+        return;
+    const double rate = s_per_h * ratio(flow->left - flow->left_start, f->run.t - f->run.t_start);
+    const steady_estimate known = steady_estimate_of(&flow->batches);
+    ret_values[figure_at(f->s, first, item)] = rate;
+    if (isnan(ret_values[FIGURE_THROUGHPUT_ERROR]))
+        ret_values[figure_at(f->s, first + 2, item)] = ret_values[FIGURE_THROUGHPUT_NEEDS];
+    else
+        ret_values[figure_at(f->s, first + 2, item)] = f->run.t_start + known.needs;
+    if (!isnan(known.half_width) && !isnan(ret_values[FIGURE_THROUGHPUT_ERROR]))
+        ret_values[figure_at(f->s, first + 1, item)] = fmax(
+            s_per_h * known.half_width, ratio(rate, through) * ret_values[FIGURE_THROUGHPUT_ERROR]);
+}
+
 // With the time that goes on.
 static void fill_blocked(const figures *f, size_t k, double *ret_values)
 {
@@ -168,6 +192,8 @@ void figures_fill(const figures *f, double *ret_values)
         fill_feed(f, k, ret_values);
     for (size_t k = 0; k < f->s->n_counters; k++)
         fill_counter(f, k, ret_values);
+    for (size_t k = 0; k < f->n_flows; k++)
+        fill_flow(f, k, ret_values);
     for (size_t k = 0; k < f->s->n_eyes; k++) {
         fill_eye(f, k, ret_values);
         fill_blocked(f, k, ret_values);
@@ -185,6 +211,7 @@ void figures_save(const figures *f, checkpoint_writer *w)
     checkpoint_write(w, f->feeds, f->s->n_feeds * sizeof *f->feeds);
     checkpoint_write(w, f->eyes, f->s->n_eyes * sizeof *f->eyes);
     checkpoint_write(w, f->belts, f->n_belts * sizeof *f->belts);
+    checkpoint_write(w, f->flows, f->n_flows * sizeof *f->flows);
     quantiles_save(&f->residence, w);
     if (f->has_exits) {
         quantiles_save(&f->ages, w);
@@ -209,8 +236,11 @@ bool figures_load(figures *f, checkpoint_reader *r)
                    checkpoint_read(r, f->feeds, f->s->n_feeds * sizeof *f->feeds) &&
                    checkpoint_read(r, f->eyes, f->s->n_eyes * sizeof *f->eyes) &&
                    checkpoint_read(r, f->belts, f->n_belts * sizeof *f->belts) &&
+                   checkpoint_read(r, f->flows, f->n_flows * sizeof *f->flows) &&
                    quantiles_load(&f->residence, r) && f->run.batches.n < STEADY_BATCHES_MAX;
 
+    for (size_t k = 0; is_good && k < f->n_flows; k++)
+        is_good = f->flows[k].batches.n < STEADY_BATCHES_MAX;
     if (is_good && f->has_exits)
         is_good = quantiles_load(&f->ages, r) && quantiles_load(&f->ages_first, r);
     f->are_ages_old = true;

@@ -106,6 +106,24 @@ cargo_velocity cargo_velocity_of(const macro_solver *s, ptrdiff_t i, ptrdiff_t j
     return (cargo_velocity){ u1[i - 1], u1[i], u2[i], u2[i + s->stride] };
 }
 
+double cargo_velocity_flux(const macro_solver *s, ptrdiff_t i, ptrdiff_t j, scene_side side)
+{
+    const ptrdiff_t to_i = i + (side == SCENE_EAST) - (side == SCENE_WEST);
+    const ptrdiff_t to_j = j + (side == SCENE_NORTH) - (side == SCENE_SOUTH);
+    const bool is_inside = to_i >= 0 && to_i < s->n1 && to_j >= 0 && to_j < s->n2;
+    const double here = macro__row(s, s->next.rho, j)[i];
+    const double there = is_inside ? macro__row(s, s->next.rho, to_j)[to_i] : 0.0;
+
+    if (here <= 0.0 && there <= 0.0)
+        return 0.0;
+    const cargo_velocity u = cargo_velocity_of(s, i, j);
+    const double out[SCENE_SIDE_COUNT] = { [SCENE_WEST] = -u.west,
+                                           [SCENE_EAST] = u.east,
+                                           [SCENE_SOUTH] = -u.south,
+                                           [SCENE_NORTH] = u.north };
+    return out[side] * (out[side] > 0.0 ? here : there);
+}
+
 // fmax() is a call, and this is asked of all cells at every sample.
 static inline double positive(double x)
 {

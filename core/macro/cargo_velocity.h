@@ -37,6 +37,10 @@ void cargo_velocity_fini(cargo_velocity_record *record);
 /// Of the cell in column i of row j, in the last step.
 cargo_velocity cargo_velocity_of(const macro_solver *s, ptrdiff_t i, ptrdiff_t j);
 
+/// What leaves the cell in column i of row j over a side: u times the density that it comes from when the step began, or
+/// with two stages its second one.
+double cargo_velocity_flux(const macro_solver *s, ptrdiff_t i, ptrdiff_t j, scene_side side);
+
 /// How fast cargo leaves each cell of row j: the length of the vector of what leaves it along both axes.
 void cargo_velocity_speeds(const macro_solver *s, ptrdiff_t j, double *ret_speeds);
 

@@ -131,6 +131,10 @@ const macro_exit *macro_exits(const macro_solver *s, size_t *ret_n, double *ret_
 /// tracers, and before the first step.
 void macro_speeds(const macro_solver *s, size_t row, double *ret_speeds);
 
+/// How much leaves cell i of row j over a side, net, by the last step or one of the few before it, in densities times m/s;
+/// nearly what the density moved by. 0 without tracers, and before the first step.
+double macro_flux(const macro_solver *s, size_t i, size_t j, scene_side side);
+
 /// True if what is in a cell falls.
 bool macro_is_off(const macro_solver *s, size_t cell);
 

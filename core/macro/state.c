@@ -112,6 +112,13 @@ void macro_speeds(const macro_solver *s, size_t row, double *ret_speeds)
         memset(ret_speeds, 0, s->def.grid.n1 * sizeof *ret_speeds);
 }
 
+double macro_flux(const macro_solver *s, size_t i, size_t j, scene_side side)
+{
+    if (s->tracers == NULL || s->steps == 0)
+        return 0.0;
+    return cargo_velocity_flux(s, (ptrdiff_t)i, (ptrdiff_t)j, side);
+}
+
 bool macro_is_off(const macro_solver *s, size_t cell)
 {
     return s->off != NULL && s->off[cell] != 0;

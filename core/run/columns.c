@@ -23,13 +23,15 @@ static size_t count_before_feeds(const scene *s)
 size_t columns_count(const scene *s)
 {
     return count_before_feeds(s) + COLUMNS_OF_FEED * s->n_feeds + s->n_eyes +
-           figure_items(s, FIGURE_OF_BELT);
+           figure_items(s, FIGURE_OF_BELT) + figure_items(s, FIGURE_OF_OUTLET);
 }
 
 void columns_name(const scene *s, size_t k, char *ret_name)
 {
     const size_t n_before_feeds = count_before_feeds(s);
     const size_t n_before_eyes = n_before_feeds + COLUMNS_OF_FEED * s->n_feeds;
+    const size_t n_before_belts = n_before_eyes + s->n_eyes;
+    const size_t n_before_outlets = n_before_belts + figure_items(s, FIGURE_OF_BELT);
 
     if (k < s->n_counters)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s", s->counters[k].id);
@@ -41,11 +43,14 @@ void columns_name(const scene *s, size_t k, char *ret_name)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.%s",
                  s->feeds[(k - n_before_feeds) / COLUMNS_OF_FEED].id,
                  of_feed[(k - n_before_feeds) % COLUMNS_OF_FEED].word);
-    else if (k < n_before_eyes + s->n_eyes)
+    else if (k < n_before_belts)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.blocked", s->eyes[k - n_before_eyes].id);
-    else
+    else if (k < n_before_outlets)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.speed_m_s",
-                 figure_item_id(s, FIGURE_OF_BELT, k - n_before_eyes - s->n_eyes));
+                 figure_item_id(s, FIGURE_OF_BELT, k - n_before_belts));
+    else
+        snprintf(ret_name, COLUMN_NAME_SIZE, "%s.left",
+                 figure_item_id(s, FIGURE_OF_OUTLET, k - n_before_outlets));
 }
 
 void columns_put_feed(const feed_balance *balance, double *ret_values)

@@ -6,6 +6,7 @@
 ///     <feed>.offered, .admitted, .waiting, .discarded    of each feed, see feed_balance
 ///     <photo eye>.blocked               of each photo eye: 1 or 0
 ///     <belt>.speed_m_s                  of each belt that a schedule or a photo eye commands, along its direction
+///     <belt>.left                       parts that left the domain from it since t = 0; of each outlet, where there are several
 ///
 /// Names are unique: columns_check().
 

@@ -9,6 +9,7 @@
 #include "core/macro/velocity_field.h"
 #include "core/run/beam.h"
 #include "core/run/crossings.h"
+#include "core/run/macro_flows.h"
 #include "core/run/run_priv.h"
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
@@ -22,6 +23,7 @@ typedef struct macro_run {
     const scene_belt *belts; // borrowed from the scene
     uint16_t *belt_of;       // under each cell, n_belts off every one; NULL without feeds
     double *speeds;          // scratch: of a row's cells; same
+    macro_flows *flows;      // same
     feed_density *feeds;
     moving_plates *plates; // NULL: no obstacle moves
     double packing;        // parts/m2 at density 1
@@ -226,6 +228,7 @@ static void destroy_run(void *solver)
     feed_density_destroy(run->feeds);
     moving_plates_destroy(run->plates);
     crossings_destroy(run->crossings);
+    macro_flows_destroy(run->flows);
     memory_free(run->belt_of);
     memory_free(run->speeds);
     for (size_t k = 0; k < run->n_eyes; k++)
@@ -283,7 +286,9 @@ static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **r
         (status = create_solver(s, w, n_threads, run, err)) != BF_OK ||
         (status = create_eyes(s, run, err)) != BF_OK ||
         (run->is_fed && (status = find_belts(s, run, err)) != BF_OK) ||
-        (status = place_parts(s, run, &n_parts, err)) != BF_OK) {
+        (status = place_parts(s, run, &n_parts, err)) != BF_OK ||
+        (run->is_fed &&
+         (status = macro_flows_create(s, run->solver, run->belt_of, &run->flows, err)) != BF_OK)) {
         destroy_run(run);
         return status;
     }
@@ -312,12 +317,18 @@ static double factor_of_belt(const void *context, size_t belt)
     return macro_belt_factor(run->solver, belt);
 }
 
+static double parts_of(const macro_run *run, double density)
+{
+    return run->packing * run->grid.d1 * run->grid.d2 * density;
+}
+
 static void add_to_cell(void *context, size_t cell, double density, vec2 at)
 {
     const macro_run *run = context;
 
     macro_add(run->solver, cell, density);
     macro_trace(run->solver, at, density);
+    macro_flows_add(run->flows, cell, parts_of(run, density));
 }
 
 static bool is_dense(const macro_run *run, size_t eye)
@@ -384,6 +395,8 @@ static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
         if (run->plates != NULL)
             moving_plates_update(run->plates, run->solver);
         macro_step(run->solver);
+        if (run->is_fed)
+            macro_flows_follow(run->flows);
     }
     return BF_OK;
 }
@@ -404,6 +417,13 @@ static void count_parts(const void *solver, double *ret_parts)
         ret_parts[k] =
             run->packing * macro_mass_in(run->solver, c->i_min, c->i_max, c->j_min, c->j_max);
     }
+}
+
+static void count_flows(void *solver, const double *contents, double left, double *ret_flows)
+{
+    const macro_run *run = solver;
+
+    macro_flows_settle(run->flows, contents, left, ret_flows);
 }
 
 static double fallen_in(const void *solver, size_t counter)
@@ -428,11 +448,6 @@ static run_load measure_run(const void *solver)
 
 // What density thins out to without end is no cargo that has a time.
 static const double least_density = 1e-9;
-
-static double parts_of(const macro_run *run, double density)
-{
-    return run->packing * run->grid.d1 * run->grid.d2 * density;
-}
 
 static void tell_exits(const void *solver, figures *to)
 {
@@ -515,8 +530,10 @@ static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
         moving_plates_save(run->plates, &w);
     if (run->crossings != NULL)
         crossings_save(run->crossings, &w);
-    if (run->is_fed)
+    if (run->is_fed) {
         feed_density_save(run->feeds, &w);
+        macro_flows_save(run->flows, &w);
+    }
     const bf_status status = macro_save(run->solver, out, err);
     if (status == BF_OK)
         return checkpoint_end(&w, err);
@@ -536,7 +553,7 @@ static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *e
         return status;
     if ((run->plates != NULL && !moving_plates_load(run->plates, run->solver, &r)) ||
         (run->crossings != NULL && !crossings_load(run->crossings, &r)) ||
-        (run->is_fed && !feed_density_load(run->feeds, &r)))
+        (run->is_fed && (!feed_density_load(run->feeds, &r) || !macro_flows_load(run->flows, &r))))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's feeds or obstacles are damaged");
     return macro_load(run->solver, r.at, r.n_left, err);
 }
@@ -556,6 +573,7 @@ const run_backend run__macro = {
     .check = check_run,
     .count = count_parts,
     .measure = measure_run,
+    .count_flows = count_flows,
     .fallen_in = fallen_in,
     .snapshot = take_snapshot,
     .save = save_run,

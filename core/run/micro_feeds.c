@@ -1,12 +1,16 @@
 #include "core/run/micro_feeds.h"
 
 #include "core/base/memory.h"
+#include "core/scene/counter.h"
 #include "core/scene/mix.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { DEPARTURES_AT_ONCE = 64 };
+
+_Static_assert((int)SCENE_COUNTERS_MAX <= 32, "each counter has a bit of a tag");
 
 static bf_status reserve_tags(micro_feeds *f, size_t n, bf_error *err)
 {
@@ -15,13 +19,78 @@ static bf_status reserve_tags(micro_feeds *f, size_t n, bf_error *err)
     return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
 }
 
+vec2 micro_feeds_counted_place(const scene *s, vec2 at)
+{
+    const scene_rect *d = &s->domain;
+
+    if (s->n_feeds == 0)
+        return at;
+    return (vec2){ fmin(fmax(at.x, d->x_min), d->x_max), fmin(fmax(at.y, d->y_min), d->y_max) };
+}
+
+// The counters that hold a part which is there.
+static uint32_t counters_at(const scene *s, vec2 at)
+{
+    const vec2 counted = micro_feeds_counted_place(s, at);
+    uint32_t counters = 0;
+
+    for (size_t k = 0; k < s->n_counters; k++)
+        counters |= (uint32_t)counter_holds(&s->counters[k], counted) << k;
+    return counters;
+}
+
+// Adds to what has left some of the counters.
+static void add_left(micro_feeds *f, uint32_t counters, double parts)
+{
+    for (size_t k = 0; k < f->scene->n_counters; k++)
+        f->flows[k] += (counters >> k & 1U) != 0 ? parts : 0.0;
+}
+
+static void count_departure(micro_feeds *f, const micro_tag *tag, const micro_departure *departure)
+{
+    const vec2 at = micro_feeds_counted_place(f->scene, departure->at);
+
+    if (departure->has_fallen)
+        return;
+    add_left(f, tag->counters, 1.0);
+    const size_t outlet = figure_outlet(f->scene, surroundings_belt_at(&f->around, at));
+    if (outlet < f->n_flows - f->scene->n_counters)
+        f->flows[f->scene->n_counters + outlet] += 1.0;
+}
+
+// Parts may tremble on a border: one that comes back has not left.
+static void follow_counters(micro_feeds *f)
+{
+    for (size_t k = 0; k < micro_parts(f->solver); k++) {
+        if (micro_is_gone(f->solver, k))
+            continue;
+        micro_tag *tag = &f->tags[k];
+        const micro_part part = micro_part_of(f->solver, k);
+        const uint32_t now = counters_at(f->scene, (vec2){ part.x[0], part.x[1] });
+        const uint32_t out = tag->counters & ~now, back = now & tag->left;
+        add_left(f, out, 1.0);
+        add_left(f, back, -1.0);
+        tag->left = (tag->left | out) & ~back;
+        tag->counters = now;
+    }
+}
+
 bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
                            const scene_placement *placement, bf_error *err)
 {
-    *f = (micro_feeds){ .scene = s, .solver = solver };
+    *f = (micro_feeds){ .scene = s,
+                        .solver = solver,
+                        .around = surroundings_of(s),
+                        .n_flows = s->n_counters + figure_items(s, FIGURE_OF_OUTLET) };
+    f->flows = memory_alloc(f->n_flows, sizeof *f->flows);
+    if (f->flows == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the parts that leave");
     bf_status status = reserve_tags(f, placement->n, err);
     for (size_t k = 0; k < placement->n && status == BF_OK; k++)
-        f->tags[k] = (micro_tag){ 0.0, (uint32_t)s->n_feeds, mix_kind(placement->kinds, k) };
+        f->tags[k] = (micro_tag){ .feed = (uint32_t)s->n_feeds,
+                                  .kind = mix_kind(placement->kinds, k),
+                                  .counters = counters_at(
+                                      s, (vec2){ placement->poses[k].x, placement->poses[k].y }) };
     if (status == BF_OK && s->n_feeds > 0)
         status = feed_parts_create(s, &f->entry, err);
     return status;
@@ -32,6 +101,7 @@ void micro_feeds_fini(micro_feeds *f)
     feed_parts_destroy(f->entry);
     memory_free(f->tags);
     memory_free(f->departures);
+    memory_free(f->flows);
     *f = (micro_feeds){ .scene = NULL };
 }
 
@@ -60,6 +130,7 @@ bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures, bf_
         n_some = micro_take_departures(f->solver, some, DEPARTURES_AT_ONCE);
         for (size_t k = 0; k < n_some; k++) {
             const micro_tag *tag = &f->tags[some[k].part];
+            count_departure(f, tag, &some[k]);
             f->departures[n++] = (run_departure){ .id = some[k].id,
                                                   .kind = tag->kind,
                                                   .feed = tag->feed,
@@ -69,6 +140,7 @@ bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures, bf_
                                                   .has_fallen = some[k].has_fallen };
         }
     }
+    follow_counters(f);
     qsort(f->departures, n, sizeof *f->departures, compare_ids);
     *ret_departures = (run_departures){ .n = n, .items = f->departures };
     return BF_OK;
@@ -131,7 +203,8 @@ static bf_status admit(void *context, const feed_admission *part, bf_error *err)
         status = micro_admit(f->solver, &arrival, &handle, err);
     if (status != BF_OK)
         return status;
-    f->tags[handle] = (micro_tag){ time_now(f), (uint32_t)part->feed, part->kind };
+    f->tags[handle] =
+        (micro_tag){ time_now(f), (uint32_t)part->feed, part->kind, counters_at(f->scene, at), 0 };
     figures_wait(f->figures, part->feed, part->wait);
     return BF_OK;
 }
@@ -179,6 +252,7 @@ bf_status micro_feeds_save(const micro_feeds *f, bf_buffer *out, bf_error *err)
     checkpoint_begin(&w, out, CHECKPOINT_FEED, 0);
     feed_parts_save(f->entry, &w);
     checkpoint_write(&w, &f->part_steps, sizeof f->part_steps);
+    checkpoint_write(&w, f->flows, f->n_flows * sizeof *f->flows);
     checkpoint_write(&w, &n, sizeof n);
     checkpoint_write(&w, f->tags, n * sizeof *f->tags);
     const bf_status status = micro_save(f->solver, out, err);
@@ -198,6 +272,7 @@ bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes, bf
         return status;
     if (!feed_parts_load(f->entry, &r) ||
         !checkpoint_read(&r, &f->part_steps, sizeof f->part_steps) ||
+        !checkpoint_read(&r, f->flows, f->n_flows * sizeof *f->flows) ||
         !checkpoint_read(&r, &n, sizeof n) || n > r.n_left / sizeof *f->tags)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
     if ((status = reserve_tags(f, n, err)) != BF_OK)

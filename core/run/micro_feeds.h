@@ -14,9 +14,11 @@
 
 /// What is known of a part beside its state.
 typedef struct micro_tag {
-    double entered; ///< when it entered, s; 0 for those at the start
-    uint32_t feed;  ///< index into scene.feeds; n_feeds: it was there at the start
-    uint32_t kind;  ///< index into scene.cargo
+    double entered;    ///< when it entered, s; 0 for those at the start
+    uint32_t feed;     ///< index into scene.feeds; n_feeds: it was there at the start
+    uint32_t kind;     ///< index into scene.cargo
+    uint32_t counters; ///< in which it was at the last tick, a bit each
+    uint32_t left;     ///< that it has left since it was there, the same
 } micro_tag;
 
 /// The parts. Zero-initialise; micro_feeds_init(), micro_feeds_fini().
@@ -30,8 +32,14 @@ typedef struct micro_feeds {
     size_t n_departures_max;   ///< that there is room for
     figures *figures;          ///< that waits are told, during micro_feeds_admit()
     bf_error query_error;      ///< of a question that feeds asked; BF_OK: none failed
-    double part_steps; ///< where there are feeds: parts in the domain, summed over the steps
+    double part_steps;   ///< where there are feeds: parts in the domain, summed over the steps
+    surroundings around; ///< of the scene
+    size_t n_flows;      ///< counters and outlets
+    double *flows;       ///< parts that left each counter, then each outlet, since t = 0
 } micro_feeds;
+
+/// Where a part counts: one that was pushed back behind a side with a feed, on that side.
+vec2 micro_feeds_counted_place(const scene *s, vec2 at);
 
 /// Begin at t = 0 with the parts of a placement, whose kinds may be NULL. BF_ENOMEM: to be freed all the same.
 BF_MUST_CHECK bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,

@@ -201,17 +201,6 @@ static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
                : status;
 }
 
-// Where a part counts: one that was pushed back behind a side with a feed, on that side.
-static vec2 counted_place(const micro_run *run, const micro_part *part)
-{
-    const scene_rect *d = &run->scene->domain;
-    const vec2 at = { part->x[0], part->x[1] };
-
-    if (run->scene->n_feeds == 0)
-        return at;
-    return (vec2){ fmin(fmax(at.x, d->x_min), d->x_max), fmin(fmax(at.y, d->y_min), d->y_max) };
-}
-
 static void count_parts(const void *solver, double *ret_parts)
 {
     const micro_run *run = solver;
@@ -221,7 +210,7 @@ static void count_parts(const void *solver, double *ret_parts)
         ret_parts[c] = 0.0;
     for (size_t k = 0; k < micro_parts(run->solver); k++) {
         const micro_part part = micro_part_of(run->solver, k);
-        const vec2 at = counted_place(run, &part);
+        const vec2 at = micro_feeds_counted_place(s, (vec2){ part.x[0], part.x[1] });
         for (size_t c = 0; c < s->n_counters && !part.is_gone; c++)
             ret_parts[c] += counter_holds(&s->counters[c], at) ? 1.0 : 0.0;
     }
@@ -277,7 +266,7 @@ static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load,
         const micro_part part = micro_part_of(run->solver, k);
         if (part.is_gone)
             continue;
-        const vec2 at = counted_place(run, &part);
+        const vec2 at = micro_feeds_counted_place(run->scene, (vec2){ part.x[0], part.x[1] });
         run->rows[n] = (part_row){ micro_id_of(run->solver, k), k };
         run->poses[n++] = (scene_pose){ at.x, at.y, 0.0 };
     }
@@ -390,6 +379,15 @@ static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *e
 
     return run->feeds.entry != NULL ? micro_feeds_load(&run->feeds, bytes, n, err)
                                     : micro_load(run->solver, bytes, n, err);
+}
+
+static void count_flows(void *solver, const double *contents, double left, double *ret_flows)
+{
+    const micro_run *run = solver;
+
+    (void)contents;
+    (void)left;
+    memcpy(ret_flows, run->feeds.flows, run->feeds.n_flows * sizeof *ret_flows);
 }
 
 static bf_status depart(void *solver, run_departures *ret_departures, bf_error *err)
@@ -535,6 +533,7 @@ const run_backend run__micro = {
     .advance = advance_run,
     .count = count_parts,
     .measure = measure_run,
+    .count_flows = count_flows,
     .fallen_in = fallen_in,
     .snapshot = take_snapshot,
     .parts = copy_parts,

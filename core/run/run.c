@@ -51,6 +51,7 @@ struct run {
     uint32_t n_waiting; // samples in the arrays below
     double t[BATCH];
     double *values; // BATCH rows of n_columns
+    double *flows;  // at the last sample, of each counter and outlet; with feeds
     float *rho;
     double *parts;      // rows of FRAME_PARTS
     size_t n_parts_max; // numbers that they have room for
@@ -121,7 +122,9 @@ static bf_status allocate_results(run *r, bf_error *err)
     r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
     r->values = memory_alloc(BATCH * (size_t)r->n_columns, sizeof *r->values);
     r->figure_values = memory_alloc(figure_values(r->scene), sizeof *r->figure_values);
-    if (r->rho == NULL || r->values == NULL || r->figure_values == NULL ||
+    r->flows = memory_alloc(r->scene->n_counters + figure_items(r->scene, FIGURE_OF_OUTLET),
+                            sizeof *r->flows);
+    if (r->rho == NULL || r->values == NULL || r->figure_values == NULL || r->flows == NULL ||
         reserve_parts(r, r->plan.n_parts) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a snapshot");
     return figures_create(r->scene, r->backend->parts != NULL, &r->figures, err);
@@ -169,6 +172,7 @@ run *run_destroy(run *r)
     memory_free(r->figure_values);
     buffer_fini(&r->checkpoint);
     memory_free(r->values);
+    memory_free(r->flows);
     memory_free(r->rho);
     memory_free(r->parts);
     memory_free(r);
@@ -342,10 +346,13 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
 static void fill_columns(run *r, const run_load *load, double *values)
 {
     const scene *s = r->scene;
+    const double left = run_left(r->parts_start + load->entered, load->parts, load->fallen);
 
     r->backend->count(r->solver, values);
+    if (s->n_feeds > 0)
+        r->backend->count_flows(r->solver, values, left, r->flows);
     values += s->n_counters;
-    *values++ = run_left(r->parts_start + load->entered, load->parts, load->fallen);
+    *values++ = left;
     if (s->may_drop)
         *values++ = load->fallen;
     for (size_t k = 0; k < s->n_feeds; k++, values += COLUMNS_OF_FEED) {
@@ -355,10 +362,12 @@ static void fill_columns(run *r, const run_load *load, double *values)
     for (size_t k = 0; k < s->n_eyes; k++)
         *values++ = r->control.eyes.states[k].is_blocked;
     for (size_t k = 0; k < figure_items(s, FIGURE_OF_BELT); k++) {
-        const size_t belt = figure_belt(s, k);
+        const size_t belt = figure_belt(s, FIGURE_OF_BELT, k);
         *values++ = vec2_length(s->belts[belt].velocity) *
                     belt_speeds_at(&r->world.belts, belt, time_now(r));
     }
+    for (size_t k = 0; k < figure_items(s, FIGURE_OF_OUTLET); k++)
+        *values++ = r->flows[s->n_counters + k];
 }
 
 static double fallen_in_first(const run *r)
@@ -375,6 +384,7 @@ static void sample_figures(run *r, const run_load *load, const double *columns)
                               .fallen = load->fallen,
                               .fallen_in_first = fallen_in_first(r),
                               .counters = columns,
+                              .flows = r->flows,
                               .feeds = r->balances };
 
     if (r->backend->tell_cargo != NULL)

@@ -82,6 +82,9 @@ typedef struct run_backend {
     /// Fill one value per counter, parts.
     void (*count)(const void *solver, double *ret_parts);
     run_load (*measure)(const void *solver);
+    /// Fill what left each counter, then each outlet, since t = 0, parts: of a sample with what count() says and what has
+    /// left the domain, parts. Only for scenes with feeds.
+    void (*count_flows)(void *solver, const double *contents, double left, double *ret_flows);
     /// Parts that fell in a counter since t = 0. Only for scenes without feeds whose may_drop is set.
     double (*fallen_in)(const void *solver, size_t counter);
     /// Fill the density grid, n2 rows of n1, and measure it.

@@ -372,8 +372,11 @@ bf_status scene_resolve(scene *s, bf_error *err)
         s->n_counters = 1;
     }
     resolve_derived(s);
-    s->may_drop = surroundings_may_drop(
-        &(surroundings){ .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts });
+    surroundings around = { .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts };
+    memcpy(around.edges, s->edges, sizeof around.edges);
+    s->may_drop = surroundings_may_drop(&around);
+    for (size_t k = 0; k < s->n_belts; k++)
+        s->belts[k].is_outlet = surroundings_is_outlet(&around, k);
     return BF_OK;
 }
 

@@ -407,6 +407,44 @@ void surroundings_piece_corners(const surroundings_piece *piece, vec2 ret_corner
     ret_corners[3] = vec2_add(ret_corners[0], through);
 }
 
+// How much of a side lies along a polygon that is convex there, m: between the least and the largest place at which its
+// border meets the side.
+static double length_along(const surroundings *around, scene_side side, size_t n,
+                           const vec2 *polygon)
+{
+    const scene_rect *d = &around->domain;
+    const bool is_upright = side == SCENE_WEST || side == SCENE_EAST;
+    const double start = is_upright ? d->y_min : d->x_min, end = is_upright ? d->y_max : d->x_max;
+    double least = end, most = start;
+
+    for (size_t m = 0, last = n - 1; m < n; last = m++) {
+        const vec2 a = polygon[last], b = polygon[m];
+        const double beyond = surroundings_excess(around, side, a);
+        const double next = surroundings_excess(around, side, b);
+        const bool is_on = fabs(next) <= SCENE_TOLERANCE;
+        if (!is_on && (beyond > 0.0) == (next > 0.0))
+            continue;
+        const vec2 at =
+            is_on ? b : vec2_add(a, vec2_scale(vec2_sub(b, a), beyond / (beyond - next)));
+        const double place = fmin(fmax(is_upright ? at.y : at.x, start), end);
+        least = fmin(least, place);
+        most = fmax(most, place);
+    }
+    return most - least;
+}
+
+bool surroundings_is_outlet(const surroundings *around, size_t belt)
+{
+    const scene_belt *b = &around->belts[belt];
+    bool is_found = false;
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+        is_found |= around->edges[side] == SCENE_EDGE_OUTFLOW &&
+                    (b->n_points == 0 || length_along(around, (scene_side)side, b->n_points,
+                                                      b->polygon) > SURROUNDINGS_SLIT);
+    return is_found;
+}
+
 surroundings_line surroundings_side(const surroundings *around, scene_side side)
 {
     const scene_rect *d = &around->domain;

@@ -99,6 +99,9 @@ static inline bool surroundings_falls(const surroundings *around, size_t belt)
 /// unless it takes more than some 10 ms: then true.
 bool surroundings_may_drop(const surroundings *around);
 
+/// True if cargo can leave the domain from a belt: it covers the domain, or some of a side that is an outflow lies along it.
+bool surroundings_is_outlet(const surroundings *around, size_t belt);
+
 /// v_T of a belt, m/s, at which it moves when its factor (belt_speeds.h) is 1; zero for n_belts, off every belt.
 static inline vec2 surroundings_velocity_of(const surroundings *around, size_t belt)
 {

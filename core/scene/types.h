@@ -49,8 +49,10 @@ typedef struct scene_belt {
     scene_speed_schedule speed_schedule; ///< see there
     bool is_commanded;     ///< there is an action that changes its speed; set by scene_resolve()
     double command_factor; ///< the largest factor of these; set by scene_resolve()
-    size_t n_points;       ///< 0: the belt covers the domain
-    vec2 *polygon;         ///< simple polygon, n_points >= 3 corners, m
+    bool
+        is_outlet; ///< it lies along some of a side over which cargo leaves; set by scene_resolve()
+    size_t n_points; ///< 0: the belt covers the domain
+    vec2 *polygon;   ///< simple polygon, n_points >= 3 corners, m
 } scene_belt;
 
 /// How the macroscopic model holds cargo back at an obstacle.

@@ -160,6 +160,27 @@ static void print_stops(const solving *s)
     }
 }
 
+// What leaves counters and outlets in the long run.
+static void print_flows(const solving *s)
+{
+    static const figure_id flows[] = { FIGURE_FLOW, FIGURE_OUTFLOW };
+    const double *values = (const double *)(const void *)s->figures.bytes;
+
+    for (size_t i = 0; i < sizeof flows / sizeof *flows; i++) {
+        const figure_scope scope = figure_table[flows[i]].scope;
+        for (size_t k = 0; k < figure_items(&s->scene, scope); k++) {
+            const double *flow = &values[figure_at(&s->scene, flows[i], k)];
+            if (isnan(flow[0]))
+                continue;
+            printf("  flow         out of '%s': %.6g", figure_item_id(&s->scene, scope, k),
+                   flow[0]);
+            if (!isnan(flow[1]))
+                printf(" ± %.3g", flow[1]);
+            printf(" parts/h\n");
+        }
+    }
+}
+
 static void print_result(const solving *s)
 {
     const frame_end *e = &s->end;
@@ -178,6 +199,7 @@ static void print_result(const solving *s)
     if (s->scene.may_drop)
         printf("  fallen       %.3f parts fell off the belts\n", e->parts_fallen);
     print_stops(s);
+    print_flows(s);
     print_work(s);
     printf("  results      %s (%llu samples, %llu snapshots)\n", s->arguments->out,
            (unsigned long long)e->n_samples, (unsigned long long)e->n_snapshots);

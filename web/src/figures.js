@@ -9,12 +9,14 @@ export const studied = [
   { figure: "jam.total_s", goal: "minimize", indifference: 0.5 },
   { figure: "content.mean", goal: "minimize", indifference: 2, of: "counters" },
   { figure: "content.max", goal: "minimize", indifference: 5, of: "counters" },
+  { figure: "flow_per_h", goal: "maximize", indifference: 1000, of: "counters", isFed: true },
 ];
 
 const words = {
   sustained_throughput_per_h: "Sustained throughput", throughput_per_h: "Throughput", drained_at_s: "Drained at",
   "residence_s.p95": "Residence, 95 %", "residence_s.mean": "Residence, mean",
   peak_density: "Peak density", "jam.total_s": "Time in jams", "content.mean": "Parts inside, mean", "content.max": "Parts inside, most",
+  flow_per_h: "Flow",
 };
 
 // The names of what a study's document is about, ["sustained_throughput_per_h", "content.mean:upstream"].

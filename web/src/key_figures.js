@@ -1,4 +1,4 @@
-// The panel of key figures: those of the run, then of each feed, counter, photo eye and commanded belt. Their names follow
+// The panel of key figures: those of the run, then of each feed, counter, photo eye, commanded belt and outlet. Their names follow
 // from their members, their units and definitions from the API's description.
 
 import { getJson } from "./api.js";
@@ -16,7 +16,7 @@ function schemas() {
 }
 
 const groups = { feeds: ["Feed", "FeedFigures"], counters: ["Counter", "CounterFigures"], photo_eyes: ["Photo eye", "PhotoEyeFigures"],
-  belts: ["Belt", "BeltFigures"] };
+  belts: ["Belt", "BeltFigures"], outlets: ["Outlet", "OutletFigures"] };
 
 const HALF_A_PART = 0.5; // less has not left, though the macroscopic model lets some of its tail pass
 

@@ -172,7 +172,8 @@ export class NewStudyView {
     const counters = (this.resolved ?? this.scenario).counters ?? [{ id: "upstream" }];
     this.counterBox.replaceChildren(...counters.map(({ id }) => h("option", { value: id }, id)));
     const figure = this.figureBox.value;
-    this.figureBox.replaceChildren(...studied.flatMap((one) => (one.of ? counters.map(({ id }) => ({ ...one, name: `${one.figure}:${id}` })) : [{ ...one, name: one.figure }]))
+    const known = studied.filter(({ isFed }) => !isFed || this.scenario.feeds?.length > 0);
+    this.figureBox.replaceChildren(...known.flatMap((one) => (one.of ? counters.map(({ id }) => ({ ...one, name: `${one.figure}:${id}` })) : [{ ...one, name: one.figure }]))
       .map(({ name }) => h("option", { value: name }, figureTitle(name))));
     if (figure) this.figureBox.value = figure;
     if (!isKnown) this.chooseParameter();

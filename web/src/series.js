@@ -67,7 +67,7 @@ export function contentOf({ counters, feeds = [] }, { columns }) {
 
 // Whether a column only ever rises or, without feeds, only falls: what has passed so far, or what is still to pass.
 export function isOneWay(scenario, column) {
-  return !isFed(scenario) || /^(?:left_domain|fallen)$|\.(?:offered|admitted|discarded)$/.test(column);
+  return !isFed(scenario) || /^(?:left_domain|fallen)$|\.(?:offered|admitted|discarded|left)$/.test(column);
 }
 
 // A curve minus another one, at its times that both have.

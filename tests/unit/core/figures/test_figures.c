@@ -66,6 +66,7 @@ static void sample_feed(fixture *x, double t, double inside, double exited, feed
                               .entered = inside + exited,
                               .exited = exited,
                               .counters = counters,
+                              .flows = (const double[]){ exited, 0.5 * exited },
                               .feeds = &balance };
 
     figures_sample(x->f, &now);

@@ -107,6 +107,55 @@ static void lanes_have_times_of_their_own(void **state)
     }
 }
 
+// The same belts, each of which is an outlet, and two counters: upstream, where both pass, and the end of the slow lane. What leaves the outlets is what leaves the domain, at each sample; half of it in each lane.
+static void flows_of_counters_and_outlets_agree_with_the_throughput(void **state)
+{
+    static const vec2 slow[] = { { 0.0, 0.3 }, { 0.8, 0.3 }, { 0.8, 0.6 }, { 0.0, 0.6 } };
+    static const scene_rect rects[] = { { 0.0, 0.4, 0.0, 0.6 }, { 0.4, 0.8, 0.3, 0.6 } };
+    static const struct {
+        run_model model;
+        scene_closure closure;
+        double tolerance; // of half the throughput
+    } ways[] = { { RUN_MACRO, SCENE_DISPERSIVE, 1e-3 },
+                 { RUN_MACRO, SCENE_CONGESTED, 1e-3 },
+                 { RUN_MICRO, SCENE_CONGESTED, 0.25 } }; // 100 parts by lot
+
+    (void)state;
+    for (size_t way = 0; way < 3; way++) {
+        scene s;
+        make_file(&s);
+        s.n_eyes = 0;
+        s.macro.closure = ways[way].closure;
+        s.feeds[0].line[0] = (vec2){ 0.0, 0.0 };
+        s.feeds[0].line[1] = (vec2){ 0.0, 0.6 };
+        helper_scene_add_belt(&s, (vec2){ 0.2, 0.0 }, slow, 4);
+        memory_free(s.counters);
+        s.n_counters = 2;
+        s.counters = memory_alloc(2, sizeof *s.counters);
+        for (size_t k = 0; k < 2; k++) {
+            scene_counter_init(&s.counters[k]);
+            s.counters[k].rect = rects[k];
+        }
+        helper_scene_resolve(&s);
+        assert_int_equal(figure_items(&s, FIGURE_OF_OUTLET), 2);
+        helper_run_log *log = run_model_of(&s, ways[way].model);
+        const double *of = log->figures, through = value(&s, log, FIGURE_THROUGHPUT);
+        const double fast = of[figure_at(&s, FIGURE_OUTFLOW, 0)];
+        const double lane = of[figure_at(&s, FIGURE_OUTFLOW, 1)];
+        for (size_t k = 0; k < log->n_samples; k++) {
+            const double *columns =
+                log->values[k]; // counters, left_domain, the feed's four, outlets
+            assert_near(columns[7] + columns[8], columns[2], 1e-9 + 1e-9 * columns[2]);
+        }
+        assert_near(fast + lane, through, 1e-9 * through);
+        assert_near(lane, 0.5 * through, ways[way].tolerance * through);
+        assert_near(of[figure_at(&s, FIGURE_FLOW, 0)], 14400.0, 0.02 * 14400.0);
+        assert_near(of[figure_at(&s, FIGURE_FLOW, 1)], lane, 1e-6 * through);
+        helper_run_free(log);
+        scene_fini(&s);
+    }
+}
+
 // Parts follow each other at 0.4/4 = 0.1 m, of which they take 0.024 m.
 static void gaps_are_those_between_the_parts(void **state)
 {
@@ -234,6 +283,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_free_file_has_the_throughput_residence_and_content_of_its_feed),
         cmocka_unit_test(lanes_have_times_of_their_own),
+        cmocka_unit_test(flows_of_counters_and_outlets_agree_with_the_throughput),
         cmocka_unit_test(gaps_are_those_between_the_parts),
         cmocka_unit_test(the_peak_of_parts_is_not_that_of_one_part),
         cmocka_unit_test(a_belt_that_stops_is_a_jam),

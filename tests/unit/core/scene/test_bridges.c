@@ -12,7 +12,7 @@
 
 #define RADIUS 0.012 // of parts, m
 
-enum { BELTS_MAX = 3 };
+enum { BELTS_MAX = 6 };
 
 // Rectangular belts in a domain of 1 x 0.6 m. Do not move it once it was made.
 typedef struct floor_plan {
@@ -135,6 +135,23 @@ static void radii_reach_from_the_centre_to_the_nearest_side(void **state)
     assert_near(shape_inner_radius(&triangle), 0.1 / sqrt(2.0), 1e-12);
 }
 
+// The eastern side of the domain is an outflow, and so is the northern one.
+static void cargo_leaves_from_belts_that_lie_along_an_outflow(void **state)
+{
+    (void)state;
+    floor_plan p = { .around.edges = { SCENE_EDGE_INFLOW, SCENE_EDGE_OUTFLOW, SCENE_EDGE_WALL,
+                                       SCENE_EDGE_OUTFLOW } };
+    add_belt(&p, 0.0, 0.5, 0.0, 0.5);  // ends inside
+    add_belt(&p, 0.5, 1.0, 0.0, 0.3);  // to the eastern side
+    add_belt(&p, 0.5, 1.2, 0.3, 0.5);  // beyond it
+    add_belt(&p, 0.2, 0.4, 0.5, 0.7);  // beyond the northern one
+    add_belt(&p, -0.2, 0.0, 0.0, 0.6); // touches a corner of it
+    add_belt(&p, 0.0, 0.2, -0.1, 0.0); // along a wall
+    static const bool are_outlets[] = { false, true, true, true, false, false };
+    for (size_t k = 0; k < 6; k++)
+        assert_int_equal(surroundings_is_outlet(&p.around, k), are_outlets[k]);
+}
+
 static void a_scene_may_drop_parts_where_no_belt_lies(void **state)
 {
     (void)state;
@@ -173,6 +190,7 @@ int main(void)
         cmocka_unit_test(a_strip_before_a_side_is_bridged_up_to_half_a_radius),
         cmocka_unit_test(an_inner_corner_holds_what_lies_before_the_chord),
         cmocka_unit_test(radii_reach_from_the_centre_to_the_nearest_side),
+        cmocka_unit_test(cargo_leaves_from_belts_that_lie_along_an_outflow),
         cmocka_unit_test(a_scene_may_drop_parts_where_no_belt_lies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
