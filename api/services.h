@@ -12,6 +12,7 @@
 #include "api/leases.h"
 #include "api/measurements.h"
 #include "api/quotas.h"
+#include "api/run.h"
 #include "api/run_list.h"
 #include "api/run_state.h"
 #include "api/snapshots.h"
@@ -27,42 +28,10 @@
 #include <stdint.h>
 
 enum {
-    API_FIGURES_SIZE = 1024,  ///< bytes of the run's own key figures as JSON with its terminator
     API_PRIORITY_MAX = 100,   ///< priorities go from -100 to 100, higher first
-    API_CLOSURE_SIZE = 16,    ///< bytes of the word of a closure with its terminator
     API_STREAM_RUNS_MAX = 32, ///< runs one event stream can follow
     API_ANY_REVISION = 0,     ///< whatever the revision is
 };
-
-/// A run as the store knows it.
-typedef struct api_run {
-    char id[API_ID_SIZE];       ///< UUIDv7: sorts by time of creation
-    run_state state;            ///< where it is in its life
-    run_model model;            ///< which solver
-    int priority;               ///< higher runs first
-    char label[API_LABEL_SIZE]; ///< the client's, "" if none
-    char name[SCENE_NAME_SIZE]; ///< of the scenario
-    char closure
-        [API_CLOSURE_SIZE]; ///< of the macroscopic model, its word; "": not known, or the other model
-    uint64_t revision;      ///< from 1, rises with every change of the row: the ETag
-    double progress;        ///< 0 to 1
-    int64_t created_ms;     ///< Unix time, ms
-    int64_t started_ms;     ///< last start; 0: never
-    int64_t finished_ms;    ///< 0: not yet
-    double eta_s;           ///< wall seconds to the end; NAN: unknown
-    double predicted_s;     ///< CPU time that it will take while it waits; NAN: not known
-    uint64_t n_samples;     ///< stored samples of the curve
-    uint64_t n_snapshots;   ///< stored snapshots
-    uint64_t last_event;    ///< id of the newest event of the run; 0: none
-    bf_grid grid;           ///< of its snapshots; n1 = 0: not known yet
-    api_parts parts;        ///< of its snapshots; n_values = 0: none
-    bool has_summary;       ///< summary.json is there
-    char owner[API_OWNER_SIZE];     ///< whose it is; "": nobody's
-    char study[API_ID_SIZE];        ///< whose trial it is; "": no study's
-    bool is_cached;                 ///< its results are those of a run before it
-    char figures[API_FIGURES_SIZE]; ///< key figures of the run alone, a JSON object; "" if none
-    bf_error error;                 ///< code BF_OK: none
-} api_run;
 
 /// A run to be accepted.
 typedef struct api_submission {
@@ -150,6 +119,9 @@ typedef struct api_services {
     /// API_ANY_REVISION. BF_EINPUT: it has another one; BF_ECONFLICT: it has ended.
     bf_status (*cancel)(void *context, const char *id, uint64_t revision, api_run *ret_run,
                         bf_error *err);
+    /// Change what users call a run and note of it. revision as for cancel. BF_EINPUT: it has another one.
+    bf_status (*annotate)(void *context, const char *id, uint64_t revision,
+                          const api_annotations *annotations, api_run *ret_run, bf_error *err);
     /// Stop a run if need be and remove it with its results. revision as for cancel.
     bf_status (*remove)(void *context, const char *id, uint64_t revision, bf_error *err);
     /// Append a stored text to *out. BF_ECONFLICT: the run has none yet.
@@ -216,6 +188,10 @@ typedef struct api_services {
     /// paused, or paused already.
     bf_status (*change_study)(void *context, const char *id, uint64_t revision,
                               api_study_change change, api_study *ret_study, bf_error *err);
+    /// Change what a study is called. revision as for cancel. BF_EINPUT: it has another one.
+    bf_status (*annotate_study)(void *context, const char *id, uint64_t revision,
+                                const api_annotations *annotations, api_study *ret_study,
+                                bf_error *err);
     /// Cancel a study if need be and remove it with its trials; their runs go soon after. revision as for cancel.
     bf_status (*remove_study)(void *context, const char *id, uint64_t revision, bf_error *err);
     /// Append a stored text to *out. BF_ECONFLICT: there is nothing best yet.

@@ -1,9 +1,10 @@
-// Runs: accept or validate a submission, list, show, cancel, remove.
+// Runs: accept or validate a submission, list, show, annotate, cancel, remove.
 
 #include "api/http/access.h"
 #include "api/http/http_priv.h"
 #include "api/http/negotiation.h"
 #include "api/http/run_sort.h"
+#include "api/results/annotations_json.h"
 #include "api/results/run_json.h"
 #include "api/scenario/submission.h"
 #include "api/study/study_replications.h"
@@ -20,11 +21,18 @@
 enum { FILTERS_SIZE = 3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 100 };
 
 static const char *const body_types[] = { "application/json", NULL };
+static const char *const merge_types[] = { "application/merge-patch+json", "application/json",
+                                           NULL };
+
+static const char *body_of(const exchange *x)
+{
+    return x->request->body == NULL ? "" : x->request->body;
+}
 
 static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
 {
     const api_request *request = x->request;
-    const char *body = request->body == NULL ? "" : request->body;
+    const char *body = body_of(x);
     json_in_texts texts = handlers__texts(x, SUBMISSION_TEXTS_MAX);
     size_t type;
 
@@ -271,7 +279,7 @@ static bf_status change_run(exchange *x, change_fn *change, api_run *ret_run, bf
         if (status != BF_OK)
             return status;
         status = change(x, x->params.values[0], revision, &record, err);
-    } while (status == BF_EINPUT);
+    } while (status == BF_EINPUT && x->faults.n == 0);
     if (status == BF_OK)
         *ret_run = record;
     return status;
@@ -299,6 +307,36 @@ bf_status handlers_runs_cancel(exchange *x, bf_error *err)
         return status;
     x->response->status = run_state_is_end(record.state) ? 200 : 202;
     return run_json_write(&record, &x->response->body, err);
+}
+
+// The run keeps what the patch does not name, as of the revision that it was found with.
+static bf_status annotate(exchange *x, const char *id, uint64_t revision, api_run *record,
+                          bf_error *err)
+{
+    api_annotations annotations;
+
+    (void)revision;
+    memcpy(annotations.name, record->name, sizeof annotations.name);
+    memcpy(annotations.label, record->label, sizeof annotations.label);
+    memcpy(annotations.notes, record->notes, sizeof annotations.notes);
+    bf_status status = annotations_json_read(body_of(x), x->request->n_body, &annotations_json_run,
+                                             &annotations, &x->faults, err);
+    return status == BF_OK ? x->services->annotate(x->services->context, id, record->revision,
+                                                   &annotations, record, err)
+                           : status;
+}
+
+bf_status handlers_runs_annotate(exchange *x, bf_error *err)
+{
+    api_run record;
+    size_t type;
+
+    bf_status status = exchange__check_body(x, merge_types, &type, err);
+    if (status == BF_OK)
+        status = change_run(x, annotate, &record, err);
+    if (status == BF_OK)
+        api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", record.revision);
+    return status == BF_OK ? run_json_write(&record, &x->response->body, err) : status;
 }
 
 bf_status handlers_runs_remove(exchange *x, bf_error *err)

@@ -1,7 +1,8 @@
-// Studies: accept, list, show, pause, resume, cancel, remove.
+// Studies: accept, list, show, annotate, pause, resume, cancel, remove.
 
 #include "api/http/access.h"
 #include "api/http/http_priv.h"
+#include "api/results/annotations_json.h"
 #include "api/study/study_json.h"
 #include "api/study/study_submission.h"
 #include "core/base/memory.h"
@@ -11,11 +12,18 @@
 #include <string.h>
 
 static const char *const body_types[] = { "application/json", NULL };
+static const char *const merge_types[] = { "application/merge-patch+json", "application/json",
+                                           NULL };
+
+static const char *body_of(const exchange *x)
+{
+    return x->request->body == NULL ? "" : x->request->body;
+}
 
 static bf_status read_submission(exchange *x, api_study_submission *ret_submission, bf_error *err)
 {
     const api_request *request = x->request;
-    const char *body = request->body == NULL ? "" : request->body;
+    const char *body = body_of(x);
     json_in_texts texts = handlers__texts(x, STUDY_SUBMISSION_TEXTS_MAX);
     size_t type;
 
@@ -116,10 +124,25 @@ bf_status handlers_studies_show(exchange *x, bf_error *err)
     return study_json_write(&about, &x->response->body, err);
 }
 
+// Changes besides those of api_study_change.
+enum { REMOVE = API_STUDY_CHANGES, ANNOTATE };
+
+// The study keeps what the patch does not name, as of the revision that it was found with.
+static bf_status annotate(exchange *x, api_study *about, bf_error *err)
+{
+    api_annotations annotations = { .name = "" };
+
+    memcpy(annotations.name, about->name, sizeof about->name);
+    bf_status status = annotations_json_read(
+        body_of(x), x->request->n_body, &annotations_json_study, &annotations, &x->faults, err);
+    return status == BF_OK ? x->services->annotate_study(x->services->context, about->id,
+                                                         about->revision, &annotations, about, err)
+                           : status;
+}
+
 // Compares If-Match with the study as it is found, and the change compares the revision again; where another change came
-// between, the study is looked at anew. API_STUDY_CHANGES: it is removed.
-static bf_status change_study(exchange *x, api_study_change change, api_study *ret_study,
-                              bf_error *err)
+// between, the study is looked at anew.
+static bf_status change_study(exchange *x, int change, api_study *ret_study, bf_error *err)
 {
     const api_services *services = x->services;
     api_study about;
@@ -132,11 +155,14 @@ static bf_status change_study(exchange *x, api_study_change change, api_study *r
             status = exchange__check_match(x, about.revision, &revision, err);
         if (status != BF_OK)
             return status;
-        status = change == API_STUDY_CHANGES
-                     ? services->remove_study(services->context, about.id, revision, err)
-                     : services->change_study(services->context, about.id, revision, change, &about,
-                                              err);
-    } while (status == BF_EINPUT);
+        if (change == ANNOTATE)
+            status = annotate(x, &about, err);
+        else if (change == REMOVE)
+            status = services->remove_study(services->context, about.id, revision, err);
+        else
+            status = services->change_study(services->context, about.id, revision,
+                                            (api_study_change)change, &about, err);
+    } while (status == BF_EINPUT && x->faults.n == 0);
     if (status == BF_OK)
         *ret_study = about;
     return status;
@@ -175,8 +201,21 @@ bf_status handlers_studies_remove(exchange *x, bf_error *err)
 {
     api_study about;
 
-    bf_status status = change_study(x, API_STUDY_CHANGES, &about, err);
+    bf_status status = change_study(x, REMOVE, &about, err);
     if (status == BF_OK)
         x->response->status = 204;
     return status;
+}
+
+bf_status handlers_studies_annotate(exchange *x, bf_error *err)
+{
+    api_study about;
+    size_t type;
+
+    bf_status status = exchange__check_body(x, merge_types, &type, err);
+    if (status == BF_OK)
+        status = change_study(x, ANNOTATE, &about, err);
+    if (status == BF_OK)
+        api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", about.revision);
+    return status == BF_OK ? study_json_write(&about, &x->response->body, err) : status;
 }

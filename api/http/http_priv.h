@@ -35,9 +35,8 @@ struct exchange {
     char accepts[64];             ///< media types of bodies, for a 415
 };
 
-/// Fail with an HTTP status that no bf_status stands for. pointer is the place at fault, as
-/// "/<parameter>/<index>" of a query, "/line/<number>" of CSV, or a JSON pointer; "": none. Returns
-/// BF_EINPUT.
+/// Fail with an HTTP status that no bf_status stands for, as BF_EINPUT. pointer is the place at fault, as
+/// "/<parameter>/<index>" of a query, "/line/<number>" of CSV, or a JSON pointer; "": none.
 bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf_error *err,
                            const char *format, ...) __attribute__((format(printf, 5, 6)));
 
@@ -135,8 +134,7 @@ BF_MUST_CHECK bf_status exchange__check_state(exchange *x, bf_error *err);
 /// Allow caching without asking again: the answer never changes.
 void exchange__cache_immutable(exchange *x);
 
-/// Allow caching, with a request that names the entity tag before each use. A response without a tag
-/// gets one of its bytes.
+/// Allow caching, with a request that names the entity tag before each use; without one it gets one of its bytes.
 void exchange__cache_revalidate(exchange *x);
 
 /// Suggest a file name for the body: "000012.vti".
@@ -154,6 +152,7 @@ route_handler_fn handlers_runs_submit;
 route_handler_fn handlers_runs_validate;
 route_handler_fn handlers_runs_list;
 route_handler_fn handlers_runs_show;
+route_handler_fn handlers_runs_annotate;
 route_handler_fn handlers_runs_cancel;
 route_handler_fn handlers_runs_remove;
 /// What becomes of submissions: the key, the owner and the client of a request for one; the status of a refusal, and when
@@ -180,6 +179,7 @@ route_handler_fn handlers_studies_list;
 route_handler_fn handlers_studies_show;
 route_handler_fn handlers_studies_pause;
 route_handler_fn handlers_studies_resume;
+route_handler_fn handlers_studies_annotate;
 route_handler_fn handlers_studies_cancel;
 route_handler_fn handlers_studies_remove;
 /// and what they have: document, trials, what was found, events; a trial as a run of its own.

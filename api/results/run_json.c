@@ -84,6 +84,13 @@ static bool has_owner(const void *item)
     return record->owner[0] != '\0';
 }
 
+static bool has_notes(const void *item)
+{
+    const api_run *record = item;
+
+    return record->notes[0] != '\0';
+}
+
 static bool has_study(const void *item)
 {
     const api_run *record = item;
@@ -124,7 +131,8 @@ static const member run_members[] = {
            .applies = has_closure),
     MEMBER("label", text, AT(label), "The client's own name of the run; empty if none was given"),
     MEMBER("priority", int, AT(priority), "Runs of higher priority are solved first"),
-    MEMBER("name", text, AT(name), "Name of the scenario"),
+    MEMBER("name", text, AT(name), "Name of the scenario, unless it was renamed"),
+    MEMBER("notes", text, AT(notes), "What its users noted of it", .applies = has_notes),
     MEMBER("created_at", time, AT(created_ms), "When it was accepted"),
     MEMBER("started_at", time, AT(started_ms), "When it was last started", .null = "never"),
     MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not yet"),

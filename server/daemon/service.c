@@ -107,6 +107,12 @@ static bf_status cancel(void *context, const char *id, uint64_t revision, api_ru
     return store_cancel(((service *)context)->store, id, revision, ret_run, err);
 }
 
+static bf_status annotate(void *context, const char *id, uint64_t revision,
+                          const api_annotations *annotations, api_run *ret_run, bf_error *err)
+{
+    return store_annotate(((service *)context)->store, id, revision, annotations, ret_run, err);
+}
+
 static void add_waiter(service *s, service_waiter *w)
 {
     lock_acquire(&s->lock);
@@ -300,6 +306,14 @@ static bf_status change_study(void *context, const char *id, uint64_t revision,
     return status;
 }
 
+static bf_status annotate_study(void *context, const char *id, uint64_t revision,
+                                const api_annotations *annotations, api_study *ret_study,
+                                bf_error *err)
+{
+    return store_annotate_study(((service *)context)->store, id, revision, annotations, ret_study,
+                                err);
+}
+
 static bf_status remove_study(void *context, const char *id, uint64_t revision, bf_error *err)
 {
     service *s = context;
@@ -379,6 +393,7 @@ api_services service_table(service *s)
                            .holds = holds,
                            .list = list,
                            .cancel = cancel,
+                           .annotate = annotate,
                            .remove = remove_run,
                            .read_text = read_text,
                            .read_curve = read_curve,
@@ -400,6 +415,7 @@ api_services service_table(service *s)
                            .find_study = find_study,
                            .list_studies = list_studies,
                            .change_study = change_study,
+                           .annotate_study = annotate_study,
                            .remove_study = remove_study,
                            .read_study = read_study,
                            .read_trials = read_trials,

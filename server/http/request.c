@@ -434,7 +434,8 @@ static void log_request(const http_request *r)
 {
     char who[API_OWNER_SIZE + 48];
     char method[LOG_QUOTED_SIZE], path[LOG_QUOTED_SIZE], id[API_ID_SIZE];
-    const bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "DELETE") == 0;
+    const bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "PATCH") == 0 ||
+                          strcmp(r->method, "DELETE") == 0;
     const bool logs_all = r->server->options.logs_all;
 
     log_event(is_write || logs_all ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",

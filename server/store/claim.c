@@ -273,6 +273,42 @@ static bf_status apply_cancel(store__connection *writer, store__operation *opera
     return store__transition(writer, row, RUN_CANCELLED, err);
 }
 
+/// Those of a run that are to be changed.
+typedef struct annotate_context {
+    change_context change; ///< comes first: find_changed() takes it
+    const api_annotations *annotations;
+} annotate_context;
+
+// No event tells it: a run's events are bounded by its results, not by its clients.
+static bf_status apply_annotate(store__connection *writer, store__operation *operation,
+                                bf_error *err)
+{
+    const annotate_context *context = operation->context;
+    const api_annotations *to = context->annotations;
+    store__row *row = &((annotate_context *)operation->context)->change.row;
+
+    bf_status status = find_changed(writer, operation, err);
+    if (status != BF_OK)
+        return status;
+    memcpy(row->run.name, to->name, sizeof row->run.name);
+    memcpy(row->run.label, to->label, sizeof row->run.label);
+    memcpy(row->run.notes, to->notes, sizeof row->run.notes);
+    status = store__exec(writer, STORE__SQL_ANNOTATE_RUN, err, TEXT(to->name), TEXT(to->label),
+                         TEXT(to->notes), INTEGER(row->rowid));
+    return status == BF_OK ? store__save_row(writer, row, err) : status;
+}
+
+bf_status store_annotate(store *s, const char *id, uint64_t revision, const api_annotations *to,
+                         api_run *ret_run, bf_error *err)
+{
+    annotate_context context = { .change = { .id = id, .revision = revision }, .annotations = to };
+
+    bf_status status = store__write(s, apply_annotate, &context, err);
+    if (status == BF_OK)
+        *ret_run = context.change.row.run;
+    return status;
+}
+
 uint64_t store_count_commits(const store *s)
 {
     return atomic_load(&s->writer.n_commits);

@@ -9,13 +9,14 @@
 
 /// The columns of table runs next to its key `number`, and the members of store__row that they hold, as
 /// X(kind, column, member). A kind is INTEGER, REAL (not finite: NULL), TEXT (characters with their
-/// terminator) or CODE (bf_status by its word). Those that only an insert sets:
+/// terminator) or CODE (bf_status by its word). Those that an insert sets and no update, but for ANNOTATE_RUN:
 #define STORE__RUN_FIXED(X)                                                                        \
     X(ID, id, run.id)                                                                              \
     X(INTEGER, model, run.model)                                                                   \
     X(INTEGER, priority, run.priority)                                                             \
     X(TEXT, label, run.label)                                                                      \
     X(TEXT, name, run.name)                                                                        \
+    X(TEXT, notes, run.notes)                                                                      \
     X(TEXT, closure, run.closure)                                                                  \
     X(INTEGER, created_ms, run.created_ms)                                                         \
     X(INTEGER, results, results)                                                                   \
@@ -91,6 +92,7 @@
     X(MOVE_RUN, "UPDATE runs SET state = ?1, finished_ms = ?2 WHERE number = ?3")                  \
     X(UPDATE_RUN,                                                                                  \
       "UPDATE runs SET revision = ?" STORE__RUN_CHANGING(STORE__ASSIGN) " WHERE number = ?")       \
+    X(ANNOTATE_RUN, "UPDATE runs SET name = ?1, label = ?2, notes = ?3 WHERE number = ?4")         \
     X(DELETE_RUN, "DELETE FROM runs WHERE number = ?1")                                            \
     X(FIND_RUN, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id = ?1")                           \
     X(NEXT_RUNNING, "SELECT " STORE__RUN_COLUMNS                                                   \

@@ -2,8 +2,8 @@
 
 #pragma once
 
-/// The columns of table studies next to its key `number` and to `turn`, and the members of store__study: those that only
-/// an insert sets.
+/// The columns of table studies next to its key `number` and to `turn`, and the members of store__study: those that an
+/// insert sets and no update, but for ANNOTATE_STUDY.
 #define STORE__STUDY_FIXED(X)                                                                      \
     X(ID, id, study.id)                                                                            \
     X(INTEGER, method, study.method)                                                               \
@@ -63,6 +63,7 @@
                                      "VALUES (NULL" STORE__STUDY_LIST(STORE__VALUE) ")")           \
     X(UPDATE_STUDY,                                                                                \
       "UPDATE studies SET state = ?" STORE__STUDY_CHANGING(STORE__ASSIGN) " WHERE number = ?")     \
+    X(ANNOTATE_STUDY, "UPDATE studies SET name = ?1 WHERE number = ?2")                            \
     X(DELETE_STUDY, "DELETE FROM studies WHERE number = ?1")                                       \
     X(FIND_STUDY, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE id = ?1")                    \
     X(LIST_STUDIES, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE id < ?1 "                  \

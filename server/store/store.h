@@ -135,12 +135,14 @@ void store_set_retention(store *s, const store_retention *retention);
 BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, uint64_t revision, api_run *ret_run,
                                      bf_error *err);
 
+/// See api_services.annotate. No event tells it.
+BF_MUST_CHECK bf_status store_annotate(store *s, const char *id, uint64_t revision,
+                                       const api_annotations *to, api_run *ret_run, bf_error *err);
 /// Remove a run that is not running, with all it has alone (I9). revision as for store_cancel().
 /// BF_ECONFLICT: it is running, and was requested to stop at once: to be removed when it has.
 BF_MUST_CHECK bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *err);
 
-/// Measurements; see api_services for the meaning of each. store_add_measurement() gives a new id, and
-/// BF_ECONFLICT when I13 allows no further one.
+/// Measurements; see api_services. store_add_measurement() gives a new id; BF_ECONFLICT when I13 allows no further one.
 BF_MUST_CHECK bf_status store_add_measurement(store *s, const api_measurement *measurement,
                                               const api_curve *curve, const bf_buffer *csv,
                                               api_measurement *ret_measurement, bf_error *err);

@@ -301,6 +301,7 @@ typedef struct change_context {
     const char *id;
     uint64_t revision; ///< that it must have, or API_ANY_REVISION
     api_study_change change;
+    const char *name; ///< that it gets
     store__study row;
 } change_context;
 
@@ -352,6 +353,33 @@ bf_status store_change_study(store *s, const char *id, uint64_t revision, api_st
     change_context context = { .id = id, .revision = revision, .change = change };
 
     bf_status status = store__write_freeing(s, apply_change, &context, err);
+    if (status == BF_OK)
+        *ret_study = context.row.study;
+    return status;
+}
+
+static bf_status apply_annotate(store__connection *writer, store__operation *operation,
+                                bf_error *err)
+{
+    change_context *context = operation->context;
+    store__study *row = &context->row;
+
+    bf_status status = find_changed(writer, operation, err);
+    if (status != BF_OK)
+        return status;
+    snprintf(row->study.name, sizeof row->study.name, "%s", context->name);
+    status = store__exec(writer, STORE__SQL_ANNOTATE_STUDY, err, TEXT(row->study.name),
+                         INTEGER(row->rowid));
+    return status == BF_OK ? store__save_study(writer, row, err) : status;
+}
+
+bf_status store_annotate_study(store *s, const char *id, uint64_t revision,
+                               const api_annotations *annotations, api_study *ret_study,
+                               bf_error *err)
+{
+    change_context context = { .id = id, .revision = revision, .name = annotations->name };
+
+    bf_status status = store__write(s, apply_annotate, &context, err);
     if (status == BF_OK)
         *ret_study = context.row.study;
     return status;

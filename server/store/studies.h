@@ -26,6 +26,9 @@ BF_MUST_CHECK bf_status store_list_studies(store *s, const api_study_query *quer
 BF_MUST_CHECK bf_status store_change_study(store *s, const char *id, uint64_t revision,
                                            api_study_change change, api_study *ret_study,
                                            bf_error *err);
+BF_MUST_CHECK bf_status store_annotate_study(store *s, const char *id, uint64_t revision,
+                                             const api_annotations *annotations,
+                                             api_study *ret_study, bf_error *err);
 BF_MUST_CHECK bf_status store_remove_study(store *s, const char *id, uint64_t revision,
                                            bf_error *err);
 BF_MUST_CHECK bf_status store_read_study(store *s, const char *id, api_study_text which,

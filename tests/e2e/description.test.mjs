@@ -94,7 +94,7 @@ test("OPTIONS tells the methods of the document, and every other one is refused"
   const values = { id: "0190a0b0-0000-7000-8000-000000000001", n: "0", number: "0", name: "example-1" };
   for (const [template, item] of Object.entries(document.paths)) {
     const target = template.replace(/\{(\w+)\}/g, (_, name) => values[name]);
-    const known = ["get", "post", "put", "delete"].filter((method) => method in item);
+    const known = ["get", "post", "put", "patch", "delete"].filter((method) => method in item);
     const methods = known.map((method) => method.toUpperCase());
     if (known.includes("get")) methods.push("HEAD");
     const options = await d.request("OPTIONS", target);

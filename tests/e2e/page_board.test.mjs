@@ -6,6 +6,7 @@ import test, { after } from "node:test";
 
 import { assertAccessible, closeBrowser, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
+import { tiny } from "./scenarios.mjs";
 
 after(closeBrowser);
 
@@ -166,4 +167,24 @@ test("counts are pasted as a spreadsheet copies them, and how they are read is s
   const { measurements: [{ id }] } = (await d.get("/v1/measurements")).json;
   const { t_s: times, count } = (await d.get(`/v1/measurements/${id}`)).json;
   assert.deepEqual([times, count], [[0, 60, 150], [12, 20, 30]]);
+});
+
+test("a run is renamed and noted on, and its address and the list say so", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(tiny({ name: "before" }));
+  await d.reached(run.id, "succeeded");
+  const page = await openPage(t, d);
+  await visit(page, `#/runs/${run.id}`);
+  await page.getByRole("button", { name: "Rename" }).click();
+  const dialog = page.getByRole("dialog", { name: "What it is called" });
+  await dialog.getByLabel("Name").fill("hall 2, monday");
+  await dialog.getByLabel("Notes").fill("plate as built");
+  await assertAccessible(page, "another name");
+  await dialog.getByRole("button", { name: "Keep" }).click();
+  await page.getByRole("heading", { name: "hall 2, monday" }).waitFor();
+  await page.getByText("plate as built").waitFor();
+  await visit(page, "#/?search=monday");
+  await page.getByRole("link", { name: "hall 2, monday" }).waitFor();
+  const { name, label, notes } = (await d.get(`/v1/runs/${run.id}`)).json;
+  assert.deepEqual([name, label, notes], ["hall 2, monday", "", "plate as built"]);
 });

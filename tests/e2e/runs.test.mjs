@@ -225,6 +225,29 @@ test("runs are listed newest first, page by page, and by state and label", async
   assert.deepEqual(seen, newest);
 });
 
+test("a run and a study are renamed, found by their new names, and keep their results", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(tiny({ name: "before" }), { label: "a" });
+  await d.reached(run.id, "succeeded");
+  const curve = (await d.get(`/v1/runs/${run.id}/curve`)).text;
+  const patch = (target, value) => d.request("PATCH", target, { body: JSON.stringify(value), headers: { "content-type": "application/json" } });
+  const renamed = await patch(`/v1/runs/${run.id}`, { name: "hall 2, monday", notes: "plate as built" });
+  assert.equal(renamed.status, 200, renamed.text);
+  const { name, label, notes } = (await d.get(`/v1/runs/${run.id}`)).json;
+  assert.deepEqual([name, label, notes], ["hall 2, monday", "a", "plate as built"]);
+  assert.deepEqual((await d.get("/v1/runs?search=monday")).json.runs.map(({ id }) => id), [run.id]);
+  assert.equal((await d.get(`/v1/runs/${run.id}/scenario`)).json.name, "before");
+  assert.equal((await d.get(`/v1/runs/${run.id}/curve`)).text, curve);
+  const refused = await patch(`/v1/runs/${run.id}`, { name: "x".repeat(201) });
+  assert.deepEqual([refused.status, refused.json.errors[0].pointer], [422, "/name"]);
+
+  const study = await d.post("/v1/studies", { name: "before", base: { scenario: tiny() }, method: { type: "grid" },
+    parameters: [{ pointer: "/duration_s", range: [0.1, 0.2], steps: 2 }], objectives: [{ figure: "peak_density" }] });
+  assert.equal(study.status, 201, study.text);
+  assert.equal((await patch(`/v1/studies/${study.json.id}`, { name: "after" })).json.name, "after");
+  assert.equal((await d.get(`/v1/studies/${study.json.id}`)).json.name, "after");
+});
+
 test("a removed run is gone with all it had", async (t) => {
   const d = await daemon(t);
   const run = await d.submit(tiny());

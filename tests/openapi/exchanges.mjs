@@ -60,7 +60,7 @@ function differencesFromGolden() {
 
 function operationsWithoutSuccess(kinds) {
   const operations = Object.entries(document.paths).flatMap(([template, item]) =>
-    ["get", "post", "put", "delete"].filter((method) => item[method] !== undefined)
+    ["get", "post", "put", "patch", "delete"].filter((method) => item[method] !== undefined)
       .map((method) => `${method.toUpperCase()} ${template}`));
   return operations.filter((operation) => ![...kinds.keys()].some((kind) => kind.startsWith(`${operation} 2`)));
 }

@@ -18,7 +18,7 @@ ajv.addSchema(document, "openapi.json");
 const escape = (key) => key.replaceAll("~", "~0").replaceAll("/", "~1");
 
 export const operations = new Map(Object.entries(document.paths).flatMap(([template, item]) =>
-  ["get", "post", "put", "delete"].filter((method) => item[method] !== undefined).map((method) =>
+  ["get", "post", "put", "patch", "delete"].filter((method) => item[method] !== undefined).map((method) =>
     [item[method].operationId, { operation: item[method], place: `#/paths/${escape(template)}/${method}` }])));
 
 // What the document says of a kind: operation, "request" or status, media type.

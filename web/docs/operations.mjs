@@ -3,7 +3,7 @@
 import { code, escape, frame, inline, link, list, markdown, table } from "./html.mjs";
 import { example, outline, typeOf } from "./schemas.mjs";
 
-const METHODS = ["get", "post", "put", "delete"];
+const METHODS = ["get", "post", "put", "patch", "delete"];
 const SHOWN = 2; // ready examples of a body: the others are alike
 
 export const operationsOf = ({ paths }) =>

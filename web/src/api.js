@@ -72,6 +72,11 @@ export async function post(target, body, options = {}) {
   return (await ask(target, { method: "POST", headers, body: text, ...options })).json();
 }
 
+// Changes some members of a resource, and returns it.
+export async function patch(target, changes) {
+  return (await ask(target, { method: "PATCH", headers: { "content-type": "application/json" }, body: JSON.stringify(changes) })).json();
+}
+
 export const paths = {
   run: (id) => `v1/runs/${id}`,
   of: (id, what) => `v1/runs/${id}/${what}`,

@@ -1,6 +1,7 @@
 // One run: the animation, the outflow curve beside it, and below the results. Live while it is solved.
 
-import { isOver } from "./api.js";
+import { annotate } from "./annotate.js";
+import { isOver, patch, paths } from "./api.js";
 import { Cinema } from "./cinema.js";
 import { onConnection } from "./connection.js";
 import { CurvePlot } from "./curve_plot.js";
@@ -79,16 +80,36 @@ export class RunView {
       removeLater(run, () => {});
       go("#/");
     }, { shown: true });
+    [this.nameText, this.labelText, this.notesText] = [h("h1", {}), h("span", { class: "label" }), h("p", { class: "hint" })];
+    this.showNames();
     return h("div", { class: "view-head" },
-      h("div", { class: "heading" },
-        h("h1", {}, nameOf(run)),
+      h("div", { class: "heading" }, this.nameText,
         h("p", { class: "meta" }, this.state.pill, this.bar, this.progress,
-          h("span", { class: "model", data: { model: run.model } }, modelOf(run)),
-          run.label ? h("span", { class: "label" }, run.label) : null,
-          h("time", { datetime: run.created_at }, age(run.created_at)))),
+          h("span", { class: "model", data: { model: run.model } }, modelOf(run)), this.labelText,
+          h("time", { datetime: run.created_at }, age(run.created_at))), this.notesText),
       h("div", { class: "actions" },
+        h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"),
         iconButton("download", "Save report", () => this.report(), { shown: true }),
         link(address("compare", "", { runs: run.id }), "Compare", { class: "button" }), this.cancelButton, remove));
+  }
+
+  showNames() {
+    const { run } = this.data;
+    this.title = nameOf(run);
+    setText(this.nameText, this.title);
+    for (const [element, text] of [[this.labelText, run.label], [this.notesText, run.notes]]) {
+      setText(element, text ?? "");
+      element.hidden = !text;
+    }
+  }
+
+  rename() {
+    const { name, label, notes = "", id } = this.data.run;
+    annotate({ name, label, notes }, async (changes) => {
+      const { notes: noted = "", ...run } = await patch(paths.run(id), changes);
+      Object.assign(this.data.run, run, { notes: noted });
+      this.showNames();
+    });
   }
 
   // The picture is the one that is seen.

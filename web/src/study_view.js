@@ -1,6 +1,7 @@
 // One study: a figure against a parameter while it is made, what is best, and of a fit the curves that were fitted.
 
-import { ask, isOver, post, ticketed } from "./api.js";
+import { annotate } from "./annotate.js";
+import { ask, isOver, patch, post, ticketed } from "./api.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { figureNames, figureTitle, figureUnit } from "./figures.js";
 import { age, fileNameOf } from "./format.js";
@@ -68,10 +69,10 @@ export class StudyView {
     const action = (text, what) => h("button", { type: "button", on: { click: () => this.data.post(what).catch(tellFault) } }, text);
     this.buttons = { pause: action("Pause", "pause"), resume: action("Resume", "resume"), cancel: action("Cancel", "cancel") };
     return h("div", { class: "view-head" },
-      h("div", { class: "heading" }, h("h1", {}, this.title),
+      h("div", { class: "heading" }, this.nameText = h("h1", {}, this.title),
         h("p", { class: "meta" }, this.state.pill, this.bar, this.count, h("span", {}, methodWords(study)),
           h("time", { datetime: study.created_at }, age(study.created_at)))),
-      h("div", { class: "actions" }, Object.values(this.buttons),
+      h("div", { class: "actions" }, Object.values(this.buttons), h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"),
         iconButton("download", "Save report", () => saveReport({ title: this.title, name: `${fileNameOf(this.title)}.html`, pieces: this.cards }), { shown: true }),
         iconButton("download", "Trials as CSV", () => this.download(), { shown: true }),
         link(address("runs", "", { study: study.id }), "Its runs", { class: "button" }),
@@ -177,6 +178,14 @@ export class StudyView {
     } catch (error) {
       tellFault(error);
     }
+  }
+
+  rename() {
+    annotate({ name: this.data.study.name }, async (changes) => {
+      this.data.study = await patch(this.data.path, changes);
+      this.title = nameOfStudy(this.data.study);
+      setText(this.nameText, this.title);
+    });
   }
 
   // Another study that this one advises.

@@ -138,6 +138,24 @@ static bf_status do_cancel(void *context, const char *id, uint64_t revision, api
     return BF_OK;
 }
 
+static bf_status do_annotate(void *context, const char *id, uint64_t revision,
+                             const api_annotations *annotations, api_run *ret_run, bf_error *err)
+{
+    helper_run *item = lookup(context, id);
+
+    if (item == NULL)
+        return no_run(err);
+    bf_status status = check_revision(context, item, revision, err);
+    if (status != BF_OK)
+        return status;
+    memcpy(item->record.name, annotations->name, sizeof item->record.name);
+    memcpy(item->record.label, annotations->label, sizeof item->record.label);
+    memcpy(item->record.notes, annotations->notes, sizeof item->record.notes);
+    item->record.revision++;
+    *ret_run = item->record;
+    return BF_OK;
+}
+
 static bf_status do_remove(void *context, const char *id, uint64_t revision, bf_error *err)
 {
     helper_daemon *d = context;
@@ -371,6 +389,7 @@ api_services helper_services(helper_daemon *d)
                               .find = do_find,
                               .list = do_list,
                               .cancel = do_cancel,
+                              .annotate = do_annotate,
                               .remove = do_remove,
                               .read_text = do_read_text,
                               .read_curve = do_read_curve,

@@ -119,6 +119,23 @@ static bf_status do_change_study(void *context, const char *id, uint64_t revisio
     return BF_OK;
 }
 
+static bf_status do_annotate_study(void *context, const char *id, uint64_t revision,
+                                   const api_annotations *annotations, api_study *ret_study,
+                                   bf_error *err)
+{
+    helper_study *item = lookup(context, id);
+
+    if (item == NULL)
+        return no_study(err);
+    bf_status status = check_revision(context, item, revision, err);
+    if (status != BF_OK)
+        return status;
+    snprintf(item->about.name, sizeof item->about.name, "%.100s", annotations->name);
+    item->about.revision++;
+    *ret_study = item->about;
+    return BF_OK;
+}
+
 static bf_status do_remove_study(void *context, const char *id, uint64_t revision, bf_error *err)
 {
     helper_study *item = lookup(context, id);
@@ -175,6 +192,7 @@ void helper_serve_studies(api_services *services)
     services->find_study = do_find_study;
     services->list_studies = do_list_studies;
     services->change_study = do_change_study;
+    services->annotate_study = do_annotate_study;
     services->remove_study = do_remove_study;
     services->read_study = do_read_study;
     services->read_trials = do_read_trials;

@@ -350,6 +350,43 @@ static void a_change_without_if_match_needs_no_revision(void **state)
     assert_int_equal(ask_daemon.n_changes_between, 0);
 }
 
+#define JSON_TYPE "Content-Type: application/json\n"
+
+// RFC 7396: what a patch does not name stays, and null empties.
+static void a_patch_changes_what_it_names(void **state)
+{
+    const api_run *record = &ask_daemon.runs[0].record;
+
+    (void)state;
+    ask_add_run(RUN_SUCCEEDED);
+    ask("PATCH", RUN_1, NULL, "Content-Type: application/merge-patch+json\n",
+        "{\"name\": \"Monday\", \"notes\": \"as built\"}", 200);
+    assert_true(ask_body_has("\"name\":\"Monday\""));
+    assert_true(ask_body_has("\"notes\":\"as built\""));
+    assert_string_equal(helper_header(&ask_response, "ETag"), "\"r2\"");
+    // Another client changes the run between the look at it and the change.
+    ask_daemon.n_changes_between = 1;
+    ask("PATCH", RUN_1, NULL, JSON_TYPE, "{\"label\": \"new\", \"notes\": null}", 200);
+    assert_string_equal(record->name, "Monday");
+    assert_string_equal(record->label, "new");
+    assert_string_equal(record->notes, "");
+    assert_false(ask_body_has("\"notes\""));
+    ask("PATCH", RUN_1, NULL, JSON_TYPE "If-Match: \"r2\"\n", "{}", 412);
+}
+
+static void a_patch_at_fault_changes_nothing(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_SUCCEEDED);
+    ask("PATCH", RUN_1, NULL, JSON_TYPE, "{\"name\": 7, \"status\": \"failed\"}", 422);
+    assert_true(ask_body_has("\"pointer\":\"/name\""));
+    assert_true(ask_body_has("\"pointer\":\"/status\""));
+    ask("PATCH", RUN_1, NULL, JSON_TYPE, "{\"name\": ", 400);
+    ask("PATCH", RUN_1, NULL, "Content-Type: text/plain\n", "name=x", 415);
+    ask("PATCH", "/v1/runs/" ID_2, NULL, JSON_TYPE, "{}", 404);
+    assert_int_equal(ask_daemon.runs[0].record.revision, 1);
+}
+
 static void a_removed_run_is_gone(void **state)
 {
     (void)state;
@@ -385,6 +422,8 @@ int main(void)
         ASK_TEST(the_longest_link_fits),
         ASK_TEST(bad_list_queries_name_the_parameter),
         ASK_TEST(cancel_tells_whether_the_run_still_runs),
+        ASK_TEST(a_patch_changes_what_it_names),
+        ASK_TEST(a_patch_at_fault_changes_nothing),
         ASK_TEST(if_match_holds_until_the_change),
         ASK_TEST(a_change_without_if_match_needs_no_revision),
         ASK_TEST(a_removed_run_is_gone),

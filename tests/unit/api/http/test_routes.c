@@ -123,7 +123,7 @@ static void allow_lists_the_methods_of_a_path(void **state)
     assert_true(routes_allow("/v1/runs", allow));
     assert_string_equal(allow, "POST, GET, HEAD, OPTIONS");
     assert_true(routes_allow("/v1/runs/abc", allow));
-    assert_string_equal(allow, "GET, HEAD, DELETE, OPTIONS");
+    assert_string_equal(allow, "GET, HEAD, PATCH, DELETE, OPTIONS");
     assert_true(routes_allow("/v1/runs/abc/cancel", allow));
     assert_string_equal(allow, "POST, OPTIONS");
     assert_true(routes_allow("/v1/measurements/abc.csv", allow));

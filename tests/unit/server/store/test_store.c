@@ -235,6 +235,27 @@ static void only_the_revision_that_is_expected_is_changed(void **state)
     assert_int_equal(store_remove(s, record.id, record.revision, NULL), BF_OK);
 }
 
+static void annotations_change_at_any_time_and_nothing_else_does(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_run before = helper_start(s);
+    const api_annotations to = { .name = "Monday", .label = "hall 2", .notes = "as built" };
+    api_run record = { 0 };
+
+    assert_int_equal(store_annotate(s, before.id, before.revision + 1, &to, &record, NULL),
+                     BF_EINPUT);
+    assert_int_equal(store_annotate(s, before.id, before.revision, &to, &record, NULL), BF_OK);
+    record = helper_find(s, before.id);
+    assert_string_equal(record.name, "Monday");
+    assert_string_equal(record.label, "hall 2");
+    assert_string_equal(record.notes, "as built");
+    assert_int_equal(record.revision, before.revision + 1);
+    assert_int_equal(record.last_event, before.last_event);
+    assert_int_equal(record.state, RUN_RUNNING);
+    assert_int_equal(store_annotate(s, unknown, API_ANY_REVISION, &to, &record, NULL),
+                     BF_ENOTFOUND);
+}
+
 static void an_unknown_run_is_not_found(void **state)
 {
     store *s = ((helper_store *)*state)->store;
@@ -366,6 +387,7 @@ int main(void)
         STORE_TEST(a_queued_run_is_cancelled_at_once),
         STORE_TEST(a_running_run_is_left_to_the_supervisor),
         STORE_TEST(only_the_revision_that_is_expected_is_changed),
+        STORE_TEST(annotations_change_at_any_time_and_nothing_else_does),
         STORE_TEST(an_unknown_run_is_not_found),
         STORE_TEST(a_removed_run_leaves_nothing_behind),
         STORE_TEST(event_ids_are_never_used_again),
