@@ -93,6 +93,20 @@ test("things are doubled, mirrored, turned and deleted; rules are told in words 
   await page.getByRole("button", { name: "Rule When eye-1 is blocked: stop infeed" }).waitFor();
   await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
 
+  // What is typed into a folded box arrives letter by letter, and stays where it is.
+  await page.getByRole("button", { name: /^Rule/ }).click();
+  await thing.getByText("More", { exact: true }).click();
+  await thing.getByLabel("Delay").pressSequentially("12.5");
+  assert.equal(await thing.getByLabel("Delay").inputValue(), "12.5");
+  await page.getByRole("button", { name: "Rule When eye-1 is blocked for 12.5 s: stop infeed" }).waitFor();
+  await page.getByRole("button", { name: "Plate plate-2" }).click();
+  await thing.getByText("More", { exact: true }).click();
+  await thing.getByRole("button", { name: "Give motion" }).click();
+  await thing.getByLabel("T", { exact: true }).pressSequentially("0; 4; 5");
+  await thing.getByLabel("Turn", { exact: true }).pressSequentially("0; 0; -30");
+  assert.deepEqual((await scenarioIn(page)).obstacles[1].motion, { t_s: [0, 4, 5], turn_deg: [0, 0, -30] });
+  await thing.getByRole("button", { name: "Without motion" }).click();
+
   // A beam across the belt at 1.2 m, turned about its middle, lies along it; without its eye the rule has a fault.
   await page.getByRole("button", { name: "Photo eye eye-1" }).click();
   await press("Turn by 90°");

@@ -15,10 +15,12 @@ function put(item, path, value) {
   else holder[path.at(-1)] = value;
 }
 
-// What its boxes follow from: names of members and lengths of lists, not numbers and texts.
+// What its boxes follow from: objects and points that are given, and lengths of lists of them; not numbers, texts and lists of numbers,
+// which have their boxes in any case.
 function shapeOf(value) {
-  if (Array.isArray(value)) return `[${typeof value[0] === "object" ? value.map(shapeOf) : ""}]`;
-  return value !== null && typeof value === "object" ? `{${Object.entries(value).map(([name, inner]) => name + shapeOf(inner))}}` : "";
+  if (Array.isArray(value)) return typeof value[0] === "object" ? `[${value.map(shapeOf)}]` : value.length === 2 ? "pair" : "";
+  if (value === null || typeof value !== "object") return "";
+  return `{${Object.entries(value).map(([name, inner]) => [name, shapeOf(inner)]).filter(([, shape]) => shape !== "").map(([name, shape]) => name + shape)}}`;
 }
 
 const listText = (values) => values.map((value) => (typeof value === "boolean" ? (value ? "yes" : "no") : writeNumber(value))).join("; ");
@@ -53,17 +55,26 @@ export class ThingForm {
   show(list, schema, item, key) {
     Object.assign(this, { list, schema, item });
     const built = `${key} ${shapeOf(item)} ${this.ids("belts")} ${this.ids("photo_eyes")} ${this.ids("obstacles")} ${this.ids("feeds")}`;
-    if (built !== this.built) {
-      this.built = built;
-      this.boxes = [];
-      const focused = document.activeElement?.id;
-      this.element.replaceChildren(...this.objectBoxes(schema, []));
-      if (focused) this.element.querySelector(`#${CSS.escape(focused)}`)?.focus();
-    }
+    if (built !== this.built) this.rebuild(built);
     for (const entry of this.boxes.filter(({ box }) => box !== document.activeElement)) {
       entry.own = "";
       entry.write(valueAt(this.item, entry.path));
     }
+  }
+
+  // What is being typed goes on in the new box.
+  rebuild(built) {
+    const typed = this.boxes?.find(({ box }) => box === document.activeElement)?.box;
+    const isOpen = this.element.querySelector("details")?.open && this.built.split(" {")[0] === built.split(" {")[0];
+    this.built = built;
+    this.boxes = [];
+    this.element.replaceChildren(...this.objectBoxes(this.schema, []));
+    for (const details of isOpen ? this.element.querySelectorAll("details") : []) details.open = true;
+    const entry = this.boxes.find(({ box }) => box.id === typed?.id);
+    if (!entry) return;
+    entry.box.value = typed.value;
+    entry.box.focus();
+    if (typed.selectionEnd !== undefined && typed.selectionEnd !== null) entry.box.setSelectionRange(typed.selectionEnd, typed.selectionEnd);
   }
 
   objectBoxes(schema, path) {
