@@ -1,7 +1,7 @@
 // What stands on the line: a palette to add things, all things by their kinds, and the form of the one that is chosen, which can be
 // doubled, mirrored, turned and deleted. `stand` and `thing` are its two elements.
 
-import { h } from "../dom.js";
+import { h, setText } from "../dom.js";
 import { listsOf } from "./schema.js";
 import { freshId, idsOf, kindOf, middleOf, mirrored, movedBy, nameOfThing, rename, turned } from "./things.js";
 import { ThingForm } from "./thing_form.js";
@@ -72,18 +72,22 @@ export class Board {
     this.onChoose();
   }
 
+  // Elements stay while they say the same: an answer of the server that comes during a press must not take the button away.
   showList() {
-    const groups = this.lists.map((one) => ({ ...one, items: this.scenario[one.list] ?? [] })).filter(({ items }) => items.length > 0);
-    this.list.replaceChildren(...groups.flatMap((one) => one.items.map((_, k) => this.row(one, k))));
+    const rows = this.lists.flatMap((one) => (this.scenario[one.list] ?? []).map((_, k) => this.rowOf(one, k)));
+    const key = JSON.stringify(rows);
+    if (key === this.listKey) return;
+    this.listKey = key;
+    this.list.replaceChildren(...rows.map(({ list, k, kind, name, isChosen, faults }) => h("li", {},
+      h("button", { type: "button", "aria-pressed": String(isChosen), on: { click: () => this.choose(list, k) } }, h("span", { class: "muted" }, kind), name),
+      faults === "" ? null : h("small", { class: "fault" }, faults))));
   }
 
-  row(one, k) {
+  rowOf(one, k) {
     const { list } = one;
-    const isChosen = this.chosen?.list === list && this.chosen.k === k;
     const faults = this.errors.filter(({ pointer }) => pointer.startsWith(`/${list}/${k}/`) || pointer === `/${list}/${k}`);
-    return h("li", {}, h("button", { type: "button", "aria-pressed": String(isChosen), on: { click: () => this.choose(list, k) } },
-      h("span", { class: "muted" }, kindOf(one).one), nameOfThing(this.scenario, this.resolved, list, k)),
-    faults.length === 0 ? null : h("small", { class: "fault" }, faults.map(({ detail }) => detail).join("; ")));
+    return { list, k, kind: kindOf(one).one, name: nameOfThing(this.scenario, this.resolved, list, k),
+      isChosen: this.chosen?.list === list && this.chosen.k === k, faults: faults.map(({ detail }) => detail).join("; ") };
   }
 
   showThing() {
@@ -92,16 +96,23 @@ export class Board {
     const { list, k } = this.chosen;
     const one = this.lists.find((other) => other.list === list);
     const item = this.scenario[list][k];
-    this.title.textContent = `${kindOf(one).one} ${nameOfThing(this.scenario, this.resolved, list, k)}`;
-    const tool = (text, change, isPossible = true) => h("button", { type: "button", disabled: !isPossible, on: { click: change } }, text);
+    setText(this.title, `${kindOf(one).one} ${nameOfThing(this.scenario, this.resolved, list, k)}`);
     const hasPlace = middleOf(item) !== null;
-    this.tools.replaceChildren(
-      tool("Double", () => this.double(one, k)),
-      tool("Mirror", () => this.change((scenario) => (scenario[list][k] = mirrored(scenario[list][k], scenario.domain))), hasPlace || item.edge !== undefined),
-      tool("Turn by 90°", () => this.change((scenario) => (scenario[list][k] = turned(scenario[list][k]))), hasPlace),
-      tool("Delete", () => this.remove(one, k), this.scenario[list].length > one.least));
+    this.showTools([
+      ["Double", () => this.double(one, k), true],
+      ["Mirror", () => this.change((scenario) => (scenario[list][k] = mirrored(scenario[list][k], scenario.domain))), hasPlace || item.edge !== undefined],
+      ["Turn by 90°", () => this.change((scenario) => (scenario[list][k] = turned(scenario[list][k]))), hasPlace],
+      ["Delete", () => this.remove(one, k), this.scenario[list].length > one.least]], `${list} ${k}`);
     this.form.show(list, one.schema, item, `${list} ${k}`);
     this.placeFaults();
+  }
+
+  showTools(tools, thing) {
+    const key = JSON.stringify([thing, tools.map(([, , isPossible]) => isPossible)]);
+    if (key === this.toolsKey) return;
+    this.toolsKey = key;
+    this.tools.replaceChildren(...tools.map(([text, change, isPossible]) =>
+      h("button", { type: "button", disabled: !isPossible, on: { click: change } }, text)));
   }
 
   change(set) {
