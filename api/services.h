@@ -89,126 +89,133 @@ typedef struct api_curve {
     bf_buffer values;  ///< n rows of n_columns doubles
 } api_curve;
 
-/// The table. context is given to every function.
+/// Where runs, measurements and studies are stored, and the daemon with all its parts; the server's.
+typedef struct store api_store;
+typedef struct service api_service;
+
+/// The table.
 typedef struct api_services {
-    void *context; ///< first argument of every function
+    api_store *store;     ///< first argument of functions that only read or write what is stored
+    api_service *service; ///< first argument of the others
     /// What becomes of a token (NULL: the request has none), and of a valid one who has it. Does not wait for
     /// the disk beyond a short read. NULL instead of a function: there are no tokens.
-    api_credential (*identify)(void *context, const char *token, api_identity *ret_who);
+    api_credential (*identify)(api_service *service, const char *token, api_identity *ret_who);
     /// The same of a token that was valid, by its number.
-    api_credential (*identify_by_id)(void *context, uint64_t token, api_identity *ret_who);
+    api_credential (*identify_by_id)(api_service *service, uint64_t token, api_identity *ret_who);
     /// Make a ticket that stands for a token; and read one, which leaves open whether its token still counts.
-    void (*make_ticket)(void *context, uint64_t token, api_ticket *ret_ticket);
-    api_credential (*read_ticket)(void *context, const char *ticket, uint64_t *ret_token);
+    void (*make_ticket)(api_service *service, uint64_t token, api_ticket *ret_ticket);
+    api_credential (*read_ticket)(api_service *service, const char *ticket, uint64_t *ret_token);
     /// Accept a run: durable when this returns, together with its key. *ret_acceptance is the caller's.
     /// Checked in this order: BF_EINPUT: the key was used with another body; BF_ECONFLICT: a submission
     /// with it is under way; BF_ENOSPACE: the disk is nearly full, or the owner's quota of bytes is
     /// used up; BF_ELIMIT: another quota of the client or the owner is; BF_EBUSY: the queue is full.
-    bf_status (*submit)(void *context, const api_submission *submission,
+    bf_status (*submit)(api_service *service, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err);
     /// What an owner uses and may use.
-    bf_status (*read_quotas)(void *context, const char *owner, api_quotas *ret_quotas,
+    bf_status (*read_quotas)(api_store *store, const char *owner, api_quotas *ret_quotas,
                              bf_error *err);
-    bf_status (*find)(void *context, const char *id, api_run *ret_run, bf_error *err);
+    bf_status (*find)(api_service *service, const char *id, api_run *ret_run, bf_error *err);
     /// True if find() would not wait for the disk now.
-    bool (*holds)(void *context, const char *id);
-    bf_status (*list)(void *context, const api_list_query *query, api_run_list *ret_list,
+    bool (*holds)(api_service *service, const char *id);
+    bf_status (*list)(api_service *service, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err);
     /// Ask a run to stop and keep what it has. A queued run is cancelled when this returns, a running
     /// one soon after. revision is the one that it must have in the transaction that decides, or
     /// API_ANY_REVISION. BF_EINPUT: it has another one; BF_ECONFLICT: it has ended.
-    bf_status (*cancel)(void *context, const char *id, uint64_t revision, api_run *ret_run,
+    bf_status (*cancel)(api_store *store, const char *id, uint64_t revision, api_run *ret_run,
                         bf_error *err);
     /// Change what users call a run and note of it. revision as for cancel. BF_EINPUT: it has another one.
-    bf_status (*annotate)(void *context, const char *id, uint64_t revision,
+    bf_status (*annotate)(api_store *store, const char *id, uint64_t revision,
                           const api_annotations *annotations, api_run *ret_run, bf_error *err);
     /// Stop a run if need be and remove it with its results. revision as for cancel.
-    bf_status (*remove)(void *context, const char *id, uint64_t revision, bf_error *err);
+    bf_status (*remove)(api_service *service, const char *id, uint64_t revision, bf_error *err);
     /// Append a stored text to *out. BF_ECONFLICT: the run has none yet.
-    bf_status (*read_text)(void *context, const char *id, api_text which, bf_buffer *out,
+    bf_status (*read_text)(api_store *store, const char *id, api_text which, bf_buffer *out,
                            bf_error *err);
     /// Samples from index first on, n_most at most; with 0 the columns alone. *ret_curve is the caller's:
     /// api_curve_fini().
-    bf_status (*read_curve)(void *context, const char *id, uint64_t first, uint64_t n_most,
+    bf_status (*read_curve)(api_store *store, const char *id, uint64_t first, uint64_t n_most,
                             api_curve *ret_curve, bf_error *err);
-    bf_status (*list_snapshots)(void *context, const char *id, api_snapshot_list *ret_list,
+    bf_status (*list_snapshots)(api_store *store, const char *id, api_snapshot_list *ret_list,
                                 bf_error *err);
     /// Append a snapshot's float32 grid, n2 rows of n1, to *out. BF_ENOTFOUND: no such snapshot.
-    bf_status (*read_snapshot)(void *context, const char *id, uint64_t index,
+    bf_status (*read_snapshot)(api_store *store, const char *id, uint64_t index,
                                api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
                                bf_error *err);
     /// Append a snapshot's rows of parts to *out. BF_ENOTFOUND: no such snapshot, or no parts.
-    bf_status (*read_parts)(void *context, const char *id, uint64_t index,
+    bf_status (*read_parts)(api_store *store, const char *id, uint64_t index,
                             api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
                             bf_error *err);
     /// Begin to read what read_snapshot() or read_parts() would append, piece by piece. *ret_slices is the caller's.
-    bf_status (*open_snapshot)(void *context, const char *id, uint64_t index,
+    bf_status (*open_snapshot)(api_store *store, const char *id, uint64_t index,
                                api_snapshot *ret_snapshot, bf_grid *ret_grid,
                                api_slices *ret_slices, bf_error *err);
-    bf_status (*open_parts)(void *context, const char *id, uint64_t index,
+    bf_status (*open_parts)(api_store *store, const char *id, uint64_t index,
                             api_snapshot *ret_snapshot, api_parts *ret_parts,
                             api_slices *ret_slices, bf_error *err);
     /// Append bytes of an array from number `at` on to *out, limit_bytes at most, and at least one unless `at` is its
     /// end. It is fast where `at` is the end of the read before. On failure *out is as before. BF_ENOTFOUND: the run
     /// was removed meanwhile; BF_ECORRUPT: damaged.
-    bf_status (*read_slice)(void *context, api_slices *slices, uint64_t at, size_t limit_bytes,
+    bf_status (*read_slice)(api_store *store, api_slices *slices, uint64_t at, size_t limit_bytes,
                             bf_buffer *out, bf_error *err);
     /// Give events of the runs with id > after, rising, to take: all there are, or as many as reach
     /// limit_bytes of data.
-    bf_status (*read_events)(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
+    bf_status (*read_events)(api_store *store, const char (*runs)[API_ID_SIZE], size_t n_runs,
                              uint64_t after, size_t limit_bytes, api_event_fn *take,
                              void *take_context, bf_error *err);
     /// Give the events of a run's photo eyes and actions, rising, to take.
-    bf_status (*read_changes)(void *context, const char *id, api_event_fn *take, void *take_context,
-                              bf_error *err);
+    bf_status (*read_changes)(api_store *store, const char *id, api_event_fn *take,
+                              void *take_context, bf_error *err);
     /// Store a measurement, with the kind, label, counter, times and number of samples of *measurement: durable when
     /// this returns. It has a curve of one column, or, if it is none, an empty one and a text. BF_ECONFLICT:
     /// API_MEASUREMENTS_MAX are stored.
-    bf_status (*add_measurement)(void *context, const api_measurement *measurement,
+    bf_status (*add_measurement)(api_store *store, const api_measurement *measurement,
                                  const api_curve *curve, const bf_buffer *csv,
                                  api_measurement *ret_measurement, bf_error *err);
-    bf_status (*find_measurement)(void *context, const char *id, api_measurement *ret_measurement,
-                                  bf_error *err);
-    bf_status (*list_measurements)(void *context, const api_measurement_query *query,
+    bf_status (*find_measurement)(api_store *store, const char *id,
+                                  api_measurement *ret_measurement, bf_error *err);
+    bf_status (*list_measurements)(api_store *store, const api_measurement_query *query,
                                    api_measurement_list *ret_list, bf_error *err);
     /// All samples; the column is the counter. *ret_curve is the caller's: api_curve_fini().
-    bf_status (*read_measurement)(void *context, const char *id, api_curve *ret_curve,
+    bf_status (*read_measurement)(api_store *store, const char *id, api_curve *ret_curve,
                                   bf_error *err);
     /// Append the text of one that is no curve to *out.
-    bf_status (*read_measurement_csv)(void *context, const char *id, bf_buffer *out, bf_error *err);
-    bf_status (*remove_measurement)(void *context, const char *id, bf_error *err);
+    bf_status (*read_measurement_csv)(api_store *store, const char *id, bf_buffer *out,
+                                      bf_error *err);
+    bf_status (*remove_measurement)(api_store *store, const char *id, bf_error *err);
     /// Accept a study: durable when this returns. Checked in the order of submit, and with its errors; BF_EBUSY: there are
     /// too many that have not ended.
-    bf_status (*submit_study)(void *context, const api_study_submission *submission,
+    bf_status (*submit_study)(api_service *service, const api_study_submission *submission,
                               api_acceptance *ret_acceptance, bf_error *err);
-    bf_status (*find_study)(void *context, const char *id, api_study *ret_study, bf_error *err);
-    bf_status (*list_studies)(void *context, const api_study_query *query, api_study_list *ret_list,
-                              bf_error *err);
+    bf_status (*find_study)(api_store *store, const char *id, api_study *ret_study, bf_error *err);
+    bf_status (*list_studies)(api_store *store, const api_study_query *query,
+                              api_study_list *ret_list, bf_error *err);
     /// revision as for cancel. BF_EINPUT: it has another one; BF_ECONFLICT: it has ended, or is to be resumed and not
     /// paused, or paused already.
-    bf_status (*change_study)(void *context, const char *id, uint64_t revision,
+    bf_status (*change_study)(api_service *service, const char *id, uint64_t revision,
                               api_study_change change, api_study *ret_study, bf_error *err);
     /// Change what a study is called. revision as for cancel. BF_EINPUT: it has another one.
-    bf_status (*annotate_study)(void *context, const char *id, uint64_t revision,
+    bf_status (*annotate_study)(api_store *store, const char *id, uint64_t revision,
                                 const api_annotations *annotations, api_study *ret_study,
                                 bf_error *err);
     /// Cancel a study if need be and remove it with its trials; their runs go soon after. revision as for cancel.
-    bf_status (*remove_study)(void *context, const char *id, uint64_t revision, bf_error *err);
+    bf_status (*remove_study)(api_service *service, const char *id, uint64_t revision,
+                              bf_error *err);
     /// Append a stored text to *out. BF_ECONFLICT: there is nothing best yet.
-    bf_status (*read_study)(void *context, const char *id, api_study_text which, bf_buffer *out,
+    bf_status (*read_study)(api_store *store, const char *id, api_study_text which, bf_buffer *out,
                             bf_error *err);
     /// Give the trials of a study to take.
-    bf_status (*read_trials)(void *context, const char *id, const api_trial_query *query,
+    bf_status (*read_trials)(api_store *store, const char *id, const api_trial_query *query,
                              api_trial_fn *take, void *take_context, bf_error *err);
     /// What workers on other machines ask; NULL: the daemon solves runs itself.
     const api_leases *leases;
     /// How fast the machine solves, which predictions need. False: not known yet.
-    bool (*read_speed)(void *context, prediction_speed *ret_speed);
+    bool (*read_speed)(api_service *service, prediction_speed *ret_speed);
     /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ENOSPACE disk, BF_ESYSTEM store or solver).
-    bf_status (*ready)(void *context, bf_error *err);
+    bf_status (*ready)(api_service *service, bf_error *err);
     /// Append the service's figures in Prometheus' text form to *out, if wanted also those of each owner and token. Without these
     /// it never waits for the disk.
-    bf_status (*metrics)(void *context, bool with_owners, bf_buffer *out, bf_error *err);
+    bf_status (*metrics)(api_service *service, bool with_owners, bf_buffer *out, bf_error *err);
 } api_services;
 
 /// How many columns "a,b,c" has.

@@ -36,9 +36,9 @@ static api_credential identify_ticket(exchange *x, const char *ticket)
     const api_services *services = x->services;
     uint64_t token = 0;
 
-    api_credential credential = services->read_ticket(services->context, ticket, &token);
+    api_credential credential = services->read_ticket(services->service, ticket, &token);
     return credential == API_CREDENTIAL_VALID
-               ? services->identify_by_id(services->context, token, &x->who)
+               ? services->identify_by_id(services->service, token, &x->who)
                : credential;
 }
 
@@ -48,8 +48,8 @@ static api_credential identify(exchange *x, const char *ticket)
     const api_services *services = x->services;
 
     if (x->request->token != 0)
-        return services->identify_by_id(services->context, x->request->token, &x->who);
-    api_credential credential = services->identify(services->context, find_token(x), &x->who);
+        return services->identify_by_id(services->service, x->request->token, &x->who);
+    api_credential credential = services->identify(services->service, find_token(x), &x->who);
     return credential == API_CREDENTIAL_MISSING && ticket != NULL ? identify_ticket(x, ticket)
                                                                   : credential;
 }
@@ -116,7 +116,7 @@ static bool may_see(const exchange *x, const char *owner)
 
 bf_status access_find_run(const exchange *x, const char *id, api_run *ret_run, bf_error *err)
 {
-    bf_status status = x->services->find(x->services->context, id, ret_run, err);
+    bf_status status = x->services->find(x->services->service, id, ret_run, err);
 
     if (status == BF_OK && !may_see(x, ret_run->owner))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no run %.40s", id);
@@ -125,7 +125,7 @@ bf_status access_find_run(const exchange *x, const char *id, api_run *ret_run, b
 
 bf_status access_find_study(const exchange *x, const char *id, api_study *ret_study, bf_error *err)
 {
-    bf_status status = x->services->find_study(x->services->context, id, ret_study, err);
+    bf_status status = x->services->find_study(x->services->store, id, ret_study, err);
 
     if (status == BF_OK && !may_see(x, ret_study->owner))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
@@ -135,8 +135,7 @@ bf_status access_find_study(const exchange *x, const char *id, api_study *ret_st
 bf_status access_find_measurement(const exchange *x, const char *id,
                                   api_measurement *ret_measurement, bf_error *err)
 {
-    bf_status status =
-        x->services->find_measurement(x->services->context, id, ret_measurement, err);
+    bf_status status = x->services->find_measurement(x->services->store, id, ret_measurement, err);
 
     if (status == BF_OK && !may_see(x, ret_measurement->owner))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no measurement %.40s", id);

@@ -43,7 +43,7 @@ bool api_request_is_cached(const api_services *services, const api_request *requ
         request->query[0] != '\0' ? NULL : routes_find(request->method, request->path, &params);
 
     return found != NULL && found->handle == handlers_runs_show &&
-           services->holds(services->context, params.values[0]);
+           services->holds(services->service, params.values[0]);
 }
 
 bool api_route_exists(const char *path)
@@ -243,7 +243,7 @@ bool api_long_poll_is_over(const api_services *services, const api_long_poll *po
 {
     api_run record;
 
-    if (services->find(services->context, poll->run, &record, NULL) != BF_OK)
+    if (services->find(services->service, poll->run, &record, NULL) != BF_OK)
         return true;
     return run_state_is_end(record.state) ||
            (poll->is_for_change && record.revision != poll->revision);

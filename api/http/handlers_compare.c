@@ -131,7 +131,7 @@ static bf_status find_entry(exchange *x, entry *e, bf_error *err)
     if (status != BF_OK || !e->is_run)
         return status;
     // From behind the last sample on: the columns alone.
-    status = services->read_curve(services->context, e->id, e->run.n_samples, 0, &curve, err);
+    status = services->read_curve(services->store, e->id, e->run.n_samples, 0, &curve, err);
     if (status != BF_OK)
         return status;
     e->columns = curve.columns;
@@ -227,7 +227,7 @@ static bf_status read_column_of_run(exchange *x, const comparison *c, const entr
     for (uint64_t at = 0; status == BF_OK && at < e->run.n_samples; at += PIECE_SAMPLES) {
         const uint64_t n_left = e->run.n_samples - at;
         api_curve curve = { 0 };
-        status = services->read_curve(services->context, e->id, at,
+        status = services->read_curve(services->store, e->id, at,
                                       n_left < PIECE_SAMPLES ? n_left : PIECE_SAMPLES, &curve, err);
         if (status == BF_OK)
             status = take_column(c, e, &curve, to, err);
@@ -242,7 +242,7 @@ static bf_status read_column_of_measurement(exchange *x, const comparison *c, co
     const api_services *services = x->services;
     api_curve curve = { 0 };
 
-    bf_status status = services->read_measurement(services->context, e->id, &curve, err);
+    bf_status status = services->read_measurement(services->store, e->id, &curve, err);
     if (status == BF_OK)
         status = take_column(c, e, &curve, to, err);
     api_curve_fini(&curve);
@@ -306,7 +306,7 @@ static bf_status find_side(exchange *x, entry *e, bf_error *err)
         return BF_OK;
     }
     bf_status status =
-        services->read_text(services->context, e->id, API_TEXT_SCENARIO, &scenario, err);
+        services->read_text(services->store, e->id, API_TEXT_SCENARIO, &scenario, err);
     if (status == BF_OK)
         status = compare_verdict_side(e->run.model, scenario.bytes, scenario.n, e->run.figures,
                                       strlen(e->run.figures), &e->side, err);

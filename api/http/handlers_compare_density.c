@@ -35,7 +35,7 @@ static bf_status read_grid(exchange *x, const side *s, size_t i, bf_buffer *out,
     bf_grid grid;
 
     bf_status status = x->services->read_snapshot(
-        x->services->context, s->id, snapshot_at(s, i)->index, &snapshot, &grid, out, err);
+        x->services->store, s->id, snapshot_at(s, i)->index, &snapshot, &grid, out, err);
     if (status == BF_OK && out->n != grid_cells(&s->list.grid) * sizeof(float))
         return bf_fail(err, BF_ECORRUPT, "", "a snapshot does not have the size of its grid");
     return status;
@@ -132,9 +132,9 @@ bf_status handlers__write_density(exchange *x, json_out *w, const char *a, const
         json_out_null(w);
         return BF_OK;
     }
-    bf_status status = x->services->list_snapshots(x->services->context, of_a.id, &of_a.list, err);
+    bf_status status = x->services->list_snapshots(x->services->store, of_a.id, &of_a.list, err);
     if (status == BF_OK)
-        status = x->services->list_snapshots(x->services->context, of_b.id, &of_b.list, err);
+        status = x->services->list_snapshots(x->services->store, of_b.id, &of_b.list, err);
     if (status == BF_OK)
         status = write_sides(x, w, &of_a, &of_b, CELLS_MAX / n_pairs, err);
     buffer_fini(&of_a.list.items);

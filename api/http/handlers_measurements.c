@@ -75,7 +75,7 @@ bf_status handlers_measurements_add(exchange *x, bf_error *err)
     if (buffer_reserve(&x->response->body, room) == NULL)
         status = bf_fail(err, BF_ENOMEM, "", "out of memory");
     else
-        status = x->services->add_measurement(x->services->context, &m.about, &m.curve, &m.csv,
+        status = x->services->add_measurement(x->services->store, &m.about, &m.curve, &m.csv,
                                               &stored, err);
     if (status == BF_OK) {
         x->response->status = 201;
@@ -105,7 +105,7 @@ bf_status handlers_measurements_list(exchange *x, bf_error *err)
     api_measurement_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = x->services->list_measurements(x->services->context, &wanted, list, err);
+    bf_status status = x->services->list_measurements(x->services->store, &wanted, list, err);
     if (status == BF_OK && list->has_more && list->n > 0) {
         memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);
         exchange__link_next(x, &page, "", list->next_cursor);
@@ -141,8 +141,8 @@ bf_status handlers_measurements_show(exchange *x, bf_error *err)
     if (exchange__is_unchanged(x, "%s-%s", about.id, x->media->word))
         return BF_OK;
     status = about.kind == API_MEASURED_CURVE
-                 ? x->services->read_measurement(x->services->context, about.id, &curve, err)
-                 : x->services->read_measurement_csv(x->services->context, about.id, &csv, err);
+                 ? x->services->read_measurement(x->services->store, about.id, &curve, err)
+                 : x->services->read_measurement_csv(x->services->store, about.id, &csv, err);
     if (status == BF_OK && x->media->format != MEDIA_CSV)
         status = measurement_json(&about, &curve, &csv, body, err);
     else if (status == BF_OK)
@@ -166,7 +166,7 @@ bf_status handlers_measurements_remove(exchange *x, bf_error *err)
     snprintf(csv, sizeof csv, "%s-csv", about.id);
     status = exchange__check_change(x, tags, err);
     if (status == BF_OK)
-        status = x->services->remove_measurement(x->services->context, about.id, err);
+        status = x->services->remove_measurement(x->services->store, about.id, err);
     if (status == BF_OK)
         x->response->status = 204;
     return status;

@@ -45,7 +45,7 @@ bf_status handlers_meta_livez(exchange *x, bf_error *err)
 
 bf_status handlers_meta_readyz(exchange *x, bf_error *err)
 {
-    bf_status status = x->services->ready(x->services->context, err);
+    bf_status status = x->services->ready(x->services->service, err);
 
     if (status != BF_OK) {
         x->refusal = 503;
@@ -58,7 +58,7 @@ bf_status handlers_meta_ticket(exchange *x, bf_error *err)
 {
     api_ticket ticket;
 
-    x->services->make_ticket(x->services->context, x->who.token, &ticket);
+    x->services->make_ticket(x->services->service, x->who.token, &ticket);
     return service_json_ticket(&ticket, &x->response->body, err);
 }
 
@@ -66,7 +66,7 @@ bf_status handlers_meta_quota(exchange *x, bf_error *err)
 {
     api_quotas quotas;
 
-    bf_status status = x->services->read_quotas(x->services->context, x->who.owner, &quotas, err);
+    bf_status status = x->services->read_quotas(x->services->store, x->who.owner, &quotas, err);
     return status == BF_OK ? service_json_quotas(&quotas, &x->response->body, err) : status;
 }
 
@@ -74,7 +74,7 @@ bf_status handlers_meta_metrics(exchange *x, bf_error *err)
 {
     const bool with_owners = (x->who.scopes & (API_SCOPE_METRICS | API_SCOPE_ADMIN)) != 0;
 
-    return x->services->metrics(x->services->context, with_owners, &x->response->body, err);
+    return x->services->metrics(x->services->service, with_owners, &x->response->body, err);
 }
 
 bf_status handlers_meta_version(exchange *x, bf_error *err)

@@ -50,8 +50,8 @@ static bf_status count_parts(exchange *x, const char *id, uint64_t index, api_pa
     api_slices slices = { .n = 0 };
     api_snapshot snapshot;
 
-    bf_status status = x->services->open_parts(x->services->context, id, index, &snapshot,
-                                               ret_parts, &slices, err);
+    bf_status status =
+        x->services->open_parts(x->services->store, id, index, &snapshot, ret_parts, &slices, err);
     api_slices_fini(&slices);
     return status;
 }
@@ -77,7 +77,7 @@ static bf_status write_parts(exchange *x, const char *id, uint64_t index, bf_err
     api_parts parts;
 
     bf_status status =
-        x->services->read_parts(x->services->context, id, index, &snapshot, &parts, &rows, err);
+        x->services->read_parts(x->services->store, id, index, &snapshot, &parts, &rows, err);
     if (status == BF_OK)
         status = write_rows(x, &parts, &snapshot, (const double *)(const void *)rows.bytes, err);
     buffer_fini(&rows);
@@ -124,7 +124,7 @@ bf_status handlers_results_parts_series(exchange *x, bf_error *err)
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "r%" PRIu64 "-parts-%s", record.revision, x->media->word))
         return BF_OK;
-    status = x->services->list_snapshots(x->services->context, record.id, &list, err);
+    status = x->services->list_snapshots(x->services->store, record.id, &list, err);
     if (status != BF_OK)
         return status;
     status = results_series_pvd(&list, RESULTS_FILES_PARTS_VTK, &x->response->body, err);

@@ -17,7 +17,7 @@ bf_status handlers_results_scenario(exchange *x, bf_error *err)
     exchange__cache_immutable(x);
     if (exchange__is_unchanged(x, "%s-scenario", record.id))
         return BF_OK;
-    return x->services->read_text(x->services->context, record.id, API_TEXT_SCENARIO,
+    return x->services->read_text(x->services->store, record.id, API_TEXT_SCENARIO,
                                   &x->response->body, err);
 }
 
@@ -37,7 +37,7 @@ bf_status handlers_results_summary(exchange *x, bf_error *err)
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "%s-summary", record.id))
         return BF_OK;
-    return x->services->read_text(x->services->context, record.id, API_TEXT_SUMMARY,
+    return x->services->read_text(x->services->store, record.id, API_TEXT_SUMMARY,
                                   &x->response->body, err);
 }
 
@@ -46,7 +46,7 @@ static bf_status write_curve(exchange *x, const curve_file *file, bf_error *err)
     api_curve curve = { 0 };
 
     bf_status status =
-        x->services->read_curve(x->services->context, file->id, 0, file->n, &curve, err);
+        x->services->read_curve(x->services->store, file->id, 0, file->n, &curve, err);
     if (status != BF_OK)
         return status;
     status = x->media->format == MEDIA_CSV ? results_curve_csv(&curve, &x->response->body, err)
@@ -90,7 +90,7 @@ bf_status handlers_results_figures(exchange *x, bf_error *err)
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "r%" PRIu64 "-figures-%s", record.revision, x->media->word))
         return BF_OK;
-    status = x->services->read_text(x->services->context, record.id, API_TEXT_FIGURES, &text, err);
+    status = x->services->read_text(x->services->store, record.id, API_TEXT_FIGURES, &text, err);
     if (status == BF_OK)
         status = x->media->format == MEDIA_CSV
                      ? key_figures_csv(text.bytes, text.n, &x->response->body, err)

@@ -90,7 +90,7 @@ static bf_status submit(exchange *x, const api_submission *submission, bf_error 
 {
     api_acceptance accepted = { 0 };
 
-    bf_status status = x->services->submit(x->services->context, submission, &accepted, err);
+    bf_status status = x->services->submit(x->services->service, submission, &accepted, err);
     if (status == BF_OK)
         answer_accepted(x, &accepted);
     else
@@ -149,7 +149,7 @@ bf_status handlers_runs_validate(exchange *x, bf_error *err)
         status = read_submission(x, &submission, err);
     if (status != BF_OK)
         return status;
-    const bool has_speed = x->services->read_speed(x->services->context, &speed);
+    const bool has_speed = x->services->read_speed(x->services->service, &speed);
     status = submission_validation(&submission, has_speed ? &speed : NULL, parts_max,
                                    &x->response->body, err);
     submission_fini(&submission);
@@ -231,7 +231,7 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
     api_run_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = x->services->list(x->services->context, &list_query, list, err);
+    bf_status status = x->services->list(x->services->service, &list_query, list, err);
     if (status == BF_OK && list->has_more)
         add_next_link(x, &page, &list_query, list);
     exchange__cache_revalidate(x);
@@ -288,14 +288,14 @@ static bf_status change_run(exchange *x, change_fn *change, api_run *ret_run, bf
 static bf_status cancel(exchange *x, const char *id, uint64_t revision, api_run *record,
                         bf_error *err)
 {
-    return x->services->cancel(x->services->context, id, revision, record, err);
+    return x->services->cancel(x->services->store, id, revision, record, err);
 }
 
 static bf_status remove_run(exchange *x, const char *id, uint64_t revision, api_run *record,
                             bf_error *err)
 {
     (void)record;
-    return x->services->remove(x->services->context, id, revision, err);
+    return x->services->remove(x->services->service, id, revision, err);
 }
 
 bf_status handlers_runs_cancel(exchange *x, bf_error *err)
@@ -321,7 +321,7 @@ static bf_status annotate(exchange *x, const char *id, uint64_t revision, api_ru
     memcpy(annotations.notes, record->notes, sizeof annotations.notes);
     bf_status status = annotations_json_read(body_of(x), x->request->n_body, &annotations_json_run,
                                              &annotations, &x->faults, err);
-    return status == BF_OK ? x->services->annotate(x->services->context, id, record->revision,
+    return status == BF_OK ? x->services->annotate(x->services->store, id, record->revision,
                                                    &annotations, record, err)
                            : status;
 }

@@ -26,7 +26,7 @@ static bf_status write_list(exchange *x, const api_run *of, const api_snapshot_l
 
     if (list->parts.n_values > 0)
         status =
-            x->services->read_text(x->services->context, of->id, API_TEXT_SCENARIO, &scenario, err);
+            x->services->read_text(x->services->store, of->id, API_TEXT_SCENARIO, &scenario, err);
     if (status == BF_OK)
         status = kinds_find(scenario.bytes, scenario.n, &list->parts, &kinds, err);
     if (status == BF_OK)
@@ -47,7 +47,7 @@ bf_status handlers_results_snapshots(exchange *x, bf_error *err)
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "r%" PRIu64 "-snapshots-%s", record.revision, x->media->word))
         return BF_OK;
-    status = x->services->list_snapshots(x->services->context, record.id, &list, err);
+    status = x->services->list_snapshots(x->services->store, record.id, &list, err);
     if (status != BF_OK)
         return status;
     status = x->media->format == MEDIA_PVD
@@ -140,7 +140,7 @@ static bf_status write_snapshot(exchange *x, const char *id, uint64_t index, bf_
     bf_grid grid;
 
     bf_status status =
-        x->services->read_snapshot(x->services->context, id, index, &snapshot, &grid, &bytes, err);
+        x->services->read_snapshot(x->services->store, id, index, &snapshot, &grid, &bytes, err);
     if (status != BF_OK)
         return status;
     const float *rho = (const float *)(const void *)bytes.bytes;

@@ -44,7 +44,7 @@ static bf_status submit(exchange *x, const api_study_submission *submission, bf_
 {
     api_acceptance accepted = { 0 };
 
-    bf_status status = x->services->submit_study(x->services->context, submission, &accepted, err);
+    bf_status status = x->services->submit_study(x->services->service, submission, &accepted, err);
     if (status != BF_OK) {
         handlers__note_refusal(x, status, &accepted);
         return status;
@@ -100,7 +100,7 @@ bf_status handlers_studies_list(exchange *x, bf_error *err)
     api_study_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = x->services->list_studies(x->services->context, &wanted, list, err);
+    bf_status status = x->services->list_studies(x->services->store, &wanted, list, err);
     if (status == BF_OK && list->has_more && list->n > 0) {
         memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);
         exchange__link_next(x, &page, filter, list->next_cursor);
@@ -135,7 +135,7 @@ static bf_status annotate(exchange *x, api_study *about, bf_error *err)
     memcpy(annotations.name, about->name, sizeof about->name);
     bf_status status = annotations_json_read(
         body_of(x), x->request->n_body, &annotations_json_study, &annotations, &x->faults, err);
-    return status == BF_OK ? x->services->annotate_study(x->services->context, about->id,
+    return status == BF_OK ? x->services->annotate_study(x->services->store, about->id,
                                                          about->revision, &annotations, about, err)
                            : status;
 }
@@ -158,9 +158,9 @@ static bf_status change_study(exchange *x, int change, api_study *ret_study, bf_
         if (change == ANNOTATE)
             status = annotate(x, &about, err);
         else if (change == REMOVE)
-            status = services->remove_study(services->context, about.id, revision, err);
+            status = services->remove_study(services->service, about.id, revision, err);
         else
-            status = services->change_study(services->context, about.id, revision,
+            status = services->change_study(services->service, about.id, revision,
                                             (api_study_change)change, &about, err);
     } while (status == BF_EINPUT && x->faults.n == 0);
     if (status == BF_OK)

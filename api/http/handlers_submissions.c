@@ -15,7 +15,7 @@ static bf_status append_curve(const exchange *x, const char *id, bf_buffer *out,
     api_curve curve = { 0 };
     json_out w = json_out_to(out);
 
-    bf_status status = x->services->read_measurement(x->services->context, id, &curve, err);
+    bf_status status = x->services->read_measurement(x->services->store, id, &curve, err);
     if (status != BF_OK)
         return status;
     json_out_object(&w);
@@ -45,7 +45,7 @@ static bf_status read_text(const void *context, const char *id, const char *kind
     if (status == BF_OK)
         status = strcmp(kind, study_submission_curve) == 0
                      ? append_curve(x, id, out, err)
-                     : services->read_measurement_csv(services->context, id, out, err);
+                     : services->read_measurement_csv(services->store, id, out, err);
     // It may have been removed meanwhile.
     if (status == BF_ENOTFOUND)
         return bf_fail(err, BF_EINPUT, "", "there is no measurement '%.64s'", id);

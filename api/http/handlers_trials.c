@@ -22,7 +22,7 @@ bf_status handlers_trials_document(exchange *x, bf_error *err)
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "%s-document", about.id))
         return BF_OK;
-    return x->services->read_study(x->services->context, about.id, API_STUDY_DOCUMENT,
+    return x->services->read_study(x->services->store, about.id, API_STUDY_DOCUMENT,
                                    &x->response->body, err);
 }
 
@@ -32,7 +32,7 @@ bf_status handlers_trials_best(exchange *x, bf_error *err)
 
     bf_status status = exchange__find_study(x, &about, err);
     if (status == BF_OK)
-        status = x->services->read_study(x->services->context, about.id, API_STUDY_BEST,
+        status = x->services->read_study(x->services->store, about.id, API_STUDY_BEST,
                                          &x->response->body, err);
     if (status == BF_OK)
         exchange__cache_revalidate(x);
@@ -45,7 +45,7 @@ static bf_status read_columns(const exchange *x, const char *id, study_columns *
     bf_buffer text = { 0 };
 
     bf_status status =
-        x->services->read_study(x->services->context, id, API_STUDY_COLUMNS, &text, err);
+        x->services->read_study(x->services->store, id, API_STUDY_COLUMNS, &text, err);
     if (status == BF_OK)
         status = study_columns_read(text.bytes, text.n, ret_columns, err);
     buffer_fini(&text);
@@ -79,7 +79,7 @@ static bf_status write_page(exchange *x, const api_study *about, const study_col
     json_out_key(&p.w, "trials");
     json_out_array(&p.w);
     bf_status status =
-        x->services->read_trials(x->services->context, about->id, &wanted, write_trial, &p, err);
+        x->services->read_trials(x->services->store, about->id, &wanted, write_trial, &p, err);
     json_out_array_end(&p.w);
     const bool has_more = wanted.from + wanted.limit < about->n_trials;
     json_out_key_bool(&p.w, "has_more", has_more);
@@ -156,7 +156,7 @@ static bf_status find_trial(exchange *x, api_trial *ret_trial, bf_error *err)
         return bf_fail(err, BF_ENOTFOUND, "", "the study has no trial '%s'; it has %" PRIu64,
                        number, about.n_trials);
     *ret_trial = (api_trial){ .number = wanted.from };
-    return x->services->read_trials(x->services->context, about.id, &wanted, take_trial, ret_trial,
+    return x->services->read_trials(x->services->store, about.id, &wanted, take_trial, ret_trial,
                                     err);
 }
 
@@ -166,7 +166,7 @@ static bf_status read_scenario(exchange *x, const api_trial *trial, bf_buffer *o
         return bf_fail(err, BF_ECONFLICT, "", "the trial has no run%s",
                        trial->state == API_TRIAL_INFEASIBLE ? ": its scenario is not valid" : "");
     const bf_status status =
-        x->services->read_text(x->services->context, trial->run, API_TEXT_SCENARIO, out, err);
+        x->services->read_text(x->services->store, trial->run, API_TEXT_SCENARIO, out, err);
     if (status == BF_ENOTFOUND)
         return bf_fail(err, BF_ECONFLICT, "", "the run of the trial was removed: %s", trial->run);
     return status;

@@ -40,7 +40,7 @@ bf_status stream_begin(const api_services *services, stream_format format, bool 
     BF_CHECK(n_runs >= 1 && n_runs <= API_STREAM_RUNS_MAX);
     for (size_t i = 0; i < n_runs; i++) {
         api_run record;
-        bf_status status = services->find(services->context, runs[i], &record, err);
+        bf_status status = services->find(services->service, runs[i], &record, err);
         if (status != BF_OK)
             return status;
         memcpy(cursor.runs[i], runs[i], API_ID_SIZE);
@@ -127,7 +127,7 @@ static bf_status append_grid(batch *b, const api_services *services, bf_error *e
     bf_grid grid;
     bool is_written = false;
 
-    bf_status status = services->read_snapshot(services->context, b->run, b->snapshot, &snapshot,
+    bf_status status = services->read_snapshot(services->store, b->run, b->snapshot, &snapshot,
                                                &grid, &grid_bytes, err);
     bool is_missing = status == BF_ENOTFOUND || // the run was removed meanwhile
                       (status == BF_OK && grid_bytes.n > STREAM_INLINE_MAX);
@@ -157,7 +157,7 @@ static bf_status append_events(batch *b, const api_services *services, size_t li
     do {
         size_t left = limit_bytes - (b->out->n - start);
         bf_status status =
-            services->read_events(services->context, (const char(*)[API_ID_SIZE])cursor->runs,
+            services->read_events(services->store, (const char(*)[API_ID_SIZE])cursor->runs,
                                   cursor->n_runs, cursor->after, left, take_event, b, err);
         has_stopped = b->is_pending;
         if (has_stopped)
@@ -177,7 +177,7 @@ static bf_status count_open(stream_cursor *cursor, const api_services *services,
 
     for (size_t i = 0; i < cursor->n_runs; i++) {
         api_run record;
-        bf_status status = services->find(services->context, cursor->runs[i], &record, err);
+        bf_status status = services->find(services->service, cursor->runs[i], &record, err);
         if (status == BF_ENOTFOUND)
             continue;
         if (status != BF_OK)

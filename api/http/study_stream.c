@@ -81,7 +81,7 @@ static bf_status append_trials(study_stream *s, const api_services *services, ui
         const api_trial_query wanted = { .order = API_TRIALS_BY_END,
                                          .from = before + 1,
                                          .limit = PAGE };
-        status = services->read_trials(services->context, s->id, &wanted, append_trial, &b, err);
+        status = services->read_trials(services->store, s->id, &wanted, append_trial, &b, err);
         if (s->after == before)
             break; // the study was removed
     }
@@ -115,7 +115,7 @@ bf_status study_stream_next(study_stream *s, const api_services *services, size_
     if (!s->has_begun && s->format == STREAM_SSE && buffer_printf(out, "retry: 3000\n\n") != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     s->has_begun = true;
-    const bf_status status = services->find_study(services->context, s->id, &about, err);
+    const bf_status status = services->find_study(services->store, s->id, &about, err);
     *ret_state = BODY_DONE;
     if (status == BF_ENOTFOUND)
         return BF_OK;

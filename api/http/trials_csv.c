@@ -46,7 +46,7 @@ static bf_status next_chunk(void *state, const api_services *services, size_t li
         const api_trial_query wanted = { .order = API_TRIALS_BY_NUMBER,
                                          .from = s->from,
                                          .limit = PAGE };
-        status = services->read_trials(services->context, s->id, &wanted, append_trial, &p, err);
+        status = services->read_trials(services->store, s->id, &wanted, append_trial, &p, err);
         s->from += PAGE;
     }
     *ret_state = s->from < s->n_trials ? BODY_MORE : BODY_DONE;

@@ -39,7 +39,7 @@ static bf_status open_density(const api_services *services, const char *id, uint
     bf_grid grid;
 
     bf_status status =
-        services->open_snapshot(services->context, id, index, &snapshot, &grid, &file.slices, err);
+        services->open_snapshot(services->store, id, index, &snapshot, &grid, &file.slices, err);
     if (status == BF_OK)
         status = enclose(&snapshot, &grid, &file);
     return finish(status, &file, ret_file, err);
@@ -65,7 +65,7 @@ bf_status array_file_open_parts_npy(const api_services *services, const char *id
     api_parts parts;
 
     bf_status status =
-        services->open_parts(services->context, id, index, &snapshot, &parts, &file.slices, err);
+        services->open_parts(services->store, id, index, &snapshot, &parts, &file.slices, err);
     if (status == BF_OK)
         status = results__npy_head("<f8", parts.n_values, (size_t)parts.n_parts, &file.head);
     return finish(status, &file, ret_file, err);
@@ -97,7 +97,7 @@ static bf_status read_numbers(array_file *file, const api_services *services, ui
         ((left < limit ? (size_t)left : limit) + n_extra + size - 1) / size * size;
 
     bf_status status =
-        services->read_slice(services->context, &file->slices, at - n_extra, n_wanted, out, err);
+        services->read_slice(services->store, &file->slices, at - n_extra, n_wanted, out, err);
     if (status != BF_OK)
         return status;
     results__order_bytes(out->bytes + n_before, (out->n - n_before) / size, size);

@@ -16,7 +16,7 @@ bf_status curve_file_open(const api_services *services, const char *id, uint64_t
     curve_file file = { .n = n };
     api_curve curve = { 0 };
 
-    bf_status status = services->read_curve(services->context, id, n, 0, &curve, err);
+    bf_status status = services->read_curve(services->store, id, n, 0, &curve, err);
     if (status != BF_OK)
         return status;
     (void)snprintf(file.id, sizeof file.id, "%s", id);
@@ -57,7 +57,7 @@ bf_status curve_file_read(curve_file *file, const api_services *services, bf_buf
     const uint64_t n_most = PIECE_VALUES / n_columns < 1 ? 1 : PIECE_VALUES / n_columns;
     api_curve curve = { 0 };
 
-    bf_status status = services->read_curve(services->context, file->id, file->at,
+    bf_status status = services->read_curve(services->store, file->id, file->at,
                                             n_left < n_most ? n_left : n_most, &curve, err);
     if (status != BF_OK)
         return status;

@@ -6,8 +6,8 @@ bf_status grid_rows_open(const api_services *services, const char *id, uint64_t 
                          grid_rows *ret_rows, bf_error *err)
 {
     *ret_rows = (grid_rows){ .services = services };
-    return services->open_snapshot(services->context, id, index, &ret_rows->snapshot,
-                                   &ret_rows->grid, &ret_rows->slices, err);
+    return services->open_snapshot(services->store, id, index, &ret_rows->snapshot, &ret_rows->grid,
+                                   &ret_rows->slices, err);
 }
 
 // Reads rows from j on, as many as fit into a block.
@@ -22,7 +22,7 @@ static bf_status read_block(grid_rows *rows, size_t j, bf_error *err)
     rows->n = 0;
     rows->block.n = 0;
     while (status == BF_OK && rows->block.n < n * row)
-        status = services->read_slice(services->context, &rows->slices, j * row + rows->block.n,
+        status = services->read_slice(services->store, &rows->slices, j * row + rows->block.n,
                                       n * row - rows->block.n, &rows->block, err);
     if (status != BF_OK)
         return status;

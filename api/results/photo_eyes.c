@@ -102,8 +102,7 @@ static bf_status take_event(void *context, const api_event *event, bf_error *err
 bf_status results_changes_read(const api_services *services, const char *id,
                                results_changes *changes, bf_error *err)
 {
-    const bf_status status =
-        services->read_changes(services->context, id, take_event, changes, err);
+    const bf_status status = services->read_changes(services->store, id, take_event, changes, err);
 
     if (status != BF_OK)
         results_changes_fini(changes);

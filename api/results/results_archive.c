@@ -46,14 +46,14 @@ static bf_status write_scenario(const archive *a, const api_services *services, 
                                 bf_buffer *out, bf_error *err)
 {
     (void)index;
-    return services->read_text(services->context, a->id, API_TEXT_SCENARIO, out, err);
+    return services->read_text(services->store, a->id, API_TEXT_SCENARIO, out, err);
 }
 
 static bf_status write_summary(const archive *a, const api_services *services, uint64_t index,
                                bf_buffer *out, bf_error *err)
 {
     (void)index;
-    return services->read_text(services->context, a->id, API_TEXT_SUMMARY, out, err);
+    return services->read_text(services->store, a->id, API_TEXT_SUMMARY, out, err);
 }
 
 static bf_status write_curve(const archive *a, const api_services *services, uint64_t index,
@@ -62,7 +62,7 @@ static bf_status write_curve(const archive *a, const api_services *services, uin
     api_curve curve = { 0 };
 
     (void)index;
-    bf_status status = services->read_curve(services->context, a->id, 0, a->curve.n, &curve, err);
+    bf_status status = services->read_curve(services->store, a->id, 0, a->curve.n, &curve, err);
     if (status != BF_OK)
         return status;
     status = results_curve_csv(&curve, out, err);
@@ -88,7 +88,7 @@ static bf_status write_list(const archive *a, const api_services *services, uint
 
     (void)index;
     bf_status status =
-        services->read_text(services->context, a->id, API_TEXT_SCENARIO, &scenario, err);
+        services->read_text(services->store, a->id, API_TEXT_SCENARIO, &scenario, err);
     if (status == BF_OK)
         status = kinds_find(scenario.bytes, scenario.n, &a->list.parts, &kinds, err);
     if (status == BF_OK)
@@ -122,7 +122,7 @@ static bf_status write_parts_vtk(const archive *a, const api_services *services,
     bf_buffer rows = { 0 };
 
     bf_status status =
-        services->read_parts(services->context, a->id, index, &snapshot, &parts, &rows, err);
+        services->read_parts(services->store, a->id, index, &snapshot, &parts, &rows, err);
     if (status == BF_OK)
         status = results_parts_vtp((const double *)(const void *)rows.bytes, &parts, snapshot.t,
                                    out, err);
@@ -290,8 +290,7 @@ static bf_status read_photo_eyes(archive *a, const api_run *of, const api_servic
     results_changes changes = { 0 };
     api_curve curve = { 0 };
 
-    bf_status status =
-        services->read_curve(services->context, a->id, of->n_samples, 0, &curve, err);
+    bf_status status = services->read_curve(services->store, a->id, of->n_samples, 0, &curve, err);
     if (status == BF_OK && curve.columns.n > 0 && strstr(curve.columns.bytes, ".blocked") != NULL)
         status = results_changes_read(services, a->id, &changes, err);
     if (status == BF_OK && changes.eyes.n > 0)
@@ -323,7 +322,7 @@ bf_status results_archive_open(const api_run *of, results_archive_kind kind,
     memcpy(a->id, of->id, sizeof a->id);
     a->has_summary = of->has_summary;
     a->has_vtk = kind == RESULTS_ARCHIVE_VTK;
-    bf_status status = services->list_snapshots(services->context, a->id, &a->list, err);
+    bf_status status = services->list_snapshots(services->store, a->id, &a->list, err);
     if (status == BF_OK)
         status = curve_file_open(services, a->id, of->n_samples, &a->curve, err);
     if (status == BF_OK)

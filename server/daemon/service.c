@@ -21,43 +21,35 @@ static bf_status refuse_draining(bf_error *err)
     return bf_fail(err, BF_EBUSY, "", "the daemon is stopping");
 }
 
-static api_credential identify(void *context, const char *token, api_identity *ret_who)
+static api_credential identify(service *s, const char *token, api_identity *ret_who)
 {
-    return tokens_identify(((service *)context)->tokens, token, ret_who);
+    return tokens_identify(s->tokens, token, ret_who);
 }
 
-static api_credential identify_by_id(void *context, uint64_t token, api_identity *ret_who)
+static api_credential identify_by_id(service *s, uint64_t token, api_identity *ret_who)
 {
-    return tokens_identify_by_id(((service *)context)->tokens, token, ret_who);
+    return tokens_identify_by_id(s->tokens, token, ret_who);
 }
 
-static void make_ticket(void *context, uint64_t token, api_ticket *ret_ticket)
+static void make_ticket(service *s, uint64_t token, api_ticket *ret_ticket)
 {
-    tickets_make(&((service *)context)->tickets, token, clock_monotonic_ms(), ret_ticket);
+    tickets_make(&s->tickets, token, clock_monotonic_ms(), ret_ticket);
 }
 
-static api_credential read_ticket(void *context, const char *ticket, uint64_t *ret_token)
+static api_credential read_ticket(service *s, const char *ticket, uint64_t *ret_token)
 {
-    return tickets_read(&((service *)context)->tickets, ticket, clock_monotonic_ms(), ret_token);
+    return tickets_read(&s->tickets, ticket, clock_monotonic_ms(), ret_token);
 }
 
-static bf_status submit(void *context, const api_submission *submission,
+static bf_status submit(service *s, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err)
 {
-    service *s = context;
-
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
     bf_status status = store_submit(s->store, submission, ret_acceptance, err);
     if (status == BF_OK)
         supervisor_wake(s->supervisor);
     return status;
-}
-
-static bf_status read_quotas(void *context, const char *owner, api_quotas *ret_quotas,
-                             bf_error *err)
-{
-    return store_read_quotas(((service *)context)->store, owner, ret_quotas, err);
 }
 
 // Trials are short, and their study says how it goes.
@@ -67,9 +59,8 @@ static void add_prediction(service *s, api_run *record)
         record->predicted_s = predictor_seconds(s->predictor, record->id, "");
 }
 
-static bf_status find(void *context, const char *id, api_run *ret_run, bf_error *err)
+static bf_status find(service *s, const char *id, api_run *ret_run, bf_error *err)
 {
-    service *s = context;
     const uint64_t n_commits = store_count_commits(s->store);
     bf_status status = BF_OK;
 
@@ -83,34 +74,18 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     return status;
 }
 
-static bool holds(void *context, const char *id)
+static bool holds(service *s, const char *id)
 {
-    service *s = context;
-
     return run_cache_look(&s->found, id, store_count_commits(s->store), NULL);
 }
 
-static bf_status list(void *context, const api_list_query *query, api_run_list *ret_list,
+static bf_status list(service *s, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err)
 {
-    service *s = context;
-
     bf_status status = store_list(s->store, query, ret_list, err);
     for (size_t k = 0; status == BF_OK && k < ret_list->n; k++)
         add_prediction(s, &ret_list->runs[k]);
     return status;
-}
-
-static bf_status cancel(void *context, const char *id, uint64_t revision, api_run *ret_run,
-                        bf_error *err)
-{
-    return store_cancel(((service *)context)->store, id, revision, ret_run, err);
-}
-
-static bf_status annotate(void *context, const char *id, uint64_t revision,
-                          const api_annotations *annotations, api_run *ret_run, bf_error *err)
-{
-    return store_annotate(((service *)context)->store, id, revision, annotations, ret_run, err);
 }
 
 static void add_waiter(service *s, service_waiter *w)
@@ -145,9 +120,8 @@ static bool await_commit(service *s, service_waiter *w, int64_t deadline_ms)
 
 // The first attempt requests that a running run stop; it is removed once it has stopped. Only that attempt
 // compares the revision, because the run's end, caused by this request, changes it.
-static bf_status remove_run(void *context, const char *id, uint64_t revision, bf_error *err)
+static bf_status remove_run(service *s, const char *id, uint64_t revision, bf_error *err)
 {
-    service *s = context;
     service_waiter waiter = { .run_id = id };
     int64_t deadline_ms = clock_monotonic_ms() + REMOVE_MS;
     bf_status status;
@@ -165,117 +139,9 @@ static bf_status remove_run(void *context, const char *id, uint64_t revision, bf
     return bf_fail(err, BF_EBUSY, "", "run %s cannot be removed at the moment", id);
 }
 
-static bf_status read_text(void *context, const char *id, api_text which, bf_buffer *out,
-                           bf_error *err)
-{
-    return store_read_text(((service *)context)->store, id, which, out, err);
-}
-
-static bf_status read_curve(void *context, const char *id, uint64_t first, uint64_t n_most,
-                            api_curve *ret_curve, bf_error *err)
-{
-    return store_read_curve(((service *)context)->store, id, first, n_most, ret_curve, err);
-}
-
-static bf_status list_snapshots(void *context, const char *id, api_snapshot_list *ret_list,
-                                bf_error *err)
-{
-    return store_list_snapshots(((service *)context)->store, id, ret_list, err);
-}
-
-static bf_status read_snapshot(void *context, const char *id, uint64_t index,
-                               api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
-                               bf_error *err)
-{
-    return store_read_snapshot(((service *)context)->store, id, index, ret_snapshot, ret_grid, out,
-                               err);
-}
-
-static bf_status read_parts(void *context, const char *id, uint64_t index,
-                            api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
-                            bf_error *err)
-{
-    return store_read_parts(((service *)context)->store, id, index, ret_snapshot, ret_parts, out,
-                            err);
-}
-
-static bf_status open_snapshot(void *context, const char *id, uint64_t index,
-                               api_snapshot *ret_snapshot, bf_grid *ret_grid,
-                               api_slices *ret_slices, bf_error *err)
-{
-    return store_open_snapshot(((service *)context)->store, id, index, ret_snapshot, ret_grid,
-                               ret_slices, err);
-}
-
-static bf_status open_parts(void *context, const char *id, uint64_t index,
-                            api_snapshot *ret_snapshot, api_parts *ret_parts,
-                            api_slices *ret_slices, bf_error *err)
-{
-    return store_open_parts(((service *)context)->store, id, index, ret_snapshot, ret_parts,
-                            ret_slices, err);
-}
-
-static bf_status read_slice(void *context, api_slices *slices, uint64_t at, size_t limit_bytes,
-                            bf_buffer *out, bf_error *err)
-{
-    return store_read_slice(((service *)context)->store, slices, at, limit_bytes, out, err);
-}
-
-static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                             uint64_t after, size_t limit_bytes, api_event_fn *take,
-                             void *take_context, bf_error *err)
-{
-    return store_read_events(((service *)context)->store, runs, n_runs, after, limit_bytes, take,
-                             take_context, err);
-}
-
-static bf_status read_changes(void *context, const char *id, api_event_fn *take, void *take_context,
-                              bf_error *err)
-{
-    return store_read_changes(((service *)context)->store, id, take, take_context, err);
-}
-
-static bf_status add_measurement(void *context, const api_measurement *measurement,
-                                 const api_curve *curve, const bf_buffer *csv,
-                                 api_measurement *ret_measurement, bf_error *err)
-{
-    return store_add_measurement(((service *)context)->store, measurement, curve, csv,
-                                 ret_measurement, err);
-}
-
-static bf_status find_measurement(void *context, const char *id, api_measurement *ret_measurement,
-                                  bf_error *err)
-{
-    return store_find_measurement(((service *)context)->store, id, ret_measurement, err);
-}
-
-static bf_status list_measurements(void *context, const api_measurement_query *query,
-                                   api_measurement_list *ret_list, bf_error *err)
-{
-    return store_list_measurements(((service *)context)->store, query, ret_list, err);
-}
-
-static bf_status read_measurement(void *context, const char *id, api_curve *ret_curve,
-                                  bf_error *err)
-{
-    return store_read_measurement(((service *)context)->store, id, ret_curve, err);
-}
-
-static bf_status read_measurement_csv(void *context, const char *id, bf_buffer *out, bf_error *err)
-{
-    return store_read_measurement_csv(((service *)context)->store, id, out, err);
-}
-
-static bf_status remove_measurement(void *context, const char *id, bf_error *err)
-{
-    return store_remove_measurement(((service *)context)->store, id, err);
-}
-
-static bf_status submit_study(void *context, const api_study_submission *submission,
+static bf_status submit_study(service *s, const api_study_submission *submission,
                               api_acceptance *ret_acceptance, bf_error *err)
 {
-    service *s = context;
-
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
     bf_status status = store_submit_study(s->store, submission, ret_acceptance, err);
@@ -284,67 +150,30 @@ static bf_status submit_study(void *context, const api_study_submission *submiss
     return status;
 }
 
-static bf_status find_study(void *context, const char *id, api_study *ret_study, bf_error *err)
-{
-    return store_find_study(((service *)context)->store, id, ret_study, err);
-}
-
-static bf_status list_studies(void *context, const api_study_query *query, api_study_list *ret_list,
-                              bf_error *err)
-{
-    return store_list_studies(((service *)context)->store, query, ret_list, err);
-}
-
-static bf_status change_study(void *context, const char *id, uint64_t revision,
+static bf_status change_study(service *s, const char *id, uint64_t revision,
                               api_study_change change, api_study *ret_study, bf_error *err)
 {
-    service *s = context;
-
     bf_status status = store_change_study(s->store, id, revision, change, ret_study, err);
     if (status == BF_OK)
         studies_wake(s->studies);
     return status;
 }
 
-static bf_status annotate_study(void *context, const char *id, uint64_t revision,
-                                const api_annotations *annotations, api_study *ret_study,
-                                bf_error *err)
+static bf_status remove_study(service *s, const char *id, uint64_t revision, bf_error *err)
 {
-    return store_annotate_study(((service *)context)->store, id, revision, annotations, ret_study,
-                                err);
-}
-
-static bf_status remove_study(void *context, const char *id, uint64_t revision, bf_error *err)
-{
-    service *s = context;
-
     bf_status status = store_remove_study(s->store, id, revision, err);
     if (status == BF_OK)
         studies_wake(s->studies);
     return status;
 }
 
-static bf_status read_study(void *context, const char *id, api_study_text which, bf_buffer *out,
-                            bf_error *err)
+static bool read_speed(service *s, prediction_speed *ret_speed)
 {
-    return store_read_study(((service *)context)->store, id, which, out, err);
+    return predictor_speed(s->predictor, ret_speed);
 }
 
-static bf_status read_trials(void *context, const char *id, const api_trial_query *query,
-                             api_trial_fn *take, void *take_context, bf_error *err)
+static bf_status ready(service *s, bf_error *err)
 {
-    return store_read_trials(((service *)context)->store, id, query, take, take_context, err);
-}
-
-static bool read_speed(void *context, prediction_speed *ret_speed)
-{
-    return predictor_speed(((service *)context)->predictor, ret_speed);
-}
-
-static bf_status ready(void *context, bf_error *err)
-{
-    service *s = context;
-
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
     bf_status status = store_ready(s->store, err);
@@ -369,10 +198,8 @@ static void read_figures(service *s)
     metrics_set(METRICS_STORE_DISK, 0, (int64_t)stats.free_bytes);
 }
 
-static bf_status write_metrics(void *context, bool with_owners, bf_buffer *out, bf_error *err)
+static bf_status write_metrics(service *s, bool with_owners, bf_buffer *out, bf_error *err)
 {
-    service *s = context;
-
     read_figures(s);
     metrics_read_process();
     bf_status status = metrics_write(out, err);
@@ -382,43 +209,44 @@ static bf_status write_metrics(void *context, bool with_owners, bf_buffer *out, 
 
 api_services service_table(service *s)
 {
-    return (api_services){ .context = s,
+    return (api_services){ .store = s->store,
+                           .service = s,
                            .identify = identify,
                            .identify_by_id = identify_by_id,
                            .make_ticket = make_ticket,
                            .read_ticket = read_ticket,
                            .submit = submit,
-                           .read_quotas = read_quotas,
+                           .read_quotas = store_read_quotas,
                            .find = find,
                            .holds = holds,
                            .list = list,
-                           .cancel = cancel,
-                           .annotate = annotate,
+                           .cancel = store_cancel,
+                           .annotate = store_annotate,
                            .remove = remove_run,
-                           .read_text = read_text,
-                           .read_curve = read_curve,
-                           .list_snapshots = list_snapshots,
-                           .read_snapshot = read_snapshot,
-                           .read_parts = read_parts,
-                           .open_snapshot = open_snapshot,
-                           .open_parts = open_parts,
-                           .read_slice = read_slice,
-                           .read_events = read_events,
-                           .read_changes = read_changes,
-                           .add_measurement = add_measurement,
-                           .find_measurement = find_measurement,
-                           .list_measurements = list_measurements,
-                           .read_measurement = read_measurement,
-                           .read_measurement_csv = read_measurement_csv,
-                           .remove_measurement = remove_measurement,
+                           .read_text = store_read_text,
+                           .read_curve = store_read_curve,
+                           .list_snapshots = store_list_snapshots,
+                           .read_snapshot = store_read_snapshot,
+                           .read_parts = store_read_parts,
+                           .open_snapshot = store_open_snapshot,
+                           .open_parts = store_open_parts,
+                           .read_slice = store_read_slice,
+                           .read_events = store_read_events,
+                           .read_changes = store_read_changes,
+                           .add_measurement = store_add_measurement,
+                           .find_measurement = store_find_measurement,
+                           .list_measurements = store_list_measurements,
+                           .read_measurement = store_read_measurement,
+                           .read_measurement_csv = store_read_measurement_csv,
+                           .remove_measurement = store_remove_measurement,
                            .submit_study = submit_study,
-                           .find_study = find_study,
-                           .list_studies = list_studies,
+                           .find_study = store_find_study,
+                           .list_studies = store_list_studies,
                            .change_study = change_study,
-                           .annotate_study = annotate_study,
+                           .annotate_study = store_annotate_study,
                            .remove_study = remove_study,
-                           .read_study = read_study,
-                           .read_trials = read_trials,
+                           .read_study = store_read_study,
+                           .read_trials = store_read_trials,
                            .leases = s->leases,
                            .read_speed = read_speed,
                            .ready = ready,

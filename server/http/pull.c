@@ -267,7 +267,7 @@ static bool is_token_valid(const http_request *r)
     api_identity who;
 
     return r->pull.kind != HTTP_PULL_STREAM || token == 0 ||
-           services->identify_by_id(services->context, token, &who) == API_CREDENTIAL_VALID;
+           services->identify_by_id(services->service, token, &who) == API_CREDENTIAL_VALID;
 }
 
 int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)

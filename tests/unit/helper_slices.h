@@ -25,13 +25,13 @@ static inline bf_status helper_slices_open(bf_status status, bf_buffer *bytes,
 }
 
 /// api_services.read_slice.
-static inline bf_status helper_slices_read(void *context, api_slices *slices, uint64_t at,
+static inline bf_status helper_slices_read(api_store *store, api_slices *slices, uint64_t at,
                                            size_t limit_bytes, bf_buffer *out, bf_error *err)
 {
     const bf_buffer *bytes = slices->state;
     const size_t left = bytes->n - (size_t)at;
 
-    (void)context;
+    (void)store;
     if (buffer_append(out, bytes->bytes + at, left < limit_bytes ? left : limit_bytes) == BF_OK)
         return BF_OK;
     return bf_fail(err, BF_ENOMEM, "", "out of memory");

@@ -31,11 +31,11 @@ static bf_status no_measurement(bf_error *err)
     return bf_fail(err, BF_ENOTFOUND, "", "there is no such measurement");
 }
 
-static bf_status do_add_measurement(void *context, const api_measurement *measurement,
+static bf_status do_add_measurement(api_store *store, const api_measurement *measurement,
                                     const api_curve *curve, const bf_buffer *csv,
                                     api_measurement *ret_measurement, bf_error *err)
 {
-    helper_daemon *d = context;
+    helper_daemon *d = (void *)store;
 
     if (d->refusal != BF_OK)
         return bf_fail(err, d->refusal, "", "2000 measurements are stored");
@@ -62,10 +62,10 @@ static bf_status do_add_measurement(void *context, const api_measurement *measur
     return BF_OK;
 }
 
-static bf_status do_find_measurement(void *context, const char *id,
+static bf_status do_find_measurement(api_store *store, const char *id,
                                      api_measurement *ret_measurement, bf_error *err)
 {
-    const helper_measurement *item = lookup_measurement(context, id);
+    const helper_measurement *item = lookup_measurement((void *)store, id);
 
     if (item == NULL)
         return no_measurement(err);
@@ -73,10 +73,10 @@ static bf_status do_find_measurement(void *context, const char *id,
     return BF_OK;
 }
 
-static bf_status do_list_measurements(void *context, const api_measurement_query *query,
+static bf_status do_list_measurements(api_store *store, const api_measurement_query *query,
                                       api_measurement_list *ret_list, bf_error *err)
 {
-    const helper_daemon *d = context;
+    const helper_daemon *d = (void *)store;
 
     (void)err;
     ret_list->n = 0;
@@ -94,10 +94,10 @@ static bf_status do_list_measurements(void *context, const api_measurement_query
     return BF_OK;
 }
 
-static bf_status do_read_measurement(void *context, const char *id, api_curve *ret_curve,
+static bf_status do_read_measurement(api_store *store, const char *id, api_curve *ret_curve,
                                      bf_error *err)
 {
-    const helper_measurement *item = lookup_measurement(context, id);
+    const helper_measurement *item = lookup_measurement((void *)store, id);
     api_curve curve = { .n_columns = 1 };
 
     if (item == NULL)
@@ -113,10 +113,10 @@ static bf_status do_read_measurement(void *context, const char *id, api_curve *r
     return BF_OK;
 }
 
-static bf_status do_read_measurement_csv(void *context, const char *id, bf_buffer *out,
+static bf_status do_read_measurement_csv(api_store *store, const char *id, bf_buffer *out,
                                          bf_error *err)
 {
-    helper_daemon *d = context;
+    helper_daemon *d = (void *)store;
     const helper_measurement *item = lookup_measurement(d, id);
 
     if (item == NULL)
@@ -126,9 +126,9 @@ static bf_status do_read_measurement_csv(void *context, const char *id, bf_buffe
     return buffer_append(out, item->csv, strlen(item->csv)) == BF_OK ? BF_OK : no_memory(err);
 }
 
-static bf_status do_remove_measurement(void *context, const char *id, bf_error *err)
+static bf_status do_remove_measurement(api_store *store, const char *id, bf_error *err)
 {
-    helper_measurement *item = lookup_measurement(context, id);
+    helper_measurement *item = lookup_measurement((void *)store, id);
 
     if (item == NULL)
         return no_measurement(err);

@@ -35,10 +35,10 @@ static bf_status no_memory(bf_error *err)
     return bf_fail(err, BF_ENOMEM, "", "out of memory");
 }
 
-static bf_status do_submit(void *context, const api_submission *submission,
+static bf_status do_submit(api_service *service, const api_submission *submission,
                            api_acceptance *ret_acceptance, bf_error *err)
 {
-    helper_daemon *d = context;
+    helper_daemon *d = (void *)service;
 
     if (d->refusal != BF_OK)
         return bf_fail(err, d->refusal, "", "the queue is full: 1000 runs wait");
@@ -60,9 +60,9 @@ static bf_status do_submit(void *context, const api_submission *submission,
     return BF_OK;
 }
 
-static bf_status do_find(void *context, const char *id, api_run *ret_run, bf_error *err)
+static bf_status do_find(api_service *service, const char *id, api_run *ret_run, bf_error *err)
 {
-    const helper_run *item = lookup(context, id);
+    const helper_run *item = lookup((void *)service, id);
 
     if (item == NULL)
         return no_run(err);
@@ -81,10 +81,10 @@ static bool fits(const api_run *record, const api_list_query *query)
            (query->before[0] == '\0' || strcmp(record->id, query->before) < 0);
 }
 
-static bf_status do_list(void *context, const api_list_query *query, api_run_list *ret_list,
+static bf_status do_list(api_service *service, const api_list_query *query, api_run_list *ret_list,
                          bf_error *err)
 {
-    helper_daemon *d = context;
+    helper_daemon *d = (void *)service;
 
     (void)err;
     d->last_query = *query;
@@ -120,14 +120,14 @@ static bf_status check_revision(helper_daemon *d, helper_run *item, uint64_t exp
     return bf_fail(err, BF_EINPUT, "", "the run has another revision");
 }
 
-static bf_status do_cancel(void *context, const char *id, uint64_t revision, api_run *ret_run,
+static bf_status do_cancel(api_store *store, const char *id, uint64_t revision, api_run *ret_run,
                            bf_error *err)
 {
-    helper_run *item = lookup(context, id);
+    helper_run *item = lookup((void *)store, id);
 
     if (item == NULL)
         return no_run(err);
-    bf_status status = check_revision(context, item, revision, err);
+    bf_status status = check_revision((void *)store, item, revision, err);
     if (status != BF_OK)
         return status;
     if (run_state_is_end(item->record.state))
@@ -138,14 +138,14 @@ static bf_status do_cancel(void *context, const char *id, uint64_t revision, api
     return BF_OK;
 }
 
-static bf_status do_annotate(void *context, const char *id, uint64_t revision,
+static bf_status do_annotate(api_store *store, const char *id, uint64_t revision,
                              const api_annotations *annotations, api_run *ret_run, bf_error *err)
 {
-    helper_run *item = lookup(context, id);
+    helper_run *item = lookup((void *)store, id);
 
     if (item == NULL)
         return no_run(err);
-    bf_status status = check_revision(context, item, revision, err);
+    bf_status status = check_revision((void *)store, item, revision, err);
     if (status != BF_OK)
         return status;
     memcpy(item->record.name, annotations->name, sizeof item->record.name);
@@ -156,9 +156,9 @@ static bf_status do_annotate(void *context, const char *id, uint64_t revision,
     return BF_OK;
 }
 
-static bf_status do_remove(void *context, const char *id, uint64_t revision, bf_error *err)
+static bf_status do_remove(api_service *service, const char *id, uint64_t revision, bf_error *err)
 {
-    helper_daemon *d = context;
+    helper_daemon *d = (void *)service;
     helper_run *item = lookup(d, id);
     size_t kept = 0;
 
@@ -176,10 +176,10 @@ static bf_status do_remove(void *context, const char *id, uint64_t revision, bf_
     return BF_OK;
 }
 
-static bf_status do_read_text(void *context, const char *id, api_text which, bf_buffer *out,
+static bf_status do_read_text(api_store *store, const char *id, api_text which, bf_buffer *out,
                               bf_error *err)
 {
-    const helper_run *item = lookup(context, id);
+    const helper_run *item = lookup((void *)store, id);
 
     if (item == NULL)
         return no_run(err);
@@ -194,10 +194,10 @@ static bf_status do_read_text(void *context, const char *id, api_text which, bf_
     return buffer_append(out, text, strlen(text)) == BF_OK ? BF_OK : no_memory(err);
 }
 
-static bf_status do_read_curve(void *context, const char *id, uint64_t first, uint64_t n_most,
+static bf_status do_read_curve(api_store *store, const char *id, uint64_t first, uint64_t n_most,
                                api_curve *ret_curve, bf_error *err)
 {
-    const helper_run *item = lookup(context, id);
+    const helper_run *item = lookup((void *)store, id);
     api_curve curve = { 0 };
 
     if (item == NULL)
@@ -217,10 +217,10 @@ static bf_status do_read_curve(void *context, const char *id, uint64_t first, ui
     return BF_OK;
 }
 
-static bf_status do_list_snapshots(void *context, const char *id, api_snapshot_list *ret_list,
+static bf_status do_list_snapshots(api_store *store, const char *id, api_snapshot_list *ret_list,
                                    bf_error *err)
 {
-    const helper_run *item = lookup(context, id);
+    const helper_run *item = lookup((void *)store, id);
 
     if (item == NULL)
         return no_run(err);
@@ -233,11 +233,11 @@ static bf_status do_list_snapshots(void *context, const char *id, api_snapshot_l
     return BF_OK;
 }
 
-static bf_status do_read_snapshot(void *context, const char *id, uint64_t index,
+static bf_status do_read_snapshot(api_store *store, const char *id, uint64_t index,
                                   api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
                                   bf_error *err)
 {
-    const helper_run *item = lookup(context, id);
+    const helper_run *item = lookup((void *)store, id);
 
     if (item == NULL || index >= item->record.n_snapshots)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no such snapshot");
@@ -248,11 +248,11 @@ static bf_status do_read_snapshot(void *context, const char *id, uint64_t index,
     return BF_OK;
 }
 
-static bf_status do_read_parts(void *context, const char *id, uint64_t index,
+static bf_status do_read_parts(api_store *store, const char *id, uint64_t index,
                                api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
                                bf_error *err)
 {
-    const helper_run *item = lookup(context, id);
+    const helper_run *item = lookup((void *)store, id);
     size_t n = item == NULL ? 0 : (size_t)item->parts.n_parts * item->parts.n_values;
 
     if (n == 0 || index >= item->record.n_snapshots)
@@ -264,7 +264,7 @@ static bf_status do_read_parts(void *context, const char *id, uint64_t index,
     return BF_OK;
 }
 
-static bf_status do_open_snapshot(void *context, const char *id, uint64_t index,
+static bf_status do_open_snapshot(api_store *store, const char *id, uint64_t index,
                                   api_snapshot *ret_snapshot, bf_grid *ret_grid,
                                   api_slices *ret_slices, bf_error *err)
 {
@@ -273,11 +273,10 @@ static bf_status do_open_snapshot(void *context, const char *id, uint64_t index,
     if (bytes == NULL)
         return no_memory(err);
     return helper_slices_open(
-        do_read_snapshot(context, id, index, ret_snapshot, ret_grid, bytes, err), bytes,
-        ret_slices);
+        do_read_snapshot(store, id, index, ret_snapshot, ret_grid, bytes, err), bytes, ret_slices);
 }
 
-static bf_status do_open_parts(void *context, const char *id, uint64_t index,
+static bf_status do_open_parts(api_store *store, const char *id, uint64_t index,
                                api_snapshot *ret_snapshot, api_parts *ret_parts,
                                api_slices *ret_slices, bf_error *err)
 {
@@ -285,8 +284,8 @@ static bf_status do_open_parts(void *context, const char *id, uint64_t index,
 
     if (bytes == NULL)
         return no_memory(err);
-    return helper_slices_open(
-        do_read_parts(context, id, index, ret_snapshot, ret_parts, bytes, err), bytes, ret_slices);
+    return helper_slices_open(do_read_parts(store, id, index, ret_snapshot, ret_parts, bytes, err),
+                              bytes, ret_slices);
 }
 
 static bool follows(const char (*runs)[API_ID_SIZE], size_t n_runs, const char *id)
@@ -298,11 +297,11 @@ static bool follows(const char (*runs)[API_ID_SIZE], size_t n_runs, const char *
     return false;
 }
 
-static bf_status do_read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
+static bf_status do_read_events(api_store *store, const char (*runs)[API_ID_SIZE], size_t n_runs,
                                 uint64_t after, size_t limit_bytes, api_event_fn *take,
                                 void *take_context, bf_error *err)
 {
-    const helper_daemon *d = context;
+    const helper_daemon *d = (void *)store;
     size_t given = 0;
 
     for (size_t i = 0; i < d->n_events && given < limit_bytes; i++) {
@@ -316,10 +315,10 @@ static bf_status do_read_events(void *context, const char (*runs)[API_ID_SIZE], 
     return BF_OK;
 }
 
-static bf_status do_read_changes(void *context, const char *id, api_event_fn *take,
+static bf_status do_read_changes(api_store *store, const char *id, api_event_fn *take,
                                  void *take_context, bf_error *err)
 {
-    const helper_daemon *d = context;
+    const helper_daemon *d = (void *)store;
     bf_status status = BF_OK;
 
     for (size_t i = 0; i < d->n_events && status == BF_OK; i++) {
@@ -330,47 +329,47 @@ static bf_status do_read_changes(void *context, const char *id, api_event_fn *ta
     return status;
 }
 
-static bf_status do_metrics(void *context, bool with_owners, bf_buffer *out, bf_error *err)
+static bf_status do_metrics(api_service *service, bool with_owners, bf_buffer *out, bf_error *err)
 {
     (void)with_owners;
-    (void)context;
+    (void)service;
     return buffer_printf(out, "beltflow_runs 0\n") == BF_OK ? BF_OK : no_memory(err);
 }
 
-static bool do_holds(void *context, const char *id)
+static bool do_holds(api_service *service, const char *id)
 {
-    (void)context;
+    (void)service;
     (void)id;
     return false;
 }
 
-static bool do_read_speed(void *context, prediction_speed *ret_speed)
+static bool do_read_speed(api_service *service, prediction_speed *ret_speed)
 {
-    (void)context;
+    (void)service;
     (void)ret_speed;
     return false;
 }
 
-static bf_status do_ready(void *context, bf_error *err)
+static bf_status do_ready(api_service *service, bf_error *err)
 {
-    const helper_daemon *d = context;
+    const helper_daemon *d = (void *)service;
 
     return d->refusal == BF_OK ? BF_OK : bf_fail(err, d->refusal, "", "the daemon is stopping");
 }
 
 // Nobody needs a ticket here, and gets one all the same.
-static void make_ticket(void *context, uint64_t token, api_ticket *ret_ticket)
+static void make_ticket(api_service *service, uint64_t token, api_ticket *ret_ticket)
 {
-    (void)context;
+    (void)service;
     assert_int_equal(token, 0);
     *ret_ticket = (api_ticket){ .text = "a-ticket", .expires_ms = 1767225600000 };
 }
 
 // Alice's quotas: runs without one, CPU time that is used up, bytes.
-static bf_status do_read_quotas(void *context, const char *owner, api_quotas *ret_quotas,
+static bf_status do_read_quotas(api_store *store, const char *owner, api_quotas *ret_quotas,
                                 bf_error *err)
 {
-    (void)context;
+    (void)store;
     (void)err;
     assert_string_equal(owner, "");
     *ret_quotas = (api_quotas){ .owner = "alice",
@@ -382,7 +381,8 @@ static bf_status do_read_quotas(void *context, const char *owner, api_quotas *re
 
 api_services helper_services(helper_daemon *d)
 {
-    api_services services = { .context = d,
+    api_services services = { .store = (void *)d,
+                              .service = (void *)d,
                               .make_ticket = make_ticket,
                               .submit = do_submit,
                               .read_quotas = do_read_quotas,

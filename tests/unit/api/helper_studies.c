@@ -29,10 +29,10 @@ static bf_status no_study(bf_error *err)
     return bf_fail(err, BF_ENOTFOUND, "", "there is no such study");
 }
 
-static bf_status do_submit_study(void *context, const api_study_submission *submission,
+static bf_status do_submit_study(api_service *service, const api_study_submission *submission,
                                  api_acceptance *ret_acceptance, bf_error *err)
 {
-    helper_daemon *d = context;
+    helper_daemon *d = (void *)service;
 
     if (d->refusal != BF_OK)
         return bf_fail(err, d->refusal, "", "there are 1000 studies");
@@ -51,9 +51,10 @@ static bf_status do_submit_study(void *context, const api_study_submission *subm
     return BF_OK;
 }
 
-static bf_status do_find_study(void *context, const char *id, api_study *ret_study, bf_error *err)
+static bf_status do_find_study(api_store *store, const char *id, api_study *ret_study,
+                               bf_error *err)
 {
-    const helper_study *item = lookup(context, id);
+    const helper_study *item = lookup((void *)store, id);
 
     if (item == NULL)
         return no_study(err);
@@ -61,10 +62,10 @@ static bf_status do_find_study(void *context, const char *id, api_study *ret_stu
     return BF_OK;
 }
 
-static bf_status do_list_studies(void *context, const api_study_query *query,
+static bf_status do_list_studies(api_store *store, const api_study_query *query,
                                  api_study_list *ret_list, bf_error *err)
 {
-    const helper_daemon *d = context;
+    const helper_daemon *d = (void *)store;
 
     (void)err;
     ret_list->n = 0;
@@ -95,17 +96,17 @@ static bf_status check_revision(helper_daemon *d, helper_study *item, uint64_t e
     return bf_fail(err, BF_EINPUT, "", "the study has another revision");
 }
 
-static bf_status do_change_study(void *context, const char *id, uint64_t revision,
+static bf_status do_change_study(api_service *service, const char *id, uint64_t revision,
                                  api_study_change change, api_study *ret_study, bf_error *err)
 {
     static const api_study_state to[] = { [API_STUDY_PAUSE] = API_STUDY_PAUSED,
                                           [API_STUDY_RESUME] = API_STUDY_QUEUED,
                                           [API_STUDY_CANCEL] = API_STUDY_CANCELLED };
-    helper_study *item = lookup(context, id);
+    helper_study *item = lookup((void *)service, id);
 
     if (item == NULL)
         return no_study(err);
-    bf_status status = check_revision(context, item, revision, err);
+    bf_status status = check_revision((void *)service, item, revision, err);
     if (status != BF_OK)
         return status;
     if (api_study_state_is_end(item->about.state) || item->about.state == to[change])
@@ -119,15 +120,15 @@ static bf_status do_change_study(void *context, const char *id, uint64_t revisio
     return BF_OK;
 }
 
-static bf_status do_annotate_study(void *context, const char *id, uint64_t revision,
+static bf_status do_annotate_study(api_store *store, const char *id, uint64_t revision,
                                    const api_annotations *annotations, api_study *ret_study,
                                    bf_error *err)
 {
-    helper_study *item = lookup(context, id);
+    helper_study *item = lookup((void *)store, id);
 
     if (item == NULL)
         return no_study(err);
-    bf_status status = check_revision(context, item, revision, err);
+    bf_status status = check_revision((void *)store, item, revision, err);
     if (status != BF_OK)
         return status;
     snprintf(item->about.name, sizeof item->about.name, "%.100s", annotations->name);
@@ -136,22 +137,23 @@ static bf_status do_annotate_study(void *context, const char *id, uint64_t revis
     return BF_OK;
 }
 
-static bf_status do_remove_study(void *context, const char *id, uint64_t revision, bf_error *err)
+static bf_status do_remove_study(api_service *service, const char *id, uint64_t revision,
+                                 bf_error *err)
 {
-    helper_study *item = lookup(context, id);
+    helper_study *item = lookup((void *)service, id);
 
     if (item == NULL)
         return no_study(err);
-    bf_status status = check_revision(context, item, revision, err);
+    bf_status status = check_revision((void *)service, item, revision, err);
     if (status == BF_OK)
         item->about.id[0] = '\0';
     return status;
 }
 
-static bf_status do_read_study(void *context, const char *id, api_study_text which, bf_buffer *out,
-                               bf_error *err)
+static bf_status do_read_study(api_store *store, const char *id, api_study_text which,
+                               bf_buffer *out, bf_error *err)
 {
-    const helper_study *item = lookup(context, id);
+    const helper_study *item = lookup((void *)store, id);
 
     if (item == NULL)
         return no_study(err);
@@ -164,10 +166,10 @@ static bf_status do_read_study(void *context, const char *id, api_study_text whi
     return buffer_append(out, texts[which], strlen(texts[which]));
 }
 
-static bf_status do_read_trials(void *context, const char *id, const api_trial_query *query,
+static bf_status do_read_trials(api_store *store, const char *id, const api_trial_query *query,
                                 api_trial_fn *take, void *take_context, bf_error *err)
 {
-    const helper_study *item = lookup(context, id);
+    const helper_study *item = lookup((void *)store, id);
     bf_status status = BF_OK;
     size_t n = 0;
 

@@ -68,9 +68,9 @@ static void wait_while_held(fake *f, fake_held which)
     lock_release(&f->lock);
 }
 
-static bf_status find(void *context, const char *id, api_run *ret_run, bf_error *err)
+static bf_status find(api_service *service, const char *id, api_run *ret_run, bf_error *err)
 {
-    fake *f = context;
+    fake *f = (void *)service;
 
     (void)err;
     memset(ret_run, 0, sizeof *ret_run);
@@ -89,11 +89,11 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     return BF_OK;
 }
 
-static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
+static bf_status read_events(api_store *store, const char (*runs)[API_ID_SIZE], size_t n_runs,
                              uint64_t after, size_t limit_bytes, api_event_fn *take,
                              void *take_context, bf_error *err)
 {
-    fake *f = context;
+    fake *f = (void *)store;
     bf_status status = BF_OK;
     size_t n = 0;
 
@@ -122,21 +122,21 @@ static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], siz
     return status;
 }
 
-static bf_status read_text(void *context, const char *id, api_text which, bf_buffer *out,
+static bf_status read_text(api_store *store, const char *id, api_text which, bf_buffer *out,
                            bf_error *err)
 {
-    (void)context;
+    (void)store;
     (void)id;
     (void)which;
     (void)err;
     return buffer_append(out, "{}", 2);
 }
 
-static bf_status read_curve(void *context, const char *id, uint64_t first, uint64_t n_most,
+static bf_status read_curve(api_store *store, const char *id, uint64_t first, uint64_t n_most,
                             api_curve *ret_curve, bf_error *err)
 {
     (void)n_most;
-    (void)context;
+    (void)store;
     (void)id;
     (void)first;
     (void)err;
@@ -144,10 +144,10 @@ static bf_status read_curve(void *context, const char *id, uint64_t first, uint6
     return BF_OK;
 }
 
-static bf_status list_snapshots(void *context, const char *id, api_snapshot_list *ret_list,
+static bf_status list_snapshots(api_store *store, const char *id, api_snapshot_list *ret_list,
                                 bf_error *err)
 {
-    fake *f = context;
+    fake *f = (void *)store;
     api_snapshot_list list = { .grid = { .n1 = FAKE_CELLS, .n2 = 1, .d1 = 1.0, .d2 = 1.0 } };
 
     (void)id;
@@ -164,11 +164,11 @@ static bf_status list_snapshots(void *context, const char *id, api_snapshot_list
 }
 
 // Noise does not deflate: an archive of it is as long as what is in it.
-static bf_status read_snapshot(void *context, const char *id, uint64_t index,
+static bf_status read_snapshot(api_store *store, const char *id, uint64_t index,
                                api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
                                bf_error *err)
 {
-    fake *f = context;
+    fake *f = (void *)store;
     uint32_t *cells = (uint32_t *)(void *)buffer_reserve(out, FAKE_CELLS * sizeof *cells);
     uint32_t x = (uint32_t)index;
 
@@ -188,61 +188,61 @@ static bf_status read_snapshot(void *context, const char *id, uint64_t index,
     return BF_OK;
 }
 
-static bf_status open_snapshot(void *context, const char *id, uint64_t index,
+static bf_status open_snapshot(api_store *store, const char *id, uint64_t index,
                                api_snapshot *ret_snapshot, bf_grid *ret_grid,
                                api_slices *ret_slices, bf_error *err)
 {
     bf_buffer *bytes = memory_alloc(1, sizeof *bytes);
 
     assert_non_null(bytes);
-    return helper_slices_open(read_snapshot(context, id, index, ret_snapshot, ret_grid, bytes, err),
+    return helper_slices_open(read_snapshot(store, id, index, ret_snapshot, ret_grid, bytes, err),
                               bytes, ret_slices);
 }
 
-static bf_status metrics(void *context, bool with_owners, bf_buffer *out, bf_error *err)
+static bf_status metrics(api_service *service, bool with_owners, bf_buffer *out, bf_error *err)
 {
     (void)with_owners;
-    (void)context;
+    (void)service;
     return metrics_write(out, err);
 }
 
-static bf_status ready(void *context, bf_error *err)
+static bf_status ready(api_service *service, bf_error *err)
 {
     (void)err;
-    wait_while_held(context, FAKE_HELD_READY);
+    wait_while_held((void *)service, FAKE_HELD_READY);
     return BF_OK;
 }
 
-static bool holds(void *context, const char *id)
+static bool holds(api_service *service, const char *id)
 {
-    (void)context;
+    (void)service;
     (void)id;
     return false;
 }
 
-static bool read_speed(void *context, prediction_speed *ret_speed)
+static bool read_speed(api_service *service, prediction_speed *ret_speed)
 {
-    (void)context;
+    (void)service;
     (void)ret_speed;
     return false;
 }
 
-static bf_status list(void *context, const api_list_query *query, api_run_list *ret_list,
+static bf_status list(api_service *service, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err)
 {
     (void)query;
     (void)err;
-    wait_while_held(context, FAKE_HELD_LIST);
+    wait_while_held((void *)service, FAKE_HELD_LIST);
     ret_list->n = 0;
     ret_list->has_more = false;
     return BF_OK;
 }
 
-static bf_status submit(void *context, const api_submission *submission,
+static bf_status submit(api_service *service, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err)
 {
     (void)submission;
-    wait_while_held(context, FAKE_HELD_SUBMIT);
+    wait_while_held((void *)service, FAKE_HELD_SUBMIT);
     memcpy(ret_acceptance->id, FAKE_RUN, API_ID_SIZE);
     return buffer_printf(&ret_acceptance->answer, "{\"id\":\"%s\"}", FAKE_RUN) == BF_OK
                ? BF_OK
@@ -251,7 +251,8 @@ static bf_status submit(void *context, const api_submission *submission,
 
 api_services fake_services(fake *f)
 {
-    return (api_services){ .context = f,
+    return (api_services){ .store = (void *)f,
+                           .service = (void *)f,
                            .find = find,
                            .holds = holds,
                            .read_speed = read_speed,

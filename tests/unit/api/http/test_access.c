@@ -109,9 +109,9 @@ static void scopes_are_read_as_they_are_written(void **state)
 }
 
 // A service with three tokens: "reads", "submits" and "old".
-static api_credential identify(void *context, const char *token, api_identity *ret_who)
+static api_credential identify(api_service *service, const char *token, api_identity *ret_who)
 {
-    (void)context;
+    (void)service;
     if (token == NULL)
         return API_CREDENTIAL_MISSING;
     if (strcmp(token, "old") == 0)
@@ -126,19 +126,19 @@ static api_credential identify(void *context, const char *token, api_identity *r
 }
 
 // Tokens by their numbers: 1 and 2 as above, 3 was revoked.
-static api_credential identify_by_id(void *context, uint64_t token, api_identity *ret_who)
+static api_credential identify_by_id(api_service *service, uint64_t token, api_identity *ret_who)
 {
     if (token == 3)
         return API_CREDENTIAL_REVOKED;
-    return identify(context, token == 2 ? "submits" : "reads", ret_who);
+    return identify(service, token == 2 ? "submits" : "reads", ret_who);
 }
 
 // Tickets: "good", "sent" and "gone" of tokens 1 to 3, and "late".
-static api_credential read_ticket(void *context, const char *ticket, uint64_t *ret_token)
+static api_credential read_ticket(api_service *service, const char *ticket, uint64_t *ret_token)
 {
     static const char *const known[] = { "good", "sent", "gone" };
 
-    (void)context;
+    (void)service;
     if (strcmp(ticket, "late") == 0)
         return API_CREDENTIAL_EXPIRED;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
@@ -150,9 +150,9 @@ static api_credential read_ticket(void *context, const char *ticket, uint64_t *r
     return API_CREDENTIAL_UNKNOWN;
 }
 
-static void make_ticket(void *context, uint64_t token, api_ticket *ret_ticket)
+static void make_ticket(api_service *service, uint64_t token, api_ticket *ret_ticket)
 {
-    (void)context;
+    (void)service;
     *ret_ticket = (api_ticket){ .expires_ms = 1767225600000 }; // 2026-01-01
     (void)snprintf(ret_ticket->text, sizeof ret_ticket->text, "ticket-%u", (unsigned)token);
 }

@@ -58,11 +58,11 @@ static helper_run *begin(void)
 }
 
 // A grid of 4,000 x 10,000 cells: 160 MB.
-static bf_status open_large(void *context, const char *id, uint64_t index,
+static bf_status open_large(api_store *store, const char *id, uint64_t index,
                             api_snapshot *ret_snapshot, bf_grid *ret_grid, api_slices *ret_slices,
                             bf_error *err)
 {
-    (void)context;
+    (void)store;
     (void)id;
     (void)index;
     (void)err;
@@ -72,10 +72,10 @@ static bf_status open_large(void *context, const char *id, uint64_t index,
     return BF_OK;
 }
 
-static bf_status read_zeros(void *context, api_slices *slices, uint64_t at, size_t limit_bytes,
+static bf_status read_zeros(api_store *store, api_slices *slices, uint64_t at, size_t limit_bytes,
                             bf_buffer *out, bf_error *err)
 {
-    (void)context;
+    (void)store;
     (void)err;
     assert_true(at + limit_bytes <= slices->n);
     memset(buffer_reserve(out, limit_bytes), 0, limit_bytes);
@@ -119,11 +119,11 @@ static void a_grid_too_large_for_a_whole_answer_is_not_read(void **state)
 }
 
 // With feeds each snapshot has its own number of parts: here 500,001.
-static bf_status open_many_parts(void *context, const char *id, uint64_t index,
+static bf_status open_many_parts(api_store *store, const char *id, uint64_t index,
                                  api_snapshot *ret_snapshot, api_parts *ret_parts,
                                  api_slices *ret_slices, bf_error *err)
 {
-    (void)context;
+    (void)store;
     (void)id;
     (void)err;
     *ret_snapshot = (api_snapshot){ .index = index };
@@ -148,13 +148,13 @@ static void too_many_parts_of_a_snapshot_are_not_read(void **state)
 }
 
 // 800,001 samples of four columns, with their times 4,000,005 numbers; all of them are 1.
-static bf_status read_ones(void *context, const char *id, uint64_t first, uint64_t n_most,
+static bf_status read_ones(api_store *store, const char *id, uint64_t first, uint64_t n_most,
                            api_curve *ret_curve, bf_error *err)
 {
     const uint64_t n_left = 800001 - first, n = n_left < n_most ? n_left : n_most;
     api_curve curve = { .n = (size_t)n, .n_columns = 4 };
 
-    (void)context;
+    (void)store;
     (void)id;
     (void)err;
     n_most_at_once = n > n_most_at_once ? n : n_most_at_once;

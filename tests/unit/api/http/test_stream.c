@@ -218,7 +218,7 @@ static void a_removed_run_ends_its_streams(void **state)
     helper_add_event(&d, of, API_EVENT_STATUS, "{}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
     assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_WAIT);
-    assert_int_equal(services.remove(&d, ID_1, API_ANY_REVISION, NULL), BF_OK);
+    assert_int_equal(services.remove(services.service, ID_1, API_ANY_REVISION, NULL), BF_OK);
     assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_DONE);
     buffer_fini(&out);
 }
@@ -258,11 +258,11 @@ static void an_inline_snapshot_carries_its_grid(void **state)
 // How a snapshot without a grid, one with 1 byte, ... is answered by a service of our own.
 static size_t n_grid_bytes;
 
-static bf_status read_odd_snapshot(void *context, const char *run_id, uint64_t index,
+static bf_status read_odd_snapshot(api_store *store, const char *run_id, uint64_t index,
                                    api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
                                    bf_error *err)
 {
-    (void)context;
+    (void)store;
     (void)run_id;
     (void)index;
     *ret_snapshot = (api_snapshot){ 0 };

@@ -15,13 +15,13 @@ enum { N_COLUMNS = 2 };
 
 static uint64_t n_stored; // samples
 
-static bf_status read_curve(void *context, const char *id, uint64_t first, uint64_t n_most,
+static bf_status read_curve(api_store *store, const char *id, uint64_t first, uint64_t n_most,
                             api_curve *ret_curve, bf_error *err)
 {
     const uint64_t n_left = first < n_stored ? n_stored - first : 0;
     api_curve curve = { .n = (size_t)(n_left < n_most ? n_left : n_most), .n_columns = N_COLUMNS };
 
-    (void)context;
+    (void)store;
     (void)id;
     (void)err;
     assert_int_equal(buffer_printf(&curve.columns, "upstream,left_domain"), BF_OK);

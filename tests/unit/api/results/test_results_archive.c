@@ -259,7 +259,7 @@ static void a_run_that_is_removed_meanwhile_ends_in_a_failure(void **unused)
     assert_int_equal(
         results_archive_open(&of->record, RESULTS_ARCHIVE_PLAIN, &services, &body, NULL), BF_OK);
     assert_int_equal(body.next_chunk(body.state, &services, 1, &zip, &where, NULL), BF_OK);
-    assert_int_equal(services.remove(services.context, of->record.id, API_ANY_REVISION, NULL),
+    assert_int_equal(services.remove(services.service, of->record.id, API_ANY_REVISION, NULL),
                      BF_OK);
     assert_int_equal(make_all(&body, 65536, &zip, NULL), BF_ENOTFOUND);
     body.destroy(body.state);
@@ -308,14 +308,14 @@ static void no_memory_is_said(void **unused)
 enum { N_LONG = 11333, N_COLUMNS = 352 }; // with the times 4,000,549 numbers
 
 // Samples k = 0, 1, ... at k seconds; all columns are k modulo 10.
-static bf_status read_long_curve(void *context, const char *id, uint64_t first, uint64_t n_most,
+static bf_status read_long_curve(api_store *store, const char *id, uint64_t first, uint64_t n_most,
                                  api_curve *ret_curve, bf_error *err)
 {
     const uint64_t n = N_LONG - first < n_most ? N_LONG - first : n_most;
     api_curve curve = { .n = (size_t)n, .n_columns = N_COLUMNS };
     double values[N_COLUMNS];
 
-    (void)context;
+    (void)store;
     (void)id;
     (void)err;
     for (int c = 0; c < N_COLUMNS; c++)

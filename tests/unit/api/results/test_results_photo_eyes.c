@@ -38,8 +38,8 @@ static void changes_of_photo_eyes_are_lines(void **state)
 }
 
 // A store of the changes; damaged ones where context is not NULL.
-static bf_status read_changes(void *context, const char *id, api_event_fn *take, void *take_context,
-                              bf_error *err)
+static bf_status read_changes(api_store *store, const char *id, api_event_fn *take,
+                              void *take_context, bf_error *err)
 {
     static const api_event_type types[FRAME_CHANGE_TYPE_COUNT] = { API_EVENT_EYE, API_EVENT_ACTION,
                                                                    API_EVENT_DRIVE };
@@ -49,8 +49,8 @@ static bf_status read_changes(void *context, const char *id, api_event_fn *take,
     for (uint64_t k = 0; k < N_CHANGES && status == BF_OK; k++) {
         const frame_change *c = &changes[k];
         bf_buffer data = { 0 };
-        status = context != NULL ? buffer_printf(&data, "{\"run\":1}")
-                                 : events_change(run_id, c, &data, err);
+        status = (void *)store != NULL ? buffer_printf(&data, "{\"run\":1}")
+                                       : events_change(run_id, c, &data, err);
         const api_event event = {
             .id = k + 1, .type = types[c->type], .n = data.n, .data = data.bytes
         };
@@ -109,7 +109,7 @@ static void as_many_as_a_run_keeps_may_not_be_all(void **state)
 
 static void a_damaged_event_is_reported(void **state)
 {
-    const api_services services = { .context = &(int){ 1 }, .read_changes = read_changes };
+    const api_services services = { .store = (void *)&(int){ 1 }, .read_changes = read_changes };
     results_changes read = { 0 };
 
     (void)state;

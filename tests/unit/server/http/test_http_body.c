@@ -14,9 +14,9 @@
 #define TO     "POST /v1/validate HTTP/1.1\r\n" HOST "Content-Type: application/json\r\n"
 
 // Tokens "reads" and "submits".
-static api_credential identify(void *context, const char *token, api_identity *ret_who)
+static api_credential identify(api_service *service, const char *token, api_identity *ret_who)
 {
-    (void)context;
+    (void)service;
     if (token == NULL)
         return API_CREDENTIAL_MISSING;
     const bool reads = strcmp(token, "reads") == 0;

@@ -56,7 +56,7 @@ static bf_buffer make_archive(void)
     body_source body;
     api_run of;
 
-    assert_int_equal(services.find(services.context, FAKE_RUN, &of, NULL), BF_OK);
+    assert_int_equal(services.find(services.service, FAKE_RUN, &of, NULL), BF_OK);
     assert_int_equal(results_archive_open(&of, RESULTS_ARCHIVE_PLAIN, &services, &body, NULL),
                      BF_OK);
     while (where == BODY_MORE)

@@ -364,11 +364,11 @@ static int64_t read_cpu_ns(void)
     return atomic_load(&test_cpu_ns);
 }
 
-static bf_status list_for_70_ms(void *context, const api_list_query *query, api_run_list *ret_list,
-                                bf_error *err)
+static bf_status list_for_70_ms(api_service *service, const api_list_query *query,
+                                api_run_list *ret_list, bf_error *err)
 {
     atomic_fetch_add(&test_cpu_ns, 70000000);
-    return fake_services(context).list(context, query, ret_list, err);
+    return fake_services((void *)service).list(service, query, ret_list, err);
 }
 
 static void six_requests_a_minute_and_slow_lists(http_options *options)

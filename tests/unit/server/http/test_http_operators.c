@@ -134,14 +134,14 @@ static void request_threads_that_all_hang_give_none(void **state)
 }
 
 static api_services hanging;
-static bool (*fake_holds)(void *context, const char *id);
+static bool (*fake_holds)(api_service *service, const char *id);
 
 // A thread that serves connections is made to hang by what it does itself, which must not, but does.
-static bool hang_in_holds(void *context, const char *id)
+static bool hang_in_holds(api_service *service, const char *id)
 {
     fake_hold(&server_services, FAKE_HELD_READY);
-    (void)hanging.ready(context, NULL);
-    return fake_holds(context, id);
+    (void)hanging.ready(service, NULL);
+    return fake_holds(service, id);
 }
 
 static void hanging_connections(http_options *options)
@@ -153,12 +153,13 @@ static void hanging_connections(http_options *options)
     options->n_threads = 2;
 }
 
-static bf_status hang_in_metrics(void *context, bool with_owners, bf_buffer *out, bf_error *err)
+static bf_status hang_in_metrics(api_service *service, bool with_owners, bf_buffer *out,
+                                 bf_error *err)
 {
     (void)with_owners;
     (void)out;
     fake_hold(&server_services, FAKE_HELD_READY);
-    return hanging.ready(context, err);
+    return hanging.ready(service, err);
 }
 
 static void hanging_metrics(http_options *options)
