@@ -4,6 +4,13 @@
 
 #define OF(scope_, models_) .scope = FIGURE_OF_##scope_, .models = FIGURE_BY_##models_
 
+#define INTERVAL_NEEDS                                                                             \
+    "Where the run, or its warm-up, is too short for such an interval: about how long it has to "  \
+    "be"
+#define FLOW_INTERVAL                                                                              \
+    "Half the width of the 95 % confidence interval of this flow in the long run, as of the "      \
+    "throughput and where that has one; its share of that of the throughput at least"
+
 const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_THROUGHPUT] = { "throughput_per_h", NULL, "parts/h",
                             "Parts that left the domain after the warm-up, by the time since then",
@@ -13,10 +20,7 @@ const figure figure_table[FIGURE_COUNT] = {
                                   "throughput in the long run, by batch means; absent where "
                                   "nothing is left to chance, or nothing can be said",
                                   OF(RUN, PARTS) },
-    [FIGURE_THROUGHPUT_NEEDS] = { "throughput_needs_s", NULL, "s",
-                                  "Where the run, or its warm-up, is too short for such an "
-                                  "interval: about how long it has to be",
-                                  OF(RUN, PARTS) },
+    [FIGURE_THROUGHPUT_NEEDS] = { "throughput_needs_s", NULL, "s", INTERVAL_NEEDS, OF(RUN, PARTS) },
     [FIGURE_STEADY_AT] = { "steady_at_s", NULL, "s",
                            "First time at which the throughput was known to `steady_precision` of "
                            "itself: by half the width of its interval, or where nothing is left "
@@ -122,15 +126,9 @@ const figure figure_table[FIGURE_COUNT] = {
                       "comes back has not left, but of a density counts again; what falls off the "
                       "belts does not",
                       OF(COUNTER, BOTH_FED) },
-    [FIGURE_FLOW_ERROR] = { "flow_error_per_h", NULL, "parts/h",
-                            "Half the width of the 95 % confidence interval of this flow in the "
-                            "long run, as of the throughput and where that has one; its share of "
-                            "that of the throughput at least",
+    [FIGURE_FLOW_ERROR] = { "flow_error_per_h", NULL, "parts/h", FLOW_INTERVAL,
                             OF(COUNTER, PARTS) },
-    [FIGURE_FLOW_NEEDS] = { "flow_needs_s", NULL, "s",
-                            "Where the run, or its warm-up, is too short for such an interval: "
-                            "about how long it has to be",
-                            OF(COUNTER, PARTS) },
+    [FIGURE_FLOW_NEEDS] = { "flow_needs_s", NULL, "s", INTERVAL_NEEDS, OF(COUNTER, PARTS) },
     [FIGURE_GAP_MIN] = { "gap_m", "min", "m",
                          "Smallest gap between parts that pass the beam: what the belt moved "
                          "between the end of one interruption and the start of the next",
@@ -154,15 +152,9 @@ const figure figure_table[FIGURE_COUNT] = {
                          "Parts that left the domain from the belt after the warm-up, by the time "
                          "since then",
                          OF(OUTLET, BOTH) },
-    [FIGURE_OUTFLOW_ERROR] = { "outflow_error_per_h", NULL, "parts/h",
-                               "Half the width of the 95 % confidence interval of this flow in the "
-                               "long run, as of the throughput and where that has one; its share "
-                               "of that of the throughput at least",
+    [FIGURE_OUTFLOW_ERROR] = { "outflow_error_per_h", NULL, "parts/h", FLOW_INTERVAL,
                                OF(OUTLET, PARTS) },
-    [FIGURE_OUTFLOW_NEEDS] = { "outflow_needs_s", NULL, "s",
-                               "Where the run, or its warm-up, is too short for such an interval: "
-                               "about how long it has to be",
-                               OF(OUTLET, PARTS) },
+    [FIGURE_OUTFLOW_NEEDS] = { "outflow_needs_s", NULL, "s", INTERVAL_NEEDS, OF(OUTLET, PARTS) },
 };
 
 figure_id figure_first(figure_scope scope)

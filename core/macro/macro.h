@@ -135,6 +135,9 @@ void macro_speeds(const macro_solver *s, size_t row, double *ret_speeds);
 /// nearly what the density moved by. 0 without tracers, and before the first step.
 double macro_flux(const macro_solver *s, size_t i, size_t j, scene_side side);
 
+/// How many steps one flux stands for: the first of every so many that are made.
+uint64_t macro_flux_steps(const macro_solver *s);
+
 /// True if what is in a cell falls.
 bool macro_is_off(const macro_solver *s, size_t cell);
 

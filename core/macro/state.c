@@ -234,6 +234,13 @@ bf_status macro_check(const macro_solver *s, bf_error *err)
                    (unsigned long long)s->steps, macro_time(s));
 }
 
+// With the closure congested, for a cell or two of way. With the other one cargo disperses in every second step or so, and steps
+// that were left out would choose among them.
+uint64_t macro_flux_steps(const macro_solver *s)
+{
+    return s->congested != NULL ? 4 : 1;
+}
+
 uint64_t macro_steps(const macro_solver *s)
 {
     return s->steps;

@@ -7,10 +7,6 @@
 
 enum { MOST_CELLS = 16 }; // that a tracer enters in one move
 
-// From move to move with the closure congested, for a cell or two of way. With the other one cargo disperses in every second
-// step or so, and steps that were left out would choose among them.
-enum { STEPS_OF_MOVE = 4 };
-
 static const double golden_ratio = 0.61803398874989485;
 // Off a face without velocity, from which a tracer would come away only after any time.
 static const double closed_margin = 0.02;
@@ -293,12 +289,12 @@ static double move(const macro_solver *s, macro_tracer *t, double left)
 void tracers_follow(macro_solver *s)
 {
     tracers *t = s->tracers;
-    const int n_steps = s->congested != NULL ? STEPS_OF_MOVE : 1;
-    const double now = macro_time(s), all = n_steps * s->def.dt;
+    const uint64_t n_steps = macro_flux_steps(s);
+    const double now = macro_time(s), all = (double)n_steps * s->def.dt;
     const uint64_t n = t->state.n;
 
     t->n_exits = 0;
-    if (s->steps % (uint64_t)n_steps != 0)
+    if (s->steps % n_steps != 0)
         return;
     t->state.n = 0;
     for (uint64_t k = 0; k < n; k++) {

@@ -12,7 +12,6 @@
 
 enum {
     MAGIC = 0x31464642, // "BFF1"
-    HEADER_BYTES = 16,  // magic, type, length
     TYPE_AT = 4,        // of the type in the header
     LENGTH_AT = 8,      // of the length
     DIGEST_BYTES = 8,   // at the end
@@ -204,7 +203,7 @@ static uint64_t size_of_field(const frame *f, const field *k)
 // Room for the whole frame, so that a large one is not moved while it is written.
 static bf_status reserve_frame(const frame *f, bf_buffer *out)
 {
-    uint64_t n = HEADER_BYTES + ALIGNMENT + DIGEST_BYTES;
+    uint64_t n = FRAME_HEADER_BYTES + ALIGNMENT + DIGEST_BYTES;
 
     for (const field *k = fields_of[f->type]; k->kind != FIELD_END; k++)
         n += size_of_field(f, k);
@@ -224,7 +223,7 @@ bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err)
     for (const field *k = fields_of[f->type]; status == BF_OK && k->kind != FIELD_END; k++)
         status = put_field(f, k, out);
     if (status == BF_OK) {
-        const uint64_t n_payload = out->n - start - HEADER_BYTES;
+        const uint64_t n_payload = out->n - start - FRAME_HEADER_BYTES;
         memcpy(out->bytes + start + LENGTH_AT, &n_payload, sizeof n_payload);
         status = buffer_append(out, padding, (size_t)(-n_payload % ALIGNMENT));
     }
@@ -303,16 +302,15 @@ static bf_status read_header(const char *bytes, frame_type *ret_type, uint64_t *
                        (unsigned long long)n, (unsigned long long)FRAME_PAYLOAD_MAX);
     *ret_type = (frame_type)type;
     *ret_n_payload = n;
-    *ret_length = HEADER_BYTES + (n + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + DIGEST_BYTES;
+    *ret_length = FRAME_HEADER_BYTES + (n + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + DIGEST_BYTES;
     return BF_OK;
 }
 
-uint64_t frame_length(const void *bytes, size_t n)
+uint64_t frame_length(const void *bytes, size_t n, frame_type *ret_type)
 {
     uint64_t n_payload, length = 0;
-    frame_type type;
 
-    if (n < HEADER_BYTES || read_header(bytes, &type, &n_payload, &length, NULL) != BF_OK)
+    if (n < FRAME_HEADER_BYTES || read_header(bytes, ret_type, &n_payload, &length, NULL) != BF_OK)
         return 0;
     return length;
 }
@@ -336,12 +334,12 @@ static bf_status read_payload(const char *bytes, uint64_t n, frame *f, bf_error 
 bf_status frame_decode(const void *bytes, size_t n, frame *ret_frame, size_t *ret_used,
                        bf_error *err)
 {
-    uint64_t n_payload = 0, length = HEADER_BYTES, digest;
+    uint64_t n_payload = 0, length = FRAME_HEADER_BYTES, digest;
     frame f = { 0 };
     bf_status status = BF_OK;
 
     BF_CHECK((uintptr_t)bytes % ALIGNMENT == 0);
-    if (n >= HEADER_BYTES)
+    if (n >= FRAME_HEADER_BYTES)
         status = read_header(bytes, &f.type, &n_payload, &length, err);
     if (status != BF_OK)
         return status;
@@ -352,7 +350,7 @@ bf_status frame_decode(const void *bytes, size_t n, frame *ret_frame, size_t *re
     memcpy(&digest, (const char *)bytes + length - DIGEST_BYTES, sizeof digest);
     if (digest != digest_add(DIGEST_START, bytes, (size_t)length - DIGEST_BYTES))
         return bf_fail(err, BF_ECORRUPT, "", "a frame of type %d is damaged", (int)f.type);
-    status = read_payload((const char *)bytes + HEADER_BYTES, n_payload, &f, err);
+    status = read_payload((const char *)bytes + FRAME_HEADER_BYTES, n_payload, &f, err);
     if (status != BF_OK)
         return status;
     *ret_frame = f;

@@ -41,9 +41,10 @@ typedef enum frame_type {
     FRAME_TYPE_COUNT
 } frame_type;
 
-/// Longest payload, and longest array, that a reader accepts; and every slice but the last of an array, bytes.
-#define FRAME_PAYLOAD_MAX (UINT64_C(1) << 32)
-#define FRAME_SLICE_BYTES 131072
+/// Bytes of the longest payload, and array, that a reader accepts; of every slice but the last of an array; before a payload.
+#define FRAME_PAYLOAD_MAX  (UINT64_C(1) << 32)
+#define FRAME_SLICE_BYTES  131072
+#define FRAME_HEADER_BYTES 16
 
 /// The job.
 typedef struct frame_job {
@@ -234,15 +235,14 @@ typedef struct frame {
 /// Bytes of the array of a snapshot or of parts; 0 for other frames, UINT64_MAX: more than FRAME_PAYLOAD_MAX.
 uint64_t frame_array_bytes(const frame *f);
 
-/// The slice of a frame's array that begins at byte `at`, to be written before the frame; its bytes are borrowed. False:
-/// the array ends there.
+/// The slice of a frame's array that begins at byte `at`, written before the frame; its bytes are borrowed. False: none does.
 bool frame_slice_at(const frame *f, uint64_t at, frame *ret_slice);
 
 /// Append the bytes of a frame to *out, but for an array's. BF_ENOMEM: *out is as before.
 BF_MUST_CHECK bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err);
 
-/// Bytes of the whole frame that the n bytes begin with, as its header says; 0: the header is not complete, or of no frame.
-uint64_t frame_length(const void *bytes, size_t n);
+/// Bytes of the whole frame that the n bytes begin with, and its type; 0: its header is not complete, or of no frame.
+uint64_t frame_length(const void *bytes, size_t n, frame_type *ret_type);
 
 /// Decode the frame at the start of the n bytes. *ret_used = 0: they end inside the frame, more are needed; else its length.
 /// Pointers in *ret_frame point into bytes, which must be aligned to 8. BF_ECORRUPT: not a frame, damaged, or too long.

@@ -5,8 +5,6 @@
 
 #include <math.h>
 
-enum { STEPS_OF_CONGESTED = 4 };
-
 // Of a counter; since the last sample but for content, fallen and left.
 typedef struct counter_flow {
     double content; // at the last sample
@@ -28,7 +26,6 @@ struct macro_flows {
     const uint16_t *belt_of;
     bf_grid grid;
     double packing; // parts/m2 at density 1
-    uint64_t n_steps;
     size_t n_outlets;
     double left; // the domain until the last sample
     counter_cells cells[SCENE_COUNTERS_MAX];
@@ -49,7 +46,6 @@ bf_status macro_flows_create(const scene *s, const macro_solver *solver, const u
     f->belt_of = belt_of;
     f->grid = scene_grid(s);
     f->packing = scene_packing_density(s);
-    f->n_steps = s->macro.closure == SCENE_CONGESTED ? STEPS_OF_CONGESTED : 1;
     f->n_outlets = figure_items(s, FIGURE_OF_OUTLET);
     for (size_t k = 0; k <= s->n_belts; k++)
         f->outlet_of[k] = figure_outlet(s, k);
@@ -69,11 +65,11 @@ macro_flows *macro_flows_destroy(macro_flows *f)
     return NULL;
 }
 
-// What leaves a cell over a side in the steps that one stands for.
+// What leaves a cell over a side in the steps that a flux stands for.
 static double over(const macro_flows *f, size_t i, size_t j, scene_side side)
 {
     const double edge = side == SCENE_WEST || side == SCENE_EAST ? f->grid.d2 : f->grid.d1;
-    const double dt = (double)f->n_steps * scene_macro_step(f->scene);
+    const double dt = (double)macro_flux_steps(f->solver) * scene_macro_step(f->scene);
 
     return macro_flux(f->solver, i, j, side) * edge * dt * f->packing;
 }
@@ -131,7 +127,7 @@ static void follow_outlets(macro_flows *f)
 
 void macro_flows_follow(macro_flows *f)
 {
-    if (macro_steps(f->solver) % f->n_steps != 0)
+    if (macro_steps(f->solver) % macro_flux_steps(f->solver) != 0)
         return;
     for (size_t k = 0; k < f->scene->n_counters; k++)
         follow_counter(f, k);

@@ -16,7 +16,6 @@
 enum {
     CHECKS_MAX = 16,               // at a time: each keeps the input of its run
     FRAME_BYTES_MAX = 1024 * 1024, // of a frame that is compared
-    FRAME_HEADER_BYTES = 16,       // magic, type, length
     PATIENCE = 4,                  // the second one may take so many times as long as the first
 };
 
@@ -42,7 +41,7 @@ struct pull__check {
     int64_t until_ms;                 // of a repetition: then it is given up
 };
 
-static bool is_compared(uint32_t type)
+static bool is_compared(frame_type type)
 {
     return type == FRAME_CURVE || type == FRAME_SNAPSHOT || type == FRAME_PARTS ||
            type == FRAME_SLICE || type == FRAME_CHANGE || type == FRAME_END;
@@ -86,12 +85,11 @@ static void note_frame(pull__check *c, const char *bytes, size_t n)
 // The frame at the start of n bytes; how many of them are done with. 0: more must come.
 static size_t take_frame(pull__check *c, const char *bytes, size_t n)
 {
-    uint32_t type;
+    frame_type type = FRAME_TYPE_COUNT;
 
     if (n < FRAME_HEADER_BYTES)
         return 0;
-    const uint64_t length = frame_length(bytes, n);
-    memcpy(&type, bytes + 4, sizeof type);
+    const uint64_t length = frame_length(bytes, n, &type);
     c->is_damaged |= length == 0 || (is_compared(type) && length > FRAME_BYTES_MAX);
     if (c->is_damaged || (is_compared(type) && length > n))
         return 0;

@@ -301,24 +301,16 @@ static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *er
     }
 }
 
-// The type stands behind the magic.
-static bool is_checkpoint(const void *header)
-{
-    uint32_t type;
-
-    memcpy(&type, (const char *)header + sizeof type, sizeof type);
-    return type == FRAME_CHECKPOINT;
-}
-
 // The frame that has begun at n_decoded may be as long as its header says.
 static bf_status check_length(const supervisor__task *task, bf_error *err)
 {
     const char *header = task->output.bytes + task->n_decoded;
     const size_t n = task->output.n - task->n_decoded;
-    const uint64_t length = n == 0 ? 0 : frame_length(header, n);
+    frame_type type = FRAME_TYPE_COUNT;
+    const uint64_t length = n == 0 ? 0 : frame_length(header, n, &type);
 
     if (length <= FRAME_BYTES_MAX || !supervisor__has_workers(task->supervisor) ||
-        (length <= CHECKPOINT_BYTES_MAX && is_checkpoint(header)))
+        (length <= CHECKPOINT_BYTES_MAX && type == FRAME_CHECKPOINT))
         return BF_OK;
     return bf_fail(err, BF_ECORRUPT, "", "a frame would have %llu bytes",
                    (unsigned long long)length);
@@ -354,7 +346,8 @@ static bf_status take_frames(supervisor__task *task, bf_error *err)
 static bf_status reserve_rest(supervisor__task *task, bf_error *err)
 {
     bf_buffer *output = &task->output;
-    const uint64_t length = output->n == 0 ? 0 : frame_length(output->bytes, output->n);
+    frame_type type;
+    const uint64_t length = output->n == 0 ? 0 : frame_length(output->bytes, output->n, &type);
 
     if (length > output->n && buffer_reserve(output, length - output->n + READ_CHUNK) == NULL)
         return fail_memory(err);

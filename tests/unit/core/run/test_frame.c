@@ -77,14 +77,16 @@ static void every_frame_comes_back_as_it_was(void **state)
     frame frames[FRAME_TYPE_COUNT], f;
     bf_buffer bytes = { 0 };
     size_t n = make_frames(frames), at = 0, used;
+    frame_type type = FRAME_TYPE_COUNT;
     assert_int_equal(n, FRAME_TYPE_COUNT - 1);
     encode_all(&bytes);
     for (size_t k = 0; k < n; k++) {
         assert_int_equal(frame_decode(bytes.bytes + at, bytes.n - at, &f, &used, NULL), BF_OK);
         assert_int_equal(used % 8, 0);
-        assert_int_equal(frame_length(bytes.bytes + at, 16), used);
-        assert_int_equal(frame_length(bytes.bytes + at, 15), 0);
-        assert_int_equal(frame_length(bytes.bytes + at + 8, 16), 0);
+        assert_int_equal(frame_length(bytes.bytes + at, 16, &type), used);
+        assert_int_equal(type, frames[k].type);
+        assert_int_equal(frame_length(bytes.bytes + at, 15, &type), 0);
+        assert_int_equal(frame_length(bytes.bytes + at + 8, 16, &type), 0);
         assert_same(&f, &frames[k]);
         at += used;
     }
