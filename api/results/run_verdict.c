@@ -102,9 +102,9 @@ static void say_missing(const run_verdict_subject *of, double offered_per_h, dou
     char number[VERDICT_NUMBER_SIZE];
 
     verdict *v = verdict_add(all, is_filling ? "belt_fills" : "queue_grows");
-    verdict_say(v, "Through get ");
     say_rate(v, of);
-    verdict_say(v, " of %s offered, and ", verdict_number(offered_per_h, (double)NAN, number));
+    verdict_say(v, " of %s offered get through, and ",
+                verdict_number(offered_per_h, (double)NAN, number));
     if (waiting >= waiting_least)
         verdict_say(v,
                     "%s parts wait at the inlet: ", verdict_number(waiting, (double)NAN, number));
@@ -156,10 +156,11 @@ static bf_status say_limited(const run_verdict_subject *of, size_t k, double off
     else
         verdict_say(v,
                     "The inlet '%s' does not take what is offered, though no queue comes up to "
-                    "it; through get ",
+                    "it: ",
                     feed->id);
     say_rate(v, of);
-    verdict_say(v, " of %s offered. ", verdict_number(offered_per_h, (double)NAN, offered));
+    verdict_say(v, " of %s offered get through. ",
+                verdict_number(offered_per_h, (double)NAN, offered));
     verdict_say(v, "%s of %s parts have not entered by the end.",
                 verdict_number(kept_out(of, k), (double)NAN, out),
                 verdict_number(value_of(of, FIGURE_OFFERED, k), (double)NAN, offered));

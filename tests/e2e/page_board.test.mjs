@@ -20,6 +20,7 @@ test("a line is made from nothing, without JSON, and solved in both models", asy
   await page.getByLabel("Goods").selectOption("pet-500");
   await page.getByLabel("Line, along x").fill("1.5");
   await page.getByLabel("Line, along y").fill("0.5");
+  await page.getByLabel("Warm-up").fill("0");
   await page.getByLabel("Duration").fill("1");
   await page.getByRole("button", { name: "+ Deflector" }).click();
   const thing = page.getByRole("region", { name: "What is chosen" });

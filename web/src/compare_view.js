@@ -84,8 +84,8 @@ export class CompareView {
     if (this.runs.length === 1) lost.push(h("p", { class: "notice" }, "Add another run to compare it with this one."));
     this.curves = new CompareCurves({ runs: this.runs, titles: this.titles, query: this.query,
       onSeek: (t) => this.cinema.player.seek(t), onChange: () => this.measure() });
-    this.verdicts = verdictPanel();
-    return [head, ...lost, this.verdicts, h("div", { class: "compare-main" },
+    this.overview = verdictPanel();
+    return [head, ...lost, this.overview, h("div", { class: "compare-main" },
       h("div", { class: "panels", data: { n: String(panels.length) } }, panels), h("div", { class: "compare-side" }, this.controlsCard(), this.curves.element)),
       ...(this.cards = this.tables())];
   }
@@ -96,7 +96,7 @@ export class CompareView {
     const names = new Set(this.runs.map(({ run }) => nameOf(run)));
     const [words, name] = [this.titles.join("; "), [...names][0]];
     saveReport({ title: names.size > 1 || words.includes(name) ? words : `${name}: ${words}`, name: `${fileNameOf("comparison", ...this.titles)}.html`,
-      pieces: [this.verdicts, scene.stages.length > 0 ? drawPicture(scene) : null, this.curves.element, ...this.cards] });
+      pieces: [this.overview, scene.stages.length > 0 ? drawPicture(scene) : null, this.curves.element, ...this.cards] });
   }
 
   invitation() {
@@ -189,8 +189,8 @@ export class CompareView {
     const answer = await getJson(`v1/compare?${new URLSearchParams({ runs: runs.map(({ id }) => id).join(","), reference: runs[reference].id, densities: 0 })}`)
       .catch(() => null);
     if (this.isGone || reference !== this.reference || answer === null) return;
-    this.verdicts.hidden = false;
-    this.verdicts.replaceChildren(...answer.pairs.map(({ b, verdicts }) => {
+    this.overview.hidden = false;
+    this.overview.replaceChildren(...answer.pairs.map(({ b, verdicts }) => {
       const k = runs.findIndex(({ id }) => id === b);
       return h("div", {}, runs.length > 2 ? h("strong", {}, this.markOf(k), this.titles[k]) : null, verdictLines(verdicts));
     }));

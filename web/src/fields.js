@@ -3,7 +3,7 @@
 // the solvers are folded away.
 
 import { goodsFields } from "./goods.js";
-import { readNumber } from "./numbers.js";
+import { limitFault, readNumber } from "./numbers.js";
 import { angleOf, plateOf, tidy, turnedTo, withPlate } from "./plate.js";
 
 const LEAST_DEGREES = 10;
@@ -116,11 +116,7 @@ export function faultOf(field, text) {
   if (field.choices) return "";
   if (text.trim() === "") return field.auto ? "" : "must be given";
   const { value, fault } = readNumber(text);
-  if (fault) return fault;
-  if (field.above !== undefined && !(value > field.above)) return `must be greater than ${field.above}`;
-  if (field.least !== undefined && value < field.least) return `must be at least ${field.least}`;
-  if (field.most !== undefined && value > field.most) return `must be at most ${field.most}`;
-  return "";
+  return fault || limitFault(field, value);
 }
 
 // The limits of a field in words.

@@ -27,6 +27,13 @@ export function readNumber(text, hasComma = usesComma()) {
   return { value: NaN, fault: `may mean ${value} or ${other}: write ${[value, other].map((one) => writeNumber(one, true)).join(" or ")}` };
 }
 
+// What is wrong with a number that has these limits, or "".
+export function limitFault({ above, least, most }, value) {
+  if (above !== undefined && !(value > above)) return `must be greater than ${writeNumber(above)}`;
+  if (least !== undefined && value < least) return `must be at least ${writeNumber(least)}`;
+  return most !== undefined && value > most ? `must be at most ${writeNumber(most)}` : "";
+}
+
 // A text that readNumber() reads as this value.
 export function writeNumber(value, hasComma = usesComma()) {
   const text = String(value);

@@ -64,8 +64,8 @@ export class RunView {
     this.figures = new KeyFiguresPanel();
     this.strip = new KeyStrip();
     this.summary = h("div", {}, summaryPanel(data));
-    this.says = verdictPanel();
-    return [this.head(), this.says, this.strip.element, h("div", { class: "watch" },
+    this.overview = verdictPanel();
+    return [this.head(), this.overview, this.strip.element, h("div", { class: "watch" },
       h("div", {}, this.animation(), this.figures.element, this.summary, scenarioPanel(data)),
       h("div", {}, this.curveCard = this.curve(), this.downloads.element))];
   }
@@ -116,7 +116,7 @@ export class RunView {
   report() {
     const scene = this.controls.scene();
     saveReport({ title: this.title, name: `${fileNameOf(this.title, this.data.run.model)}.html`,
-      pieces: [this.says, this.strip.element, scene.stages.length > 0 ? drawPicture(scene) : null, this.curveCard, this.figures.element, this.summary] });
+      pieces: [this.overview, this.strip.element, scene.stages.length > 0 ? drawPicture(scene) : null, this.curveCard, this.figures.element, this.summary] });
   }
 
   animation() {
@@ -203,8 +203,8 @@ export class RunView {
   }
 
   showFigures() {
-    this.says.replaceChildren(...verdictLines(this.data.summary?.verdicts));
-    this.says.hidden = this.says.childElementCount === 0;
+    this.overview.replaceChildren(...verdictLines(this.data.summary?.verdicts));
+    this.overview.hidden = this.overview.childElementCount === 0;
     this.strip.show(this.data);
     this.figures.show(this.data.figures, isFed(this.data.scenario));
   }

@@ -26,15 +26,11 @@ export function saveLine(line) {
   write([{ ...line, saved_at: new Date().toISOString() }, ...others].slice(0, MOST));
 }
 
-export function forgetLine(id) {
-  write(savedLines().filter((line) => line.id !== id));
-}
-
 export const newLineId = () => `${Date.now().toString(36)}${Math.floor(Math.random() * 1e6).toString(36)}`;
 
 // Where one's own line begins: a belt, cans and a feed of them.
 export const blankLine = {
-  name: "My line", duration_s: 30, domain: { x_m: [0, 2], y_m: [0, 0.6] },
+  name: "My line", duration_s: 60, warmup_s: 15, domain: { x_m: [0, 2], y_m: [0, 0.6] },
   belts: [{ id: "belt-1", velocity_m_s: [0.4, 0] }],
   cargo: { goods: "can-330" },
   feeds: [{ id: "feed-1", edge: "west", rate_per_s: 5, arrivals: "poisson" }],

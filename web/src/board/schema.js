@@ -1,6 +1,8 @@
 // What a scenario may have, as the description of the API has it: members, their kinds, limits, units and defaults. Forms follow
 // from it, so that a member that the server learns needs nothing here.
 
+import { limitFault } from "../numbers.js";
+
 let schemas = null;
 
 export async function loadSchemas() {
@@ -70,9 +72,6 @@ export function labelOf(member) {
 }
 
 // What is wrong with a number by itself, or "".
-export function faultOfNumber({ schema: { minimum, maximum, exclusiveMinimum: above, type } }, value) {
-  if (above !== undefined && value <= above) return `must be greater than ${above}`;
-  if (minimum !== undefined && value < minimum) return `must be at least ${minimum}`;
-  if (maximum !== undefined && value > maximum) return `must be at most ${maximum}`;
-  return type === "integer" && !Number.isInteger(value) ? "must be a whole number" : "";
+export function faultOfNumber({ schema: { minimum: least, maximum: most, exclusiveMinimum: above, type } }, value) {
+  return limitFault({ above, least, most }, value) || (type === "integer" && !Number.isInteger(value) ? "must be a whole number" : "");
 }
