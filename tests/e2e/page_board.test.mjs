@@ -203,3 +203,38 @@ test("a run is renamed and noted on, and its address and the list say so", async
   const { name, label, notes } = (await d.get(`/v1/runs/${run.id}`)).json;
   assert.deepEqual([name, label, notes], ["hall 2, monday", "", "plate as built"]);
 });
+
+test("the line as a whole has a form: a mix of kinds, which feeds name, and its edges", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?blank=1");
+  await page.getByText("Ready:").waitFor();
+  await page.getByRole("button", { name: "Line My line" }).click();
+  const chosen = page.getByRole("region", { name: "What is chosen" });
+  await chosen.getByRole("heading", { name: "The line" }).waitFor();
+  await chosen.getByRole("button", { name: "A mix of several" }).click();
+  await chosen.getByRole("button", { name: "Add one" }).click();
+  await chosen.getByLabel("Goods").nth(1).selectOption("can-500");
+  await chosen.getByLabel("Id").first().fill("cans");
+  await chosen.locator("summary").click();
+  await chosen.getByRole("button", { name: "Give edges" }).click();
+  await chosen.getByLabel("South").selectOption("outflow");
+  await assertAccessible(page);
+
+  await page.getByRole("button", { name: "Feed feed-1" }).click();
+  await chosen.locator("summary").click();
+  await chosen.getByRole("button", { name: "Give cargo" }).click();
+  await chosen.getByLabel("Kind").selectOption("cargo-2");
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+  const { cargo, edges, feeds } = await scenarioIn(page);
+  assert.deepEqual(cargo, [{ goods: "can-330", id: "cans" }, { goods: "can-500" }]);
+  assert.deepEqual(edges, { south: "outflow" });
+  assert.deepEqual(feeds[0].cargo, [{ kind: "cargo-2" }]);
+
+  // A feed goes on naming a kind that gets another id.
+  await chosen.getByLabel("Kind").selectOption("cans");
+  await page.getByRole("button", { name: "Line My line" }).click();
+  await chosen.getByLabel("Id").first().fill("cola");
+  assert.deepEqual((await scenarioIn(page)).feeds[0].cargo, [{ kind: "cola" }]);
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+});

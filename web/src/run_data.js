@@ -6,6 +6,7 @@ import { cargoOf } from "./cargo.js";
 import { applyToRun } from "./events.js";
 
 const LATER_MS = 2000;
+const BUSY = [429, 503]; // asked again later
 
 // Values from an index on; what stood there is gone.
 function replaceFrom(list, first, values) {
@@ -67,7 +68,7 @@ export class RunData {
       this.summary = await getJson(paths.of(this.id, "summary"));
       this.figures = this.summary.key_figures ?? this.figures;
     } catch (error) {
-      if ([429, 503].includes(error.status)) setTimeout(() => this.loadSummary(), LATER_MS);
+      if (BUSY.includes(error.status)) setTimeout(() => this.loadSummary(), LATER_MS);
       else if (![0, 404, 409].includes(error.status)) throw error;
     }
     this.onChange("summary");
@@ -111,7 +112,8 @@ export class RunData {
       this.onChange("run");
       if (isOver(this.run)) await this.loadResults();
     } catch (error) {
-      if (error.status !== 0) throw error; // away again
+      if (BUSY.includes(error.status)) setTimeout(() => this.refresh(), LATER_MS);
+      else if (error.status !== 0) throw error; // away again
     }
   }
 

@@ -2,17 +2,22 @@
 // doubled, mirrored, turned and deleted. `stand` and `thing` are its two elements.
 
 import { h, setText } from "../dom.js";
-import { listsOf } from "./schema.js";
+import { listsOf, schemaOfLine } from "./schema.js";
 import { freshId, idsOf, kindOf, middleOf, mirrored, movedBy, nameOfThing, rename, turned } from "./things.js";
-import { ThingForm } from "./thing_form.js";
+import { ThingForm, valueAt } from "./thing_form.js";
 
+const LINE = { list: "" }; // the line as a whole, without what stands on it
+const BESIDE = ["name", "duration_s", "domain", "warmup_s"]; // the form beside the board has these
 const ASIDE_M = 0.1; // how far a double stands from what it was made of
+
+const inWords = (faults) => faults.map(({ detail }) => detail).join("; ");
 
 export class Board {
   // onChange(set, what): the scenario is changed by set(scenario), at the box that is named; onChoose(): another thing is chosen; onFault(): a box has a fault.
   constructor({ onChange, onChoose, onFault }) {
     Object.assign(this, { onChange, onChoose, chosen: null, errors: [], scenario: null, resolved: null });
     this.lists = listsOf();
+    this.lineSchema = schemaOfLine(BESIDE);
     this.form = new ThingForm({ onChange: (edit, path) => this.edit(edit, path), onFault, ids: (list) => this.ids(list) });
     this.palette = h("div", { class: "palette", role: "group", "aria-label": "Add" });
     this.list = h("ul", { class: "things" });
@@ -34,10 +39,14 @@ export class Board {
     if (!this.isShown) this.chosen = null;
     this.thing.hidden = this.chosen === null;
     if (!this.isShown) return;
-    if (this.chosen && !scenario[this.chosen.list]?.[this.chosen.k]) this.chosen = null;
+    if (this.chosen && !this.chosenIn(scenario)) this.chosen = null;
     this.showPalette();
     this.showList();
     this.showThing();
+  }
+
+  chosenIn(scenario) {
+    return this.chosen.list === LINE.list ? scenario : scenario[this.chosen.list]?.[this.chosen.k];
   }
 
   choose(list, k) {
@@ -74,7 +83,7 @@ export class Board {
 
   // Elements stay while they say the same: an answer of the server that comes during a press must not take the button away.
   showList() {
-    const rows = this.lists.flatMap((one) => (this.scenario[one.list] ?? []).map((_, k) => this.rowOf(one, k)));
+    const rows = [this.rowOfLine(), ...this.lists.flatMap((one) => (this.scenario[one.list] ?? []).map((_, k) => this.rowOf(one, k)))];
     const key = JSON.stringify(rows);
     if (key === this.listKey) return;
     this.listKey = key;
@@ -87,13 +96,23 @@ export class Board {
     const { list } = one;
     const faults = this.errors.filter(({ pointer }) => pointer.startsWith(`/${list}/${k}/`) || pointer === `/${list}/${k}`);
     return { list, k, kind: kindOf(one).one, name: nameOfThing(this.scenario, this.resolved, list, k),
-      isChosen: this.chosen?.list === list && this.chosen.k === k, faults: faults.map(({ detail }) => detail).join("; ") };
+      isChosen: this.chosen?.list === list && this.chosen.k === k, faults: inWords(faults) };
+  }
+
+  rowOfLine() {
+    return { ...LINE, k: 0, kind: "Line", name: this.scenario.name ?? "", isChosen: this.chosen?.list === LINE.list,
+      faults: inWords(this.errors.filter(({ pointer }) => this.isOfLine(pointer))) };
+  }
+
+  isOfLine(pointer) {
+    return Object.hasOwn(this.lineSchema.properties, pointer.split("/")[1]);
   }
 
   showThing() {
     this.thing.hidden = this.chosen === null;
     if (this.chosen === null) return;
     const { list, k } = this.chosen;
+    if (list === LINE.list) return this.showLine();
     const one = this.lists.find((other) => other.list === list);
     const item = this.scenario[list][k];
     setText(this.title, `${kindOf(one).one} ${nameOfThing(this.scenario, this.resolved, list, k)}`);
@@ -104,6 +123,14 @@ export class Board {
       ["Turn by 90°", () => this.change((scenario) => (scenario[list][k] = turned(scenario[list][k]))), hasPlace],
       ["Delete", () => this.remove(one, k), this.scenario[list].length > one.least]], `${list} ${k}`);
     this.form.show(list, one.schema, item, `${list} ${k}`);
+    this.placeFaults();
+  }
+
+  // Its cargo and edges, what lies on it at the start, and how it is solved.
+  showLine() {
+    setText(this.title, "The line");
+    this.showTools([], "line");
+    this.form.show(LINE.list, this.lineSchema, this.scenario, "line");
     this.placeFaults();
   }
 
@@ -122,10 +149,13 @@ export class Board {
   // By its form: what names it follows its id.
   edit(edit, path) {
     const { list, k } = this.chosen;
+    const named = path[0] === "cargo" && list === LINE.list ? "kinds" : list;
+    const idIn = (item) => (path.at(-1) === "id" ? valueAt(item, path) : undefined);
     this.onChange((scenario) => {
-      const before = scenario[list][k].id;
-      edit(scenario[list][k]);
-      if (path.join() === "id" && before !== undefined && scenario[list][k].id !== undefined) rename(scenario, list, before, scenario[list][k].id);
+      const item = this.chosenIn(scenario), before = idIn(item);
+      edit(item);
+      const after = idIn(item);
+      if (before !== undefined && after !== undefined) rename(scenario, named, before, after);
     }, path.length > 0 ? `${list} ${k} ${path}` : null);
   }
 
@@ -151,7 +181,7 @@ export class Board {
 
   // Those that are about a thing, at its row and in its form; the rest is returned.
   showFaults(errors) {
-    this.errors = errors.filter(({ pointer }) => this.lists.some(({ list }) => pointer?.startsWith(`/${list}/`)));
+    this.errors = errors.filter(({ pointer = "" }) => this.isOfLine(pointer) || this.lists.some(({ list }) => pointer.startsWith(`/${list}/`)));
     if (this.isShown) {
       this.showList();
       this.placeFaults();
@@ -161,7 +191,7 @@ export class Board {
 
   placeFaults() {
     if (this.chosen === null) return;
-    const at = `/${this.chosen.list}/${this.chosen.k}`;
+    const at = this.chosen.list === LINE.list ? "" : `/${this.chosen.list}/${this.chosen.k}`;
     this.form.showFaults(this.errors.filter(({ pointer }) => pointer.startsWith(`${at}/`)).map(({ pointer, detail }) => ({ pointer: pointer.slice(at.length), detail })));
   }
 
@@ -177,7 +207,7 @@ export class Board {
   // To the form of the first thing that has one.
   focusFault() {
     const [, list, k] = this.errors[0]?.pointer.split("/") ?? [];
-    if (!this.hasFaults() && list) this.choose(list, Number(k));
+    if (!this.hasFaults() && list) this.isOfLine(this.errors[0].pointer) ? this.choose(LINE.list, 0) : this.choose(list, Number(k));
     this.thing.querySelector("[aria-invalid=true]")?.focus();
   }
 }

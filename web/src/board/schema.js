@@ -29,6 +29,13 @@ export function listsOf() {
     .filter(({ schema }) => schema.properties || schema.oneOf);
 }
 
+// What a scenario has beside lists of things and some other members: the line as a whole.
+export function schemaOfLine(others) {
+  const without = [...others, ...listsOf().map(({ list }) => list)];
+  const { properties, required } = schemas.Scenario;
+  return { properties: Object.fromEntries(Object.entries(properties).filter(([member]) => !without.includes(member))), required };
+}
+
 // Which of several forms an object is written in: the first that has all of its members, else the first.
 export function formOf(schema, value = {}) {
   if (!schema.oneOf) return schema;
@@ -42,10 +49,11 @@ const plain = (schema) => {
   return word === undefined ? { ...schema, type } : { ...schema, ...oneOf.find((one) => one.const === undefined), word };
 };
 
+const isListOfObjects = ({ type, items }) => type === "array" && resolve(items).type === "object";
 const isPoint = (schema) => schema.type === "array" && resolve(schema.items).type === "number" && schema.maxItems === 2;
 
-// What kind of box a member needs: choice, truth, text, id (of another thing), number, list (of numbers or truths), point, points, object, objects, or
-// json for all else; with the number's unit, limits and word ("auto"), the member's description, and its default in words.
+// What kind of box a member needs: choice, truth, text, id (of another thing), number, list (of numbers or truths), point, points, object, objects,
+// one-or-many (an object or a list of them), or json for all else; with the number's unit, limits and word ("auto"), the member's description, and its default in words.
 export function boxOf(member, schema) {
   const known = plain(resolve(schema));
   const [, said = "", unit = "", usual = ""] = /^(.*?)(?: \[([^\]]+)\])?(?:\. Default: (.*))?$/.exec(known.description ?? "");
@@ -57,6 +65,7 @@ export function boxOf(member, schema) {
   if (type === "string") return { ...common, kind: "text" };
   if (type === "number" || type === "integer") return { ...common, kind: "number", word: known.word };
   if (type === "object" || known.oneOf?.every((one) => one.type === "object")) return { ...common, kind: "object" };
+  if (known.oneOf?.some(isListOfObjects)) return { ...common, kind: "one-or-many" };
   if (type !== "array") return { ...common, kind: "json" };
   if (isPoint(known)) return { ...common, kind: "point" };
   const items = resolve(known.items);

@@ -1,12 +1,14 @@
 // The form of one thing of a scenario, made of the schema of its list: a box for each member, with its unit, what it means, and its
-// limits. Members that are neither needed nor given are folded away.
+// limits. Members of the thing itself that are neither needed nor given are folded away.
 
 import { h, iconButton } from "../dom.js";
 import { readNumber, writeNumber } from "../numbers.js";
-import { boxOf, faultOfNumber, formOf, labelOf } from "./schema.js";
+import { boxOf, faultOfNumber, formOf, labelOf, resolve } from "./schema.js";
 import { converted, sampleOf } from "./things.js";
 
-const valueAt = (item, path) => path.reduce((value, name) => value?.[name], item);
+const LONGEST = 4000; // characters of a value that is changed in a box
+
+export const valueAt = (item, path) => path.reduce((value, name) => value?.[name], item);
 
 // Without a value the member goes.
 function put(item, path, value) {
@@ -54,7 +56,7 @@ export class ThingForm {
   // list, schema: of the thing; key: which thing it is. Boxes stay while only their values differ.
   show(list, schema, item, key) {
     Object.assign(this, { list, schema, item });
-    const built = `${key} ${shapeOf(item)} ${this.ids("belts")} ${this.ids("photo_eyes")} ${this.ids("obstacles")} ${this.ids("feeds")}`;
+    const built = `${key} ${shapeOf(item)} ${this.ids("belts")} ${this.ids("photo_eyes")} ${this.ids("obstacles")} ${this.ids("feeds")} ${this.ids("kinds")}`;
     if (built !== this.built) this.rebuild(built);
     for (const entry of this.boxes.filter(({ box }) => box !== document.activeElement)) {
       entry.own = "";
@@ -84,7 +86,7 @@ export class ThingForm {
     for (const [member, inner] of Object.entries(form.properties)) {
       const box = boxOf(member, inner);
       const isNeeded = form.required?.includes(member) || value[member] !== undefined;
-      (isNeeded ? shown : folded).push(this.memberBox(box, [...path, member], Boolean(form.required?.includes(member))));
+      (isNeeded || path.length > 0 ? shown : folded).push(this.memberBox(box, [...path, member], Boolean(form.required?.includes(member))));
     }
     return [this.formChoice(schema, form, path), h("div", { class: "fields" }, shown),
       folded.length === 0 ? null : h("details", {}, h("summary", {}, "More"), h("div", { class: "fields" }, folded))].filter(Boolean);
@@ -106,6 +108,7 @@ export class ThingForm {
 
   memberBox(box, path, isNeeded) {
     const { kind } = box;
+    if (kind === "one-or-many") return this.oneOrMany(box, path, isNeeded);
     if (kind === "object" || kind === "objects") return this.group(box, path, isNeeded);
     if (kind === "point" || kind === "points") return this.places(box, path, isNeeded);
     return this.single(box, path, isNeeded);
@@ -126,7 +129,8 @@ export class ThingForm {
       const text = value === undefined ? "" : kind === "truth" ? (value ? "yes" : "no") : Array.isArray(value) && kind === "list" ? listText(value)
         : isNumber ? writeNumber(value) : typeof value === "string" ? value : JSON.stringify(value);
       if (options && text !== "" && ![...box.options].some((option) => option.value === text)) box.append(h("option", { value: text }, text));
-      box.value = text;
+      box.readOnly = text.length > LONGEST;
+      box.value = box.readOnly ? `${value.length} of them: change them as JSON` : text;
     };
     const entry = { box, path, write, fault, own: "" };
     this.boxes.push(entry);
@@ -193,6 +197,19 @@ export class ThingForm {
     return h("button", { type: "button", on: { click: () => this.change((item) => put(item, path, sampleOf(box, this.ids))) } }, `Give ${label.toLowerCase()}`);
   }
 
+  // Of one or many, by what it is now; the button makes the other of it.
+  oneOrMany(box, path, isNeeded) {
+    const many = box.schema.oneOf.find(({ type }) => type === "array"), one = resolve(box.schema.oneOf.find(({ type }) => type !== "array"));
+    const isMany = Array.isArray(valueAt(this.item, path));
+    const other = () => this.change((item) => {
+      const value = valueAt(item, path);
+      put(item, path, isMany ? converted("", value[0], one, this.ids) : [converted("", value, resolve(many.items), this.ids)]);
+    });
+    const group = this.group({ ...box, ...(isMany ? { kind: "objects", schema: many } : { kind: "object", schema: one }) }, path, isNeeded);
+    group.append(h("button", { type: "button", on: { click: other } }, isMany ? "Only the first" : "A mix of several"));
+    return group;
+  }
+
   // An object in the thing, or a list of them.
   group(box, path, isNeeded) {
     const { kind, label, said, schema } = box;
@@ -201,11 +218,17 @@ export class ThingForm {
     const hint = h("small", { class: "hint" }, said);
     if (value === undefined) return h("fieldset", {}, legend, hint, this.adder(label, box, path));
     const inner = kind === "object" ? this.objectBoxes(schema, path) : [
-      ...value.map((_, k) => h("div", { class: "group-row" }, this.objectBoxes(boxOf("", schema.items).schema, [...path, k]),
+      ...value.map((_, k) => h("div", { class: "group-row" }, this.objectBoxes(resolve(schema.items), [...path, k]),
         value.length > (schema.minItems ?? 0) ? iconButton("trash", `Remove ${label} ${k + 1}`, () => this.change((item) => valueAt(item, path).splice(k, 1))) : null)),
-      h("button", { type: "button", on: { click: () => this.change((item) => valueAt(item, path).push(sampleOf({ ...box, kind: "objects" }, this.ids)[0])) } }, "Add one")];
+      h("button", { type: "button", on: { click: () => this.change((item) => this.addTo(valueAt(item, path), box)) } }, "Add one")];
     return h("fieldset", {}, legend, hint, inner,
       isNeeded ? null : h("button", { type: "button", on: { click: () => this.change((item) => put(item, path, undefined)) } }, `Without ${label.toLowerCase()}`));
+  }
+
+  // As the last one is, but for its id.
+  addTo(list, box) {
+    const { id: _, ...rest } = list.at(-1) ?? sampleOf({ ...box, kind: "objects" }, this.ids)[0];
+    list.push(structuredClone(rest));
   }
 
   // Each fault of the thing at the box it is about: { pointer below the thing, detail }.

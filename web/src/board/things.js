@@ -2,7 +2,7 @@
 // moved, turned and mirrored. A list that is not named here has things that are made of its schema.
 
 import { plateOf, tidy, withPlate } from "../plate.js";
-import { boxOf, formOf, labelOf } from "./schema.js";
+import { boxOf, formOf, labelOf, resolve } from "./schema.js";
 
 // A share of the way, to a tenth or less of its length.
 function at([low, high], share) {
@@ -59,16 +59,19 @@ export function sample(schema, ids = () => []) {
 
 export function sampleOf({ kind, member, schema, choices }, ids) {
   const values = { choice: () => choices[0], truth: () => true, text: () => "", id: () => ids(`${member}s`)[0] ?? "", point: () => [0, 0],
-    points: () => Array.from({ length: schema.minItems ?? 1 }, () => [0, 0]), list: () => [0], objects: () => [sample(schema.items, ids)],
-    object: () => sample(schema, ids), number: () => schema.minimum ?? (schema.exclusiveMinimum === undefined ? 0 : schema.exclusiveMinimum + 1) };
+    points: () => Array.from({ length: schema.minItems ?? 1 }, () => [0, 0]), list: () => [0], objects: () => [sample(resolve(schema.items), ids)],
+    object: () => sample(schema, ids), "one-or-many": () => sample(resolve(schema.oneOf.find((one) => one.type !== "array")), ids), number: () => schema.minimum ?? (schema.exclusiveMinimum === undefined ? 0 : schema.exclusiveMinimum + 1) };
   return values[kind]?.() ?? null;
 }
 
 // The id of thing k, as it is written or, without one, as the server names it; rules have none.
 export const idOf = (scenario, resolved, list, k) => scenario[list]?.[k]?.id ?? resolved?.[list]?.[k]?.id ?? null;
 
-export const idsOf = (scenario, resolved, list) => (scenario[list] ?? known[list]?.first ?? [])
-  .map((item, k) => item.id ?? idOf(scenario, resolved, list, k)).filter(Boolean);
+// Of things; of "kinds" those of the cargo.
+export function idsOf(scenario, resolved, list) {
+  if (list === "kinds") return [scenario.cargo].flat().map((kind, k) => kind?.id ?? (k === 0 ? "cargo" : `cargo-${k + 1}`));
+  return (scenario[list] ?? known[list]?.first ?? []).map((item, k) => item.id ?? idOf(scenario, resolved, list, k)).filter(Boolean);
+}
 
 export function freshId(scenario, resolved, list, stem) {
   const taken = new Set(idsOf(scenario, resolved, list));
@@ -89,9 +92,10 @@ export function nameOfThing(scenario, resolved, list, k) {
   return idOf(scenario, resolved, list, k) ?? String(k + 1);
 }
 
-// Another id, also where rules name it.
+// Another id, also where rules and feeds name it.
 export function rename(scenario, list, from, to) {
   const member = list.replace(/s$/, "");
+  for (const share of (scenario.feeds ?? []).flatMap(({ cargo }) => cargo ?? [])) if (share[member] === from) share[member] = to;
   for (const { when, do: what } of scenario.actions ?? []) {
     for (const part of [when, what]) if (part?.[member] === from) part[member] = to;
   }
