@@ -29,7 +29,9 @@ enum {
 /// Of a list: the workers of all tokens.
 #define API_ANY_TOKEN UINT64_MAX
 
-/// How a worker says that a job has ended, X(cause, word), with the causes of server/run/executor.h.
+/// How a job has ended, X(cause, word): after completing its work; with a failure; by a graceful stop, the daemon's or
+/// another's, before it could handle it; by force, the daemon's or from outside; by a fault of the program; because it
+/// used up its CPU time; its program could not be executed, so that nothing of it was done.
 #define API_JOB_CAUSE_LIST(X)                                                                      \
     X(API_JOB_EXITED, "exited")                                                                    \
     X(API_JOB_FAILED, "failed")                                                                    \
@@ -91,6 +93,8 @@ typedef struct api_lease_job {
 /// A lease. Zero-initialise; api_lease_fini().
 typedef struct api_lease {
     char id[API_ID_SIZE]; ///< "": there are no jobs
+    uint32_t renew_s;     ///< between two renewals at most
+    uint32_t expires_s;   ///< after so long without a word it is over
     uint32_t retry_s;     ///< without jobs: seconds until it helps to ask again
     uint64_t body_bytes;  ///< that a request of the worker may have; 0: any number
     size_t n_jobs;        ///< jobs

@@ -31,6 +31,8 @@ typedef struct json_in {
     bf_faults *faults;    ///< where faults go; the caller's
     json_pointer pointer; ///< of the value that is being read
     bool has_failed;      ///< out of memory, or a failure of texts
+    bool is_answer;       ///< of a service: members that no table has are ignored, and null where
+                          ///< the table says what it means leaves a value as it is
     json_in_texts *texts; ///< the caller's; NULL: there are none
 } json_in;
 

@@ -174,7 +174,7 @@ const member_kind member_seed = {
     .text = "whole number", .read = read_seed, .write = write_size, .write_schema = describe_integer
 };
 
-const member_kind member_size = { .type = "#Count", .write = write_size };
+const member_kind member_size = { .type = "#Count", .read = read_seed, .write = write_size };
 
 static void read_whole(json_in *in, const json_t *value, const member *m, void *item)
 {

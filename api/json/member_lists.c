@@ -124,15 +124,16 @@ void member__describe_length(json_out *w, const member *m)
 
 bool member__check_list(json_in *in, const json_t *value, const member *m)
 {
-    size_t n = json_array_size(value);
+    const size_t n = json_array_size(value);
+    const size_t limit = m->limit > 0 ? m->limit : SIZE_MAX;
 
     if (!json_is_array(value))
         return json_in_is_array(in, value);
     if (n < m->least)
         json_in_fault(in, "must have at least %zu items, not %zu", m->least, n);
-    if (n > m->limit)
-        json_in_fault_limit(in, "has %zu items, the limit is %zu", n, m->limit);
-    return n >= m->least && n <= m->limit;
+    if (n > limit)
+        json_in_fault_limit(in, "has %zu items, the limit is %zu", n, limit);
+    return n >= m->least && n <= limit;
 }
 
 void *member__allocate(json_in *in, const member *m, size_t n, size_t size, void *item)

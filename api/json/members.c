@@ -112,6 +112,8 @@ static void read_member(json_in *in, const json_t *object, const member_table *t
     if (!applies(table, m, item)) {
         if (value != NULL)
             json_in_fault(in, "does not belong to this %s", table->title);
+    } else if (in->is_answer && m->null != NULL && json_is_null(value)) {
+        // its place says the same
     } else if (value != NULL) {
         m->kind->read(in, value, m, item);
     } else if (!members_has_default(m) && (m->flags & MEMBER_KEPT) == 0) {
@@ -167,7 +169,8 @@ void members_read(json_in *in, const struct json_t *value, const member_table *t
 {
     if (!json_in_is_object(in, value))
         return;
-    note_unknown(in, value, table);
+    if (!in->is_answer)
+        note_unknown(in, value, table);
     if ((table->choice == MEMBER_ONE_OF || table->choice == MEMBER_ONE_FORM) &&
         !choose(in, value, table, item))
         return;

@@ -134,7 +134,7 @@ extern const member_kind member_count;    ///< whole number: uint32_t
 extern const member_kind member_seed;     ///< whole number below 2^53: uint64_t
 extern const member_kind member_whole;    ///< whole number below 2^53: double
 extern const member_kind member_int;      ///< whole number within the member's range: int
-extern const member_kind member_size;     ///< whole number: uint64_t; answers
+extern const member_kind member_size;     ///< whole number below 2^53: uint64_t; answers
 extern const member_kind member_bool;     ///< boolean: bool
 extern const member_kind member_flag;     ///< boolean: double, 1 or 0
 extern const member_kind member_text;     ///< string: char[limit]

@@ -5,9 +5,13 @@
 #include <ctype.h>
 #include <endian.h>
 #include <jansson.h>
+#include <math.h>
 #include <string.h>
 
-enum { SECTION_HEADER = 16 };
+enum {
+    SECTION_HEADER = 16,
+    FRAME_ALIGNMENT = 8, // core/run/frame.h
+};
 
 #define WORD(name, word) word,
 static const char *const cause_words[] = { API_JOB_CAUSE_LIST(WORD) NULL };
@@ -23,9 +27,17 @@ static void read_text_or_null(json_in *in, const json_t *value, const member *m,
         member_text.read(in, value, m, item);
 }
 
+static void write_text_or_null(json_out *w, const member *m, const void *item)
+{
+    const char *text = (const char *)item + m->offset;
+
+    json_out_string(w, text[0] == '\0' ? NULL : text);
+}
+
 static const member_kind member_text_or_null = { .text = "string or null",
                                                  .type = "string?",
-                                                 .read = read_text_or_null };
+                                                 .read = read_text_or_null,
+                                                 .write = write_text_or_null };
 
 static const member error_members[] = {
     MEMBER("code", enum, offsetof(bf_error, code), "kind of failure", .words = error_words),
@@ -40,9 +52,20 @@ static void read_error_or_null(json_in *in, const json_t *value, const member *m
         members_read(in, value, m->table, (char *)item + m->offset);
 }
 
+static void write_error_or_null(json_out *w, const member *m, const void *item)
+{
+    const bf_error *error = (const bf_error *)(const void *)((const char *)item + m->offset);
+
+    if (error->code == BF_OK)
+        json_out_null(w);
+    else
+        members_write(w, m->table, error);
+}
+
 static const member_kind member_error_or_null = { .text = "object or null",
                                                   .type = "#JobError?",
-                                                  .read = read_error_or_null };
+                                                  .read = read_error_or_null,
+                                                  .write = write_error_or_null };
 
 #define AT(place) offsetof(api_worker, place)
 #define NAME(offset_)                                                                              \
@@ -233,10 +256,17 @@ bf_status lease_json_read_sections(const void *bytes, size_t n, api_lease_sectio
 
 // ---- answers
 
+static void begin_job(void *item, size_t place)
+{
+    (void)place;
+    *(api_lease_job *)item = (api_lease_job){ .predicted_s = (double)NAN };
+}
+
 #define AT(place) offsetof(api_lease_job, place)
 static const member job_members[] = {
     MEMBER("job", count, AT(job), "Its number in the lease"),
-    MEMBER("run", text, AT(run), "Which run", .type = "#Id"),
+    MEMBER_OF("run", &member_text_or_null, AT(run), "Which run", .type = "#Id",
+              .limit = API_ID_SIZE),
     MEMBER("attempt", size, AT(attempt), "Which attempt at the run; rises with each one"),
     MEMBER("model", enum, AT(model), "Which solver", .words = run_model_words, .type = "#Model"),
     MEMBER("threads", count, AT(n_threads), "Threads of the solver"),
@@ -250,22 +280,13 @@ static const member job_members[] = {
     MEMBER("bytes", size, AT(n_bytes), "Bytes of its input"),
 };
 const member_table lease_json_job = { MEMBER_TABLE("LeaseJob", job_members),
-                                      .size = sizeof(api_lease_job) };
+                                      .size = sizeof(api_lease_job), .init = begin_job };
 #undef AT
 
-typedef struct lease_view {
-    const char *id;
-    uint32_t renew_s;
-    uint32_t expires_s;
-    uint32_t retry_s;
-    uint64_t body_bytes;
-    size_t n_jobs;
-    const api_lease_job *jobs;
-} lease_view;
-
-#define AT(place) offsetof(lease_view, place)
+#define AT(place) offsetof(api_lease, place)
 static const member lease_members[] = {
-    MEMBER("id", string, AT(id), "Identifier of the lease", .type = "#Id", .null = "no jobs"),
+    MEMBER_OF("id", &member_text_or_null, AT(id), "Identifier of the lease", .type = "#Id",
+              .null = "no jobs", .limit = API_ID_SIZE),
     MEMBER("renew_s", count, AT(renew_s), "Longest time between two renewals", .unit = "s"),
     MEMBER("expires_s", count, AT(expires_s), "After so long without a word it is over",
            .unit = "s"),
@@ -342,15 +363,11 @@ static bf_status write(const member_table *table, const void *item, bf_buffer *o
 
 bf_status lease_json_write(const api_lease *lease, bf_buffer *out, bf_error *err)
 {
-    const lease_view view = { .id = lease->id[0] == '\0' ? NULL : lease->id,
-                              .renew_s = API_LEASE_RENEW_S,
-                              .expires_s = API_LEASE_EXPIRES_S,
-                              .retry_s = lease->retry_s,
-                              .body_bytes = lease->body_bytes,
-                              .n_jobs = lease->n_jobs,
-                              .jobs = lease->jobs };
+    api_lease written = *lease;
 
-    return write(&lease_json_lease, &view, out, err);
+    written.renew_s = API_LEASE_RENEW_S;
+    written.expires_s = API_LEASE_EXPIRES_S;
+    return write(&lease_json_lease, &written, out, err);
 }
 
 bf_status lease_json_write_states(const api_job_states *states, bf_buffer *out, bf_error *err)
@@ -361,4 +378,110 @@ bf_status lease_json_write_states(const api_job_states *states, bf_buffer *out, 
 bf_status lease_json_write_workers(const api_worker_list *list, bf_buffer *out, bf_error *err)
 {
     return write(&lease_json_workers, list, out, err);
+}
+
+// ---- the worker's side
+
+bf_status lease_json_write_worker(const api_worker *worker, bf_buffer *out, bf_error *err)
+{
+    return write(&lease_json_worker_members, worker, out, err);
+}
+
+bf_status lease_json_write_renewal(const api_renewal *renewal, bf_buffer *out, bf_error *err)
+{
+    return write(&lease_json_renewal_members, renewal, out, err);
+}
+
+bf_status lease_json_write_section(const api_lease_section *section, bf_buffer *out, bf_error *err)
+{
+    const uint32_t job = htole32(section->job), n = htole32((uint32_t)section->n);
+    const uint64_t offset = htole64(section->offset);
+    const size_t before = out->n;
+
+    if (buffer_append(out, &job, sizeof job) == BF_OK &&
+        buffer_append(out, &n, sizeof n) == BF_OK &&
+        buffer_append(out, &offset, sizeof offset) == BF_OK &&
+        buffer_append(out, section->bytes, section->n) == BF_OK)
+        return BF_OK;
+    buffer_truncate(out, before);
+    return bf_fail(err, BF_ENOMEM, "", "no memory for frames");
+}
+
+// Read an answer that the service made of a table; BF_ECORRUPT: it is none.
+static bf_status read_answer(const char *json, size_t n, const member_table *table, void *item,
+                             bf_error *err)
+{
+    bf_faults faults = { .n = 0 };
+    json_in in = json_in_to(&faults);
+    bf_error why = { .code = BF_OK };
+
+    in.is_answer = true;
+    const bf_status status = read_document(json, n, table, item, &in, &why);
+    if (status == BF_OK || status == BF_ENOMEM)
+        return status == BF_OK ? BF_OK : bf_fail(err, status, "", "%s", why.text);
+    return bf_fail(err, BF_ECORRUPT, "", "the service's answer is not what was expected: %s %s",
+                   why.pointer, why.text);
+}
+
+static bf_status fail_limits(bf_error *err)
+{
+    return bf_fail(err, BF_ECORRUPT, "", "the service's answer has values beyond their limits");
+}
+
+// Its id becomes a part of paths.
+static bool is_lease_good(const api_lease *lease)
+{
+    bool is_good = lease->id[strspn(lease->id, "0123456789abcdef-")] == '\0' &&
+                   lease->retry_s <= UINT16_MAX && lease->n_jobs <= API_LEASE_JOBS_MAX &&
+                   (lease->id[0] != '\0' || lease->n_jobs == 0);
+
+    for (size_t k = 0; k < lease->n_jobs && is_good; k++) {
+        const api_lease_job *job = &lease->jobs[k];
+        is_good = job->job == k && job->run[0] != '\0' && job->n_threads >= 1 &&
+                  job->n_threads <= INT16_MAX && job->n_bytes % FRAME_ALIGNMENT == 0;
+    }
+    return is_good;
+}
+
+bf_status lease_json_read(const char *json, size_t n, api_lease *ret_lease, bf_error *err)
+{
+    api_lease lease = { .id = "" };
+
+    bf_status status = read_answer(json, n, &lease_json_lease, &lease, err);
+    if (status == BF_OK && !is_lease_good(&lease))
+        status = fail_limits(err);
+    if (status == BF_OK)
+        *ret_lease = lease;
+    else
+        api_lease_fini(&lease);
+    return status;
+}
+
+bf_status lease_json_read_states(const char *json, size_t n, api_job_states *ret_states,
+                                 bf_error *err)
+{
+    api_job_states states = { .n = 0 };
+
+    bf_status status = read_answer(json, n, &lease_json_states, &states, err);
+    for (size_t k = 0; k < states.n && status == BF_OK; k++)
+        if (states.items[k].job >= API_LEASE_JOBS_MAX)
+            status = fail_limits(err);
+    if (status == BF_OK)
+        *ret_states = states;
+    else
+        memory_free(states.items);
+    return status;
+}
+
+bf_status lease_json_read_problem(const char *body, size_t n, bf_status code, bf_error *err)
+{
+    json_t *root = json_loadb(body, n, 0, NULL);
+    const char *detail = json_string_value(json_object_get(root, "detail"));
+
+    if (detail != NULL)
+        (void)bf_fail(err, code, "", "%s", detail);
+    else
+        (void)bf_fail(err, code, "", "the service said: %.*s", n > 200 ? 200 : (int)n, body);
+    json_decref(root);
+    return code;
 }

@@ -1,4 +1,4 @@
-/// Leases of workers (api/leases.h) as JSON, and the sections of frames that they send.
+/// Leases of workers (api/leases.h) as JSON, for the service and for workers, and the sections of frames that they send.
 ///
 /// A section is 16 bytes, little-endian: u32 number of the job, u32 n, u64 offset of its first byte in the whole of the
 /// job's frames; and n bytes.
@@ -42,3 +42,21 @@ BF_MUST_CHECK bf_status lease_json_write_states(const api_job_states *states, bf
                                                 bf_error *err);
 BF_MUST_CHECK bf_status lease_json_write_workers(const api_worker_list *list, bf_buffer *out,
                                                  bf_error *err);
+
+/// The worker's side: append the bodies of POST /v1/leases, POST /v1/leases/{id}/renew, and a section.
+BF_MUST_CHECK bf_status lease_json_write_worker(const api_worker *worker, bf_buffer *out,
+                                                bf_error *err);
+BF_MUST_CHECK bf_status lease_json_write_renewal(const api_renewal *renewal, bf_buffer *out,
+                                                 bf_error *err);
+BF_MUST_CHECK bf_status lease_json_write_section(const api_lease_section *section, bf_buffer *out,
+                                                 bf_error *err);
+
+/// Read answers. BF_ECORRUPT: it is none. *ret_lease, with its jobs numbered 0, 1, ..., is the caller's:
+/// api_lease_fini(); free the items of *ret_states.
+BF_MUST_CHECK bf_status lease_json_read(const char *json, size_t n, api_lease *ret_lease,
+                                        bf_error *err);
+BF_MUST_CHECK bf_status lease_json_read_states(const char *json, size_t n,
+                                               api_job_states *ret_states, bf_error *err);
+
+/// Copy what a problem document (RFC 9457) says is wrong to *err, with this code; where it is none, its first bytes.
+bf_status lease_json_read_problem(const char *body, size_t n, bf_status code, bf_error *err);

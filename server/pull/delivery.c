@@ -137,12 +137,6 @@ static executor_job *take_report(answer *a, const pull__lease *lease, const api_
 static void take_end(pull_executor *e, answer *a, const pull__lease *lease, const char *worker,
                      const api_job_end *end)
 {
-    static const executor_cause causes[] = {
-        [API_JOB_EXITED] = EXECUTOR_EXITED,      [API_JOB_FAILED] = EXECUTOR_FAILED,
-        [API_JOB_STOPPED] = EXECUTOR_STOPPED,    [API_JOB_KILLED] = EXECUTOR_KILLED,
-        [API_JOB_CRASHED] = EXECUTOR_CRASHED,    [API_JOB_TIMED_OUT] = EXECUTOR_TIMED_OUT,
-        [API_JOB_UNSTARTED] = EXECUTOR_UNSTARTED
-    };
     executor_job *job = take_report(a, lease, &end->report);
 
     if (job == NULL) {
@@ -151,7 +145,7 @@ static void take_end(pull_executor *e, answer *a, const pull__lease *lease, cons
     }
     if (job->n_received < end->n_bytes)
         return;
-    job->end = (executor_end){ .cause = causes[end->cause], .error = end->error };
+    job->end = (executor_end){ .cause = end->cause, .error = end->error };
     if (end->error.code == BF_OK)
         (void)bf_fail(&job->end.error, BF_ESYSTEM, "",
                       "the solver ended before the end of the run");

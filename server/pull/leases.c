@@ -106,7 +106,7 @@ void pull__lose_job(pull_executor *e, executor_job *job, const char *why)
               job->about.run, job->about.attempt, job->worker, why);
     const bool has_begun = job->has_begun || job->place != PULL_LEASED;
     if (!has_begun) {
-        job->end.cause = EXECUTOR_STOPPED;
+        job->end.cause = API_JOB_STOPPED;
         (void)bf_fail(&job->end.error, BF_ESYSTEM, "", "worker %s had the run and did not begin it",
                       job->worker);
     }

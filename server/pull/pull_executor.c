@@ -227,7 +227,7 @@ static void stop(executor *base, executor_job *job, executor_stop how)
     if (job->place == PULL_LEASED && how == EXECUTOR_STOP_GRACEFUL) {
         job->stop = API_JOB_SAVE;
     } else {
-        job->end.cause = how == EXECUTOR_STOP_NOW ? EXECUTOR_KILLED : EXECUTOR_STOPPED;
+        job->end.cause = how == EXECUTOR_STOP_NOW ? API_JOB_KILLED : API_JOB_STOPPED;
         (void)bf_fail(&job->end.error, BF_ESYSTEM, "", "the run was stopped");
         e->n_bytes -= job->bytes.n;
         job->bytes.n = 0;

@@ -18,6 +18,7 @@
 
 #pragma once
 
+#include "api/leases.h"
 #include "core/base/buffer.h"
 #include "core/base/status.h"
 #include "core/run/run.h"
@@ -66,21 +67,10 @@ typedef enum executor_state {
     EXECUTOR_UNKNOWN, ///< the state is temporarily not known; it may still be running
 } executor_state;
 
-/// How a job has ended.
-typedef enum executor_cause {
-    EXECUTOR_EXITED,  ///< it exited after completing its work
-    EXECUTOR_FAILED,  ///< it exited with a failure
-    EXECUTOR_STOPPED, ///< by a graceful stop, the daemon's or another's, before it could handle it
-    EXECUTOR_KILLED,  ///< by force: EXECUTOR_STOP_NOW, or from outside
-    EXECUTOR_CRASHED, ///< by a fault of the program
-    EXECUTOR_TIMED_OUT, ///< because it used up its CPU time
-    EXECUTOR_UNSTARTED, ///< its program could not be executed: nothing of it was done
-} executor_cause;
-
 /// The end of a job.
 typedef struct executor_end {
-    executor_cause cause; ///< how it ended
-    bf_error error;       ///< the run's error, if its frames do not explain the end
+    api_job_cause cause; ///< how it ended
+    bf_error error;      ///< the run's error, if its frames do not explain the end
 } executor_end;
 
 /// The operations of an executor.

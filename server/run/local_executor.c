@@ -323,29 +323,29 @@ static void update(executor *base)
     }
 }
 
-static executor_cause classify_exit(const executor_job *job)
+static api_job_cause classify_exit(const executor_job *job)
 {
     int code = WEXITSTATUS(job->child.status);
 
     if (code == EXIT_SUCCESS)
-        return EXECUTOR_EXITED;
+        return API_JOB_EXITED;
     bool is_unstarted = !job->has_spoken && (code == EXIT_NOT_EXECUTABLE || code == EXIT_NOT_FOUND);
-    return is_unstarted ? EXECUTOR_UNSTARTED : EXECUTOR_FAILED;
+    return is_unstarted ? API_JOB_UNSTARTED : API_JOB_FAILED;
 }
 
-static executor_cause classify_end(const executor_job *job)
+static api_job_cause classify_end(const executor_job *job)
 {
     if (!WIFSIGNALED(job->child.status))
         return classify_exit(job);
     switch (WTERMSIG(job->child.status)) {
     case SIGTERM:
-        return EXECUTOR_STOPPED;
+        return API_JOB_STOPPED;
     case SIGKILL:
-        return EXECUTOR_KILLED;
+        return API_JOB_KILLED;
     case SIGXCPU:
-        return EXECUTOR_TIMED_OUT;
+        return API_JOB_TIMED_OUT;
     default:
-        return EXECUTOR_CRASHED;
+        return API_JOB_CRASHED;
     }
 }
 
@@ -357,16 +357,16 @@ static void describe_end(const executor_job *job, executor_end *ret_end)
         WIFSIGNALED(job->child.status) ? sigabbrev_np(WTERMSIG(job->child.status)) : NULL;
 
     ret_end->cause = classify_end(job);
-    if (ret_end->cause == EXECUTOR_TIMED_OUT) {
+    if (ret_end->cause == API_JOB_TIMED_OUT) {
         code = BF_ELIMIT;
         snprintf(text, sizeof text, "the solver used up its limit of %" PRIu64 " CPU seconds",
                  job->limits.cpu_s);
-    } else if (ret_end->cause == EXECUTOR_KILLED) {
+    } else if (ret_end->cause == API_JOB_KILLED) {
         snprintf(text, sizeof text,
                  "the solver was killed from outside (SIGKILL); it had %" PRIu64
                  " MiB of memory at most. The kernel's log tells if memory was short",
                  job->child.peak_bytes >> 20);
-    } else if (ret_end->cause == EXECUTOR_UNSTARTED) {
+    } else if (ret_end->cause == API_JOB_UNSTARTED) {
         snprintf(text, sizeof text, "the solver cannot be executed (exit code %d)",
                  WEXITSTATUS(job->child.status));
     } else if (WIFSIGNALED(job->child.status)) {

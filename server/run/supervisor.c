@@ -94,16 +94,16 @@ static bool allow_claim(supervisor *s)
 // Of a job that ended before its run: its frames end too early, or nothing could be started.
 static void attribute_end(supervisor__task *task)
 {
-    const executor_cause cause = task->exit.cause;
+    const api_job_cause cause = task->exit.cause;
     bf_error why = task->exit.error;
 
     if (task->failed || task->has_ended || task->state != EXECUTOR_ENDED)
         return;
-    if ((cause == EXECUTOR_EXITED || cause == EXECUTOR_FAILED) && task->output.n > 0)
+    if ((cause == API_JOB_EXITED || cause == API_JOB_FAILED) && task->output.n > 0)
         (void)bf_fail(&why, BF_ECORRUPT, "", "the solver's output ends inside a frame");
-    else if (cause == EXECUTOR_EXITED)
+    else if (cause == API_JOB_EXITED)
         (void)bf_fail(&why, BF_ECORRUPT, "", "the solver's output ends before the run");
-    else if (cause != EXECUTOR_UNSTARTED)
+    else if (cause != API_JOB_UNSTARTED)
         return;
     (void)supervisor__attribute_fault(task, &why);
 }

@@ -182,7 +182,7 @@ static run_state state_for(supervisor__stop requested)
 // Who solves the run elsewhere may have been stopped by others, or fail where another would not.
 static store_ending end_of_worker(const supervisor__task *task)
 {
-    const executor_cause cause = task->exit.cause;
+    const api_job_cause cause = task->exit.cause;
     store_ending ending = { .run_id = task->claimed.run.id,
                             .state = state_for(task->requested),
                             .attempt = STORE_ATTEMPT_FAILED,
@@ -190,8 +190,8 @@ static store_ending end_of_worker(const supervisor__task *task)
 
     if (task->state == EXECUTOR_LOST)
         (void)bf_fail(&ending.error, BF_ESYSTEM, "", "whoever solved the run is gone");
-    else if (cause == EXECUTOR_UNSTARTED ||
-             (!task->is_fault_of_worker && (cause == EXECUTOR_STOPPED || task->has_ended)))
+    else if (cause == API_JOB_UNSTARTED ||
+             (!task->is_fault_of_worker && (cause == API_JOB_STOPPED || task->has_ended)))
         ending.attempt = STORE_ATTEMPT_HAND_BACK;
     return ending;
 }
@@ -199,13 +199,13 @@ static store_ending end_of_worker(const supervisor__task *task)
 // The job came back without having been asked to, and another worker may do better. Faults of the program are the run's.
 static bool may_be_workers(const supervisor__task *task)
 {
-    const executor_cause cause = task->exit.cause;
+    const api_job_cause cause = task->exit.cause;
 
     if (!supervisor__has_workers(task->supervisor))
         return false;
     return task->is_fault_of_worker || task->has_ended || task->state == EXECUTOR_LOST ||
-           cause == EXECUTOR_STOPPED || cause == EXECUTOR_KILLED || cause == EXECUTOR_UNSTARTED ||
-           cause == EXECUTOR_EXITED;
+           cause == API_JOB_STOPPED || cause == API_JOB_KILLED || cause == API_JOB_UNSTARTED ||
+           cause == API_JOB_EXITED;
 }
 
 // The executor or the store is at fault, not the run.
@@ -236,7 +236,7 @@ static store_ending end_done(const supervisor__task *task)
 store_ending supervisor__classify_exit(const supervisor__task *task)
 {
     store_ending ending = { .run_id = task->claimed.run.id, .state = RUN_FAILED };
-    executor_cause cause = task->exit.cause;
+    api_job_cause cause = task->exit.cause;
     bool is_requested = task->requested != SUPERVISOR_STOP_NONE;
     bool has_moved = task->has_ended && task->end.n_steps > task->begin.first_step;
 
@@ -259,11 +259,11 @@ store_ending supervisor__classify_exit(const supervisor__task *task)
             (store_ending){ .run_id = ending.run_id,
                             .state = state_for(task->requested),
                             .attempt = is_requested ? STORE_ATTEMPT_NONE : STORE_ATTEMPT_FAILED };
-    else if (cause == EXECUTOR_STOPPED || (cause == EXECUTOR_KILLED && is_requested))
+    else if (cause == API_JOB_STOPPED || (cause == API_JOB_KILLED && is_requested))
         ending.state = state_for(task->requested); // it could not answer the stop, or did not
-    else if (cause == EXECUTOR_UNSTARTED)
+    else if (cause == API_JOB_UNSTARTED)
         ending = end_elsewhere(task, &task->exit.error);
-    else if ((cause == EXECUTOR_EXITED || cause == EXECUTOR_FAILED) && task->output.n > 0)
+    else if ((cause == API_JOB_EXITED || cause == API_JOB_FAILED) && task->output.n > 0)
         (void)bf_fail(&ending.error, BF_ECORRUPT, "", "the solver's output ends inside a frame");
     else
         ending.error = task->exit.error;
@@ -281,13 +281,13 @@ metrics_reason supervisor__exit_reason(const supervisor__task *task)
     if (task->state == EXECUTOR_LOST)
         return METRICS_EXIT_ERROR;
     switch (task->exit.cause) {
-    case EXECUTOR_TIMED_OUT:
+    case API_JOB_TIMED_OUT:
         return METRICS_EXIT_TIMEOUT;
-    case EXECUTOR_EXITED:
+    case API_JOB_EXITED:
         return METRICS_EXIT_OK;
-    case EXECUTOR_UNSTARTED:
+    case API_JOB_UNSTARTED:
         return METRICS_EXIT_ERROR;
-    case EXECUTOR_FAILED:
+    case API_JOB_FAILED:
         return has_refused ? METRICS_EXIT_INPUT : METRICS_EXIT_ERROR;
     default:
         return METRICS_EXIT_SIGNAL;

@@ -45,7 +45,7 @@ void worker__drop_job(worker *w, worker_job *job)
     job->state = WORKER_JOB_OVER;
 }
 
-static void end_job(worker_job *job, executor_cause cause, const bf_error *why)
+static void end_job(worker_job *job, api_job_cause cause, const bf_error *why)
 {
     job->end = (executor_end){ .cause = cause };
     if (why != NULL)
@@ -125,7 +125,7 @@ static void start_job(worker *w, const worker_lease *lease, worker_job *job)
         w->start_ms = now_ms + START_AGAIN_MS;
         return;
     }
-    end_job(job, may_work_later ? EXECUTOR_STOPPED : EXECUTOR_UNSTARTED, &why);
+    end_job(job, may_work_later ? API_JOB_STOPPED : API_JOB_UNSTARTED, &why);
     if (may_work_later)
         w->ask_ms = now_ms + PAUSE_MS; // others may have room
 }
@@ -188,7 +188,7 @@ static bool spool_bytes(worker *w, worker_job *job, const char *bytes, size_t n)
         job->used_s = w->solver->functions->cpu_s(w->solver, job->child);
         w->solver->functions->release(w->solver, job->child);
         job->child = NULL;
-        end_job(job, EXECUTOR_KILLED, &why);
+        end_job(job, API_JOB_KILLED, &why);
         return false;
     }
     if (write_bytes(job, bytes, n)) {
@@ -252,7 +252,7 @@ static void collect_job(worker *w, worker_job *job)
 {
     static char bytes[READ_BYTES]; // one thread
     executor_state state = EXECUTOR_RUNNING;
-    executor_end end = { .cause = EXECUTOR_EXITED };
+    executor_end end = { .cause = API_JOB_EXITED };
     size_t n = 0;
 
     do {
@@ -285,7 +285,7 @@ void worker__collect(worker *w)
 void worker__stop_job(worker *w, worker_job *job)
 {
     if (job->state == WORKER_JOB_WAITS)
-        end_job(job, EXECUTOR_STOPPED, NULL);
+        end_job(job, API_JOB_STOPPED, NULL);
     else if (job->state == WORKER_JOB_RUNS && !job->is_stopping)
         w->solver->functions->stop(w->solver, job->child, EXECUTOR_STOP_GRACEFUL);
     job->is_stopping = true;

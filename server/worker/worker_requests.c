@@ -1,6 +1,6 @@
 // Requests: which comes next, and what its answer means.
 
-#include "api/results/lease_client.h"
+#include "api/results/lease_json.h"
 #include "core/base/memory.h"
 #include "server/base/log.h"
 #include "server/worker/worker_priv.h"
@@ -64,7 +64,7 @@ static bool has_frames_to_send(const worker_lease *lease, int64_t now)
 
 static bf_status write_lease(worker *w, bf_error *err)
 {
-    return lease_client_write_worker(&w->options->who, &w->body, err);
+    return lease_json_write_worker(&w->options->who, &w->body, err);
 }
 
 static size_t request_bytes(const worker *w)
@@ -84,7 +84,7 @@ static bf_status append_section(worker *w, const worker_job *job, bf_error *err)
     if (pread(job->spool, bytes, n, (off_t)job->n_taken) != (ssize_t)n)
         return bf_fail(err, BF_ESYSTEM, "", "the spool cannot be read");
     w->sent_to[job->about.job] = job->n_taken + n;
-    return lease_client_write_section(
+    return lease_json_write_section(
         &(api_lease_section){
             .job = job->about.job, .offset = job->n_taken, .n = n, .bytes = bytes },
         &w->body, err);
@@ -105,14 +105,8 @@ static bf_status write_frames(worker *w, worker_lease *lease, int64_t now, bf_er
 
 static api_job_end make_end(const worker_job *job, const api_job_report *report)
 {
-    static const api_job_cause causes[] = {
-        [EXECUTOR_EXITED] = API_JOB_EXITED,      [EXECUTOR_FAILED] = API_JOB_FAILED,
-        [EXECUTOR_STOPPED] = API_JOB_STOPPED,    [EXECUTOR_KILLED] = API_JOB_KILLED,
-        [EXECUTOR_CRASHED] = API_JOB_CRASHED,    [EXECUTOR_TIMED_OUT] = API_JOB_TIMED_OUT,
-        [EXECUTOR_UNSTARTED] = API_JOB_UNSTARTED
-    };
     api_job_end end = { .report = *report,
-                        .cause = causes[job->end.cause],
+                        .cause = job->end.cause,
                         .error = job->end.error,
                         .n_bytes = job->n_spooled };
 
@@ -153,7 +147,7 @@ static bf_status write_renewal(worker *w, worker_lease *lease, bf_error *err)
         memcpy(renewal.worker, w->options->who.name, sizeof renewal.worker);
         memcpy(renewal.solver, w->options->who.solver, sizeof renewal.solver);
         list_jobs(w, lease, &renewal);
-        status = lease_client_write_renewal(&renewal, &w->body, err);
+        status = lease_json_write_renewal(&renewal, &w->body, err);
     }
     api_renewal_fini(&renewal);
     return status;
@@ -300,7 +294,7 @@ static bf_status take_states(worker *w, const bf_buffer *body, int64_t now, bf_e
 {
     api_job_states states = { .n = 0 };
 
-    bf_status status = lease_client_read_states(body->bytes, body->n, &states, err);
+    bf_status status = lease_json_read_states(body->bytes, body->n, &states, err);
     if (status != BF_OK)
         return status;
     for (size_t k = 0; k < states.n; k++)
@@ -317,7 +311,7 @@ static bf_status take_lease(worker *w, const bf_buffer *body, int64_t now, bf_er
 {
     api_lease lease = { .id = "" };
 
-    bf_status status = lease_client_read_lease(body->bytes, body->n, &lease, err);
+    bf_status status = lease_json_read(body->bytes, body->n, &lease, err);
     if (status != BF_OK)
         return status;
     int64_t wait_ms = (int64_t)lease.retry_s * 1000;
@@ -357,7 +351,7 @@ static void take_refusal(worker *w, long http, const bf_buffer *body)
     const bf_status code = http == 404 ? BF_ENOTFOUND : http == 409 ? BF_ECONFLICT : BF_ESYSTEM;
     bf_error why = { 0 };
 
-    (void)lease_client_read_problem(body->bytes == NULL ? "" : body->bytes, body->n, code, &why);
+    (void)lease_json_read_problem(body->bytes == NULL ? "" : body->bytes, body->n, code, &why);
     const bool is_version = http == 409 && w->request != WORKER_REQUEST_JOBS;
     if (w->request == WORKER_REQUEST_LEASE || http == 401 || http == 403 || is_version) {
         end_at_once(w, &why);

@@ -128,7 +128,7 @@ static void stop(executor *base, executor_job *job, executor_stop how)
         if (how == EXECUTOR_STOP_GRACEFUL)
             append_frame(job, &end);
         job->state = EXECUTOR_ENDED;
-        job->end.cause = how == EXECUTOR_STOP_GRACEFUL ? EXECUTOR_EXITED : EXECUTOR_KILLED;
+        job->end.cause = how == EXECUTOR_STOP_GRACEFUL ? API_JOB_EXITED : API_JOB_KILLED;
     }
     lock_wake_all(&e->changed);
     lock_release(&e->lock);
@@ -393,15 +393,15 @@ void helper_executor_finish(helper_executor *e, size_t index, bool stopped)
     const frame f = { .type = FRAME_END, .end = { .stopped = stopped, .n_steps = 10 } };
 
     helper_executor_send(e, index, &f);
-    helper_executor_end(e, index, EXECUTOR_EXITED);
+    helper_executor_end(e, index, API_JOB_EXITED);
 }
 
-static void set_state(helper_executor *e, size_t index, executor_state state, executor_cause cause)
+static void set_state(helper_executor *e, size_t index, executor_state state, api_job_cause cause)
 {
     lock_acquire(&e->lock);
     e->jobs[index].state = state;
     e->jobs[index].end.cause = cause;
-    if (cause != EXECUTOR_EXITED)
+    if (cause != API_JOB_EXITED)
         (void)bf_fail(&e->jobs[index].end.error, BF_ESYSTEM, "", "the fake job ended");
     lock_release(&e->lock);
     wake(e);
@@ -414,17 +414,17 @@ void helper_executor_use(helper_executor *e, size_t index, double used_s)
     lock_release(&e->lock);
 }
 
-void helper_executor_end(helper_executor *e, size_t index, executor_cause cause)
+void helper_executor_end(helper_executor *e, size_t index, api_job_cause cause)
 {
     set_state(e, index, EXECUTOR_ENDED, cause);
 }
 
 void helper_executor_lose(helper_executor *e, size_t index)
 {
-    set_state(e, index, EXECUTOR_LOST, EXECUTOR_EXITED);
+    set_state(e, index, EXECUTOR_LOST, API_JOB_EXITED);
 }
 
 void helper_executor_disconnect(helper_executor *e, size_t index)
 {
-    set_state(e, index, EXECUTOR_UNKNOWN, EXECUTOR_EXITED);
+    set_state(e, index, EXECUTOR_UNKNOWN, API_JOB_EXITED);
 }

@@ -74,6 +74,6 @@ void helper_executor_finish(helper_executor *e, size_t index, bool stopped);
 void helper_executor_use(helper_executor *e, size_t index, double used_s);
 
 /// The job ends with this cause; is lost; cannot be reached for now.
-void helper_executor_end(helper_executor *e, size_t index, executor_cause cause);
+void helper_executor_end(helper_executor *e, size_t index, api_job_cause cause);
 void helper_executor_lose(helper_executor *e, size_t index);
 void helper_executor_disconnect(helper_executor *e, size_t index);

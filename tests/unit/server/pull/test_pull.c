@@ -581,7 +581,7 @@ static void what_is_leased_and_not_begun_comes_back(void **state)
     lock_release(&e->lock);
     assert_int_equal(f->executor->functions->poll(f->executor, held, text, sizeof text, &n, &end),
                      EXECUTOR_ENDED);
-    assert_int_equal(end.cause, EXECUTOR_STOPPED);
+    assert_int_equal(end.cause, API_JOB_STOPPED);
     release(f, held);
     release(f, solved);
     release(f, trial);

@@ -102,7 +102,7 @@ static void run_to_its_end(executor *e, executor_job *job)
             e->functions->update(e);
         }
     }
-    assert_int_equal(end.cause, EXECUTOR_EXITED);
+    assert_int_equal(end.cause, API_JOB_EXITED);
 }
 
 // Solve a run to its end.

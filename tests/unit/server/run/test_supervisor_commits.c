@@ -119,7 +119,7 @@ static void an_end_is_one_commit_with_the_last_samples_and_the_next_claim(void *
     helper_executor_send_bytes(e, 0, bytes.bytes, bytes.n);
     while (helper_executor_job(e, 0).n_unread > 0)
         usleep(1000);
-    helper_executor_end(e, 0, EXECUTOR_EXITED);
+    helper_executor_end(e, 0, API_JOB_EXITED);
     helper_executor_await(e, 2);
     assert_true(helper_read_metric("\nbeltflow_store_commit_operations_count ") == n_commits + 1);
     assert_string_equal(helper_executor_job(e, 1).run_id, second.id);

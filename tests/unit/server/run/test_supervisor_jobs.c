@@ -160,7 +160,7 @@ static void a_torn_frame_fails_the_run_unless_its_job_is_lost(void **state)
     helper_executor_await(e, 2);
     helper_executor_begin(e, 1);
     send_torn(e, 1, 3, false);
-    helper_executor_end(e, 1, EXECUTOR_EXITED);
+    helper_executor_end(e, 1, API_JOB_EXITED);
     record = helper_await_state(f->world, record.id, RUN_FAILED);
     assert_int_equal(record.error.code, BF_ECORRUPT);
 }

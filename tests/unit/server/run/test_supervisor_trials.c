@@ -68,7 +68,7 @@ static void trials_go_on_when_runs_by_themselves_have_ended(void **state)
     const api_run next = helper_world_submit(f->world, helper_jobs_belt);
     helper_executor_begin(f->executor, 0);
     helper_executor_finish(f->executor, 0, false);
-    helper_executor_end(f->executor, 0, EXECUTOR_EXITED);
+    helper_executor_end(f->executor, 0, API_JOB_EXITED);
     helper_await_state(f->world, single.id, RUN_SUCCEEDED);
     helper_await_state(f->world, next.id, RUN_RUNNING);
     api_run trial;
@@ -77,7 +77,7 @@ static void trials_go_on_when_runs_by_themselves_have_ended(void **state)
     helper_executor_await(f->executor, 2);
     helper_executor_begin(f->executor, 1);
     helper_executor_finish(f->executor, 1, false);
-    helper_executor_end(f->executor, 1, EXECUTOR_EXITED);
+    helper_executor_end(f->executor, 1, API_JOB_EXITED);
     helper_await_state(f->world, runs[0], RUN_RUNNING);
 }
 

@@ -76,7 +76,7 @@ static void a_torn_end_is_the_workers(void **state)
     helper_executor_begin(f->executor, 0);
     helper_encode(&end, &bytes);
     helper_executor_send_bytes(f->executor, 0, bytes.bytes, bytes.n - 8);
-    helper_executor_end(f->executor, 0, EXECUTOR_EXITED);
+    helper_executor_end(f->executor, 0, API_JOB_EXITED);
     buffer_fini(&bytes);
     assert_goes_on(f, solved.id);
 }
@@ -128,7 +128,7 @@ static void stop_at_once(helper_jobs *f, size_t index)
 
     helper_executor_begin(f->executor, index);
     helper_executor_send(f->executor, index, &end);
-    helper_executor_end(f->executor, index, EXECUTOR_EXITED);
+    helper_executor_end(f->executor, index, API_JOB_EXITED);
 }
 
 static api_run start_with_attempts(helper_jobs *f, uint64_t attempts_max)
@@ -150,7 +150,7 @@ static void a_worker_that_is_drained_fails_no_run(void **state)
         if (i % 2 == 0)
             stop_at_once(f, i);
         else
-            helper_executor_end(f->executor, i, EXECUTOR_STOPPED); // it had not begun
+            helper_executor_end(f->executor, i, API_JOB_STOPPED); // it had not begun
     }
     helper_executor_await(f->executor, 9);
     assert_int_equal(helper_executor_job(f->executor, 0).n_blamed, 0);
@@ -175,11 +175,11 @@ static void ends_of_a_workers_own_are_an_attempt_each(void **state)
     helper_executor_await(f->executor, 2);
     assert_int_equal(helper_executor_job(f->executor, 0).n_blamed, 1);
     helper_executor_begin(f->executor, 1);
-    helper_executor_end(f->executor, 1, EXECUTOR_EXITED);
+    helper_executor_end(f->executor, 1, API_JOB_EXITED);
     helper_executor_await(f->executor, 3);
     assert_int_equal(helper_executor_job(f->executor, 1).n_blamed, 1);
     helper_executor_begin(f->executor, 2);
-    helper_executor_end(f->executor, 2, EXECUTOR_KILLED); // by the kernel, for memory
+    helper_executor_end(f->executor, 2, API_JOB_KILLED); // by the kernel, for memory
     helper_executor_await(f->executor, 4);
     helper_executor_begin(f->executor, 3);
     helper_executor_lose(f->executor, 3);
@@ -251,7 +251,7 @@ static void an_end_without_results_is_no_success(void **state)
         if (i == 2) // all samples, no snapshot
             helper_executor_samples(f->executor, i, 0, 41, 0);
         helper_executor_send(f->executor, i, &end);
-        helper_executor_end(f->executor, i, EXECUTOR_EXITED);
+        helper_executor_end(f->executor, i, API_JOB_EXITED);
     }
     const api_run failed = helper_await_state(f->world, solved.id, RUN_FAILED);
     assert_non_null(strstr(failed.error.text, "41 samples and 11 snapshots, of which"));
@@ -263,7 +263,7 @@ static void send_error(helper_jobs *f, size_t index)
 
     (void)bf_fail(&error.error.error, BF_EINPUT, "/belts/0", "the belt cannot be solved");
     helper_executor_send(f->executor, index, &error);
-    helper_executor_end(f->executor, index, EXECUTOR_FAILED);
+    helper_executor_end(f->executor, index, API_JOB_FAILED);
 }
 
 static void a_failure_that_another_does_not_have_fails_no_run(void **state)

@@ -1,7 +1,6 @@
 // Tests of the worker's documents against the service's: what one side writes the other reads. Answers that no service
 // gives are refused.
 
-#include "api/results/lease_client.h"
 #include "api/results/lease_json.h"
 #include "core/base/memory.h"
 
@@ -24,7 +23,7 @@ static void the_service_reads_a_worker(void **state)
     api_worker found = { .cores = 0 };
 
     (void)state;
-    assert_int_equal(lease_client_write_worker(&worker, &out, NULL), BF_OK);
+    assert_int_equal(lease_json_write_worker(&worker, &out, NULL), BF_OK);
     assert_int_equal(lease_json_read_worker(out.bytes, out.n, &found, &faults, NULL), BF_OK);
     assert_string_equal(found.name, worker.name);
     assert_string_equal(found.solver, worker.solver);
@@ -57,7 +56,7 @@ static void the_service_reads_a_renewal(void **state)
     api_renewal found = { .n_jobs = 0 };
 
     (void)state;
-    assert_int_equal(lease_client_write_renewal(&renewal, &out, NULL), BF_OK);
+    assert_int_equal(lease_json_write_renewal(&renewal, &out, NULL), BF_OK);
     assert_int_equal(lease_json_read_renewal(out.bytes, out.n, &found, &faults, NULL), BF_OK);
     assert_int_equal(found.n_jobs, 1);
     assert_int_equal(found.jobs[0].attempt, goes_on.attempt);
@@ -93,7 +92,7 @@ static void a_worker_reads_what_the_service_says(void **state)
 
     (void)state;
     assert_int_equal(lease_json_write(&lease, &out, NULL), BF_OK);
-    assert_int_equal(lease_client_read_lease(out.bytes, out.n, &found, NULL), BF_OK);
+    assert_int_equal(lease_json_read(out.bytes, out.n, &found, NULL), BF_OK);
     assert_string_equal(found.id, RUN);
     assert_int_equal(found.retry_s, 3);
     assert_int_equal(found.body_bytes, 262144);
@@ -107,7 +106,7 @@ static void a_worker_reads_what_the_service_says(void **state)
     api_lease_fini(&found);
     buffer_truncate(&out, 0);
     assert_int_equal(lease_json_write_states(&states, &out, NULL), BF_OK);
-    assert_int_equal(lease_client_read_states(out.bytes, out.n, &found_states, NULL), BF_OK);
+    assert_int_equal(lease_json_read_states(out.bytes, out.n, &found_states, NULL), BF_OK);
     assert_int_equal(found_states.n, 1);
     assert_int_equal(found_states.items[0].job, 3);
     assert_int_equal(found_states.items[0].next, 70);
@@ -116,14 +115,28 @@ static void a_worker_reads_what_the_service_says(void **state)
     buffer_fini(&out);
 }
 
+#define JOB(threads, bytes)                                                                        \
+    "{\"job\":0,\"run\":\"" RUN "\",\"attempt\":1,\"model\":\"micro\",\"threads\":" threads        \
+    ",\"trial\":false,\"checkpoint_ms\":0,\"memory_bytes\":0,\"cpu_s\":0,\"step\":0,"              \
+    "\"predicted_s\":null,\"bytes\":" bytes "}"
+#define LEASE(id, retry, jobs)                                                                     \
+    "{\"id\":" id ",\"renew_s\":10,\"expires_s\":60,\"retry_s\":" retry                            \
+    ",\"body_bytes\":0,\"jobs\":[" jobs "],\"of_a_later_version\":{}}"
+
 static void answers_that_cannot_be_are_refused(void **state)
 {
+    static const char good[] = LEASE("\"" RUN "\"", "1", JOB("1", "8"));
     static const char *const leases[] = {
         "",
         "[]",
-        "{\"id\":null,\"retry_s\":-1,\"jobs\":[]}",
-        "{\"id\":\"../runs\",\"retry_s\":1,\"jobs\":[]}",
-        "{\"id\":\"" RUN "\",\"retry_s\":1,\"jobs\":[{\"job\":0}]}",
+        LEASE("null", "-1", ""),
+        LEASE("null", "65536", ""),
+        LEASE("null", "1", JOB("1", "8")),
+        LEASE("\"../runs\"", "1", ""),
+        LEASE("\"" RUN "\"", "1", "{\"job\":0}"),
+        LEASE("\"" RUN "\"", "1", JOB("0", "8")),
+        LEASE("\"" RUN "\"", "1", JOB("1", "9")),
+        LEASE("\"" RUN "\"", "1", JOB("1", "8") "," JOB("1", "8")),
     };
     static const char unknown[] = "{\"jobs\":[{\"job\":0,\"next\":0,\"stop\":\"never\"}]}";
     static const char beyond[] = "{\"jobs\":[{\"job\":1024,\"next\":0,\"stop\":\"none\"}]}";
@@ -131,12 +144,12 @@ static void answers_that_cannot_be_are_refused(void **state)
     api_job_states states;
 
     (void)state;
+    assert_int_equal(lease_json_read(good, sizeof good - 1, &lease, NULL), BF_OK);
+    api_lease_fini(&lease);
     for (size_t k = 0; k < sizeof leases / sizeof *leases; k++)
-        assert_int_equal(lease_client_read_lease(leases[k], strlen(leases[k]), &lease, NULL),
-                         BF_ECORRUPT);
-    assert_int_equal(lease_client_read_states(unknown, strlen(unknown), &states, NULL),
-                     BF_ECORRUPT);
-    assert_int_equal(lease_client_read_states(beyond, strlen(beyond), &states, NULL), BF_ECORRUPT);
+        assert_int_equal(lease_json_read(leases[k], strlen(leases[k]), &lease, NULL), BF_ECORRUPT);
+    assert_int_equal(lease_json_read_states(unknown, strlen(unknown), &states, NULL), BF_ECORRUPT);
+    assert_int_equal(lease_json_read_states(beyond, strlen(beyond), &states, NULL), BF_ECORRUPT);
 }
 
 int main(void)
