@@ -12,7 +12,8 @@ static vec2 velocity_at(const surroundings *around, vec2 at)
 
     if (belt >= around->n_belts)
         return (vec2){ 0.0, 0.0 };
-    return vec2_scale(around->belts[belt].velocity, belt_speeds_largest(&around->belts[belt]));
+    return vec2_scale(belt_velocity(&around->belts[belt], at),
+                      belt_speeds_largest(&around->belts[belt]));
 }
 
 double feed_capacity(const scene *s, const scene_feed *feed)

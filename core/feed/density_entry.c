@@ -59,9 +59,8 @@ struct feed_density {
 
 // The part of a packed cell beside a side that its belt carries on in a step of dt, of the line's length in it.
 static double edge_capacity(const surroundings *around, scene_side side, const bf_grid *grid,
-                            double dt, size_t belt, double length)
+                            double dt, vec2 velocity, double length)
 {
-    const vec2 velocity = surroundings_velocity_of(around, belt);
     const double inward = vec2_dot(surroundings_side(around, side).inward, velocity);
 
     return fmax(inward, 0.0) * dt * length / (grid->d1 * grid->d2);
@@ -113,9 +112,11 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
         const size_t cell = cells[k].cell;
         const vec2 centre = { grid_x1(&grid, cell % grid.n1), grid_x2(&grid, cell / grid.n1) };
         const size_t belt = surroundings_belt_at(&around, centre);
-        const double capacity = f->is_edge ? d->saturated * edge_capacity(&around, f->edge, &grid,
-                                                                          dt, belt, cells[k].length)
-                                           : INFINITY;
+        const vec2 velocity = surroundings_velocity_at(&around, belt, centre);
+        const double capacity = f->is_edge
+                                    ? d->saturated * edge_capacity(&around, f->edge, &grid, dt,
+                                                                   velocity, cells[k].length)
+                                    : INFINITY;
         ret_line->cells[k] =
             (cell_entry){ .cell = cell,
                           .inner = f->is_edge ? inner_cell(&grid, f->edge, cell) : cell,

@@ -49,8 +49,7 @@ static void find_plates(queue *q, const scene *s)
         for (size_t p = 0; p + 1 < s->obstacles[k].n_points; p++) {
             const surroundings_piece piece = surroundings_piece_of(&around, &s->obstacles[k], p);
             const vec2 middle = vec2_scale(vec2_add(piece.start, piece.end), 0.5);
-            const size_t belt = surroundings_belt_at(&around, middle);
-            find_piece(q, k, &piece, surroundings_velocity_of(&around, belt), &has_plate);
+            find_piece(q, k, &piece, surroundings_velocity_under(&around, middle), &has_plate);
         }
     }
 }

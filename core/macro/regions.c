@@ -45,7 +45,7 @@ regions_velocity regions_begin(const surroundings *around, vec2 at)
     regions_velocity v = { .region = REGIONS_FREE };
 
     v.belt_index = surroundings_belt_at(around, at);
-    v.belt = surroundings_velocity_of(around, v.belt_index);
+    v.belt = surroundings_velocity_at(around, v.belt_index, at);
     v.velocity = v.belt;
     return v;
 }

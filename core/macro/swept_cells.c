@@ -343,8 +343,9 @@ static double torque_of(const hand_on_context *x, const swept_cells_plate *plate
         return 0.0;
     const double factor = macro_belt_factor(x->solver, belt);
     const vec2 e = vec2_scale(vec2_turn_left(to), copysign(1.0, w) / r);
-    const vec2 slip = vec2_sub(vec2_scale(e, fabs(w) * lever),
-                               vec2_scale(surroundings_velocity_of(&cargo->around, belt), factor));
+    const vec2 slip =
+        vec2_sub(vec2_scale(e, fabs(w) * lever),
+                 vec2_scale(surroundings_velocity_at(&cargo->around, belt, at), factor));
     const double speed = vec2_length(slip), against = fmax(vec2_dot(slip, e), 0.0);
     return against == 0.0 ? 0.0
                           : cargo->weight * density_of(x, cell) * tanh(cargo->tanh_linear * speed) *

@@ -332,9 +332,8 @@ static bool is_off_at(const surroundings *around, vec2 at)
 static bool is_behind_gap(const surroundings *around, vec2 centre, vec2 to_face)
 {
     const vec2 before = vec2_add(centre, vec2_scale(to_face, 2.0));
-    const size_t belt = surroundings_belt_at(around, before);
 
-    return vec2_dot(surroundings_velocity_of(around, belt), to_face) < 0.0 &&
+    return vec2_dot(surroundings_velocity_under(around, before), to_face) < 0.0 &&
            is_off_at(around, vec2_add(centre, to_face));
 }
 

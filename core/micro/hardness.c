@@ -3,6 +3,7 @@
 #include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
 #include "core/micro/implicit_step.h"
+#include "core/scene/belt.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
@@ -61,7 +62,7 @@ static load find_load(const micro_def *def)
     for (size_t k = 0; k < def->n_belts; k++) {
         const scene_belt *belt = &def->belts[k];
         length += has_stop(def) ? length_along(d, belt->velocity) : 0.0;
-        speed = fmax(speed, vec2_length(belt->velocity) * belt_speeds_largest(belt));
+        speed = fmax(speed, belt_largest_speed(belt) * belt_speeds_largest(belt));
     }
     // Belts follow each other, across a domain or along it.
     length = fmin(length, d->x_max - d->x_min + d->y_max - d->y_min);

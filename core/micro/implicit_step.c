@@ -1,9 +1,9 @@
 #include "core/micro/implicit_step.h"
 
-#include "core/base/vec2.h"
 #include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
 #include "core/micro/hardness.h"
+#include "core/scene/belt.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 
@@ -86,8 +86,8 @@ static extremes extremes_of(const micro_def *def)
     }
     e.damping = hardness_dashpot(def, e.damping, e.stiffness, 1.0 / e.mass);
     for (size_t k = 0; k < def->n_belts; k++)
-        e.speed = fmax(e.speed, hypot(def->belts[k].velocity.x, def->belts[k].velocity.y) *
-                                    belt_speeds_largest(&def->belts[k]));
+        e.speed =
+            fmax(e.speed, belt_largest_speed(&def->belts[k]) * belt_speeds_largest(&def->belts[k]));
     return e;
 }
 

@@ -445,7 +445,7 @@ vec2 micro_belt_velocity(const micro_solver *s, vec2 at)
     const surroundings *around = &s->state->around;
     const size_t belt = surroundings_belt_at(around, at);
 
-    return vec2_scale(surroundings_velocity_of(around, belt),
+    return vec2_scale(surroundings_velocity_at(around, belt, at),
                       belt_speeds_at(&s->state->world->belts, belt, time_now(s)));
 }
 

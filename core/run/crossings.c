@@ -105,7 +105,7 @@ static vec2 velocity_below(const surroundings *around, const line_cell *cells, s
     for (size_t k = 0; k < n; k++) {
         const vec2 at = { grid_x1(grid, cells[k].cell % grid->n1),
                           grid_x2(grid, cells[k].cell / grid->n1) };
-        const vec2 belt = surroundings_velocity_of(around, surroundings_belt_at(around, at));
+        const vec2 belt = surroundings_velocity_under(around, at);
         sum = vec2_add(sum, vec2_scale(belt, cells[k].length));
     }
     return sum;
@@ -137,7 +137,7 @@ static bf_status take_cells(const scene *s, const vec2 line[2], crossing *eye, b
         const vec2 at = { grid_x1(&grid, cell % grid.n1), grid_x2(&grid, cell / grid.n1) };
         const size_t belt = surroundings_belt_at(&around, at);
         eye->cells[k] = (crossed_cell){ cell, belt, cells[k].length,
-                                        vec2_length(surroundings_velocity_of(&around, belt)) };
+                                        vec2_length(surroundings_velocity_at(&around, belt, at)) };
         eye->weight += cells[k].length;
     }
     memory_free(cells);

@@ -9,6 +9,7 @@
 #include "core/run/micro_feeds.h"
 #include "core/run/micro_press.h"
 #include "core/run/run_priv.h"
+#include "core/scene/belt.h"
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
 #include "core/scene/mix.h"
@@ -126,7 +127,7 @@ static uint64_t choose_tick(const micro_run *run, double dt)
     double speed = 0.0;
 
     for (size_t k = 0; k < s->n_belts; k++)
-        speed = fmax(speed, vec2_length(s->belts[k].velocity) * belt_speeds_largest(&s->belts[k]));
+        speed = fmax(speed, belt_largest_speed(&s->belts[k]) * belt_speeds_largest(&s->belts[k]));
     const double most = fmin(longest_tick, 0.25 * smallest_radius(run) / speed);
     return (uint64_t)fmax(floor(most / dt), 1.0);
 }
@@ -468,7 +469,7 @@ static bf_status look_at_beam(void *solver, size_t eye, run_view *ret_view, bf_e
     const vec2 *beam = run->scene->eyes[eye].line;
     const vec2 along = { beam[1].x - beam[0].x, beam[1].y - beam[0].y };
     const vec2 middle = { 0.5 * (beam[0].x + beam[1].x), 0.5 * (beam[0].y + beam[1].y) };
-    const vec2 belt = surroundings_velocity_of(&around, surroundings_belt_at(&around, middle));
+    const vec2 belt = surroundings_velocity_under(&around, middle);
     const double length = copysign(vec2_length(along), along.y * belt.x - along.x * belt.y);
     look l = { .run = run,
                .beam = beam,

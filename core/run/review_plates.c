@@ -39,7 +39,7 @@ static double steps_of_lookup(const scene *s)
 
 static vec2 direction_of(plates *p, vec2 at)
 {
-    const vec2 v = surroundings_velocity_of(&p->around, surroundings_belt_at(&p->around, at));
+    const vec2 v = surroundings_velocity_under(&p->around, at);
     const double speed = vec2_length(v);
 
     p->steps += p->steps_of_lookup;

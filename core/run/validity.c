@@ -124,7 +124,7 @@ static double full_rate(const findings *f, const layout *of)
     const scene_obstacle *plate = &f->s->obstacles[of->opening.index];
     const vec2 middle = vec2_scale(vec2_add(plate->path[0], plate->path[plate->n_points - 1]), 0.5);
     const surroundings around = surroundings_of(f->s);
-    const vec2 belt = surroundings_velocity_of(&around, surroundings_belt_at(&around, middle));
+    const vec2 belt = surroundings_velocity_under(&around, middle);
     double passed = parts_of[0];
 
     for (size_t k = 1; k < sizeof angles / sizeof *angles; k++) {
@@ -140,7 +140,7 @@ static double length_before(const scene *s, const scene_feed *feed, const scene_
 {
     const surroundings around = surroundings_of(s);
     const vec2 middle = vec2_scale(vec2_add(feed->line[0], feed->line[1]), 0.5);
-    const vec2 belt = surroundings_velocity_of(&around, surroundings_belt_at(&around, middle));
+    const vec2 belt = surroundings_velocity_under(&around, middle);
     double least = INFINITY;
 
     for (size_t k = 0; k < plate->n_points; k++)

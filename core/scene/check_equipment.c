@@ -1,6 +1,7 @@
 // The checks of belts, obstacles, photo eyes and actions.
 
 #include "core/base/polygon.h"
+#include "core/scene/belt.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/plate_motion.h"
 #include "core/scene/ranges.h"
@@ -47,7 +48,7 @@ void scene__check_belts(const scene *s, bf_faults *faults)
         const scene_belt *belt = &s->belts[k];
         scene__check_id(s->belts, sizeof *s->belts, "belts", k, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/velocity_m_s", k);
-        if (!(vec2_length(belt->velocity) <= SCENE_SPEED_MAX))
+        if (!(belt_largest_speed(belt) <= SCENE_SPEED_MAX))
             faults_add(faults, pointer, "must be a velocity of at most %g m/s", SCENE_SPEED_MAX);
         snprintf(pointer, sizeof pointer, "/belts/%zu", k);
         belt_speeds_check(belt, pointer, faults);
@@ -200,7 +201,7 @@ static void check_command(const scene *s, const scene_action *a, const char *poi
     range_check(rule->range, a->value, at, faults);
     if (faults->n > n_before || a->type != SCENE_ACTION_BELT)
         return;
-    const double speed = vec2_length(s->belts[a->target].velocity);
+    const double speed = belt_largest_speed(&s->belts[a->target]);
     // A speed that is too large by itself is reported at the belt.
     if (speed <= SCENE_SPEED_MAX && speed * a->value > SCENE_SPEED_MAX)
         faults_add(faults, at, "makes the belt move at %g m/s, the limit is %g", speed * a->value,

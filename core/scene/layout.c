@@ -48,7 +48,7 @@ typedef struct measuring {
 /// The velocity of the belt under a point; zero off every belt.
 static vec2 belt_under(const measuring *m, vec2 at)
 {
-    return surroundings_velocity_of(&m->around, surroundings_belt_at(&m->around, at));
+    return surroundings_velocity_under(&m->around, at);
 }
 
 /// Cut a piece at the domain. With over_inflow not where cargo flows in: nothing comes from there but what

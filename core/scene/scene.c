@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
+#include "core/scene/belt.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/goods.h"
 #include "core/scene/placement.h"
@@ -519,7 +520,7 @@ static void find_speeds(const scene *s, double *ret_speed, double *ret_dispersio
 
     for (size_t k = 0; k < s->n_belts; k++) {
         const double largest = belt_speeds_largest(&s->belts[k]);
-        speed = fmax(speed, vec2_length(s->belts[k].velocity) * largest);
+        speed = fmax(speed, belt_largest_speed(&s->belts[k]) * largest);
         factor = fmax(factor, largest);
     }
     *ret_speed = speed;

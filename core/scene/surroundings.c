@@ -205,6 +205,11 @@ size_t surroundings_belt_at(const surroundings *around, vec2 at)
     return surroundings_belt_under(around, at, around->bridge);
 }
 
+vec2 surroundings_velocity_under(const surroundings *around, vec2 at)
+{
+    return surroundings_velocity_at(around, surroundings_belt_at(around, at), at);
+}
+
 double surroundings_border_distance(const surroundings *around, vec2 at)
 {
     double nearest = DBL_MAX;
@@ -336,10 +341,10 @@ static stretch stretch_of(const surroundings *around, vec2 start, vec2 end)
 {
     const vec2 to = vec2_sub(end, start);
     const double length = vec2_length(to);
-    const size_t belt = surroundings_belt_at(around, vec2_add(start, vec2_scale(to, 0.5)));
+    const vec2 middle = vec2_add(start, vec2_scale(to, 0.5));
 
     return (stretch){ vec2_scale(to, 1.0 / length), length,
-                      surroundings_velocity_of(around, belt) };
+                      surroundings_velocity_under(around, middle) };
 }
 
 /// The side of piece k of a path: 1 if the left one is upstream, -1 if the right one is, 0 of a guide.

@@ -28,6 +28,7 @@
 
 #include "core/base/status.h"
 #include "core/base/vec2.h"
+#include "core/scene/belt.h"
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
@@ -102,11 +103,14 @@ bool surroundings_may_drop(const surroundings *around);
 /// True if cargo can leave the domain from a belt: it covers the domain, or some of a side that is an outflow lies along it.
 bool surroundings_is_outlet(const surroundings *around, size_t belt);
 
-/// v_T of a belt, m/s, at which it moves when its factor (belt_speeds.h) is 1; zero for n_belts, off every belt.
-static inline vec2 surroundings_velocity_of(const surroundings *around, size_t belt)
+/// v_T of a belt at a place, m/s, at which it moves when its factor (belt_speeds.h) is 1; zero for n_belts, off every belt.
+static inline vec2 surroundings_velocity_at(const surroundings *around, size_t belt, vec2 at)
 {
-    return belt < around->n_belts ? around->belts[belt].velocity : (vec2){ 0.0, 0.0 };
+    return belt < around->n_belts ? belt_velocity(&around->belts[belt], at) : (vec2){ 0.0, 0.0 };
 }
+
+/// v_T under a point, of surroundings_belt_at(), m/s.
+vec2 surroundings_velocity_under(const surroundings *around, vec2 at);
 
 /// Distance from a point to the nearest border of a belt, m; DBL_MAX if no belt has one.
 double surroundings_border_distance(const surroundings *around, vec2 at);

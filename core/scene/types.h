@@ -43,9 +43,11 @@ typedef struct scene_speed_schedule {
 /// A conveyor: a polygon that carries what lies on it. Where belts overlap the later one applies.
 typedef struct scene_belt {
     char id[SCENE_ID_SIZE]; ///< unique among belts (default "main", then "belt-<n>", n from 2)
-    vec2 velocity;          ///< v_T, m/s (default 0.395, 0)
-    double acceleration;    ///< with which its speed rises, m/s2, > 0 (default INFINITY: at once)
-    double deceleration;    ///< with which it falls, m/s2, > 0 (default INFINITY: at once)
+    vec2 velocity;          ///< v_T, m/s (default 0.395, 0); of one that turns only its size counts
+    double turn; ///< angular velocity about the centre, rad/s; 0: it is straight (default 0)
+    vec2 centre; ///< see turn, m
+    double acceleration; ///< with which its speed rises, m/s2, > 0 (default INFINITY: at once)
+    double deceleration; ///< with which it falls, m/s2, > 0 (default INFINITY: at once)
     scene_speed_schedule speed_schedule; ///< see there
     bool is_commanded;     ///< there is an action that changes its speed; set by scene_resolve()
     double command_factor; ///< the largest factor of these; set by scene_resolve()

@@ -29,7 +29,8 @@ static bool are_forward(size_t n_belts, const scene_belt *belts)
     bool are = true;
 
     for (size_t k = 0; k < n_belts; k++)
-        are = are && belts[k].velocity.y == 0.0 && belts[k].velocity.x >= 0.0;
+        are =
+            are && belts[k].velocity.y == 0.0 && belts[k].velocity.x >= 0.0 && belts[k].turn == 0.0;
     return are;
 }
 
@@ -63,10 +64,17 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
     }
     c->belts = memory_alloc(def->n_belts + 1, sizeof *c->belts);
     c->lateral = memory_alloc(def->n_belts + 1, sizeof *c->lateral);
-    for (size_t k = 0; c->belts != NULL && k < def->n_belts; k++)
-        c->belts[k] = def->belts[k].velocity;
+    c->fastest = memory_alloc(def->n_belts + 1, sizeof *c->fastest);
+    if (c->belts == NULL || c->lateral == NULL || c->fastest == NULL)
+        return false;
+    for (size_t k = 0; k < def->n_belts; k++) {
+        c->belts[k] = (scene_belt){ .velocity = def->belts[k].velocity,
+                                    .turn = def->belts[k].turn,
+                                    .centre = def->belts[k].centre };
+        c->fastest[k] = belt_largest_speed(&def->belts[k]);
+    }
     memcpy(c->closed_edge, def->one_way, sizeof c->closed_edge);
-    return c->belts != NULL && c->lateral != NULL;
+    return true;
 }
 
 // Members of a law that every solver has, and those that only solvers have that are not forward.
@@ -173,7 +181,7 @@ static void limit_pressures(const macro_solver *s, congested *c)
     double fastest = 0.0;
 
     for (size_t k = 0; k < c->n_belts; k++)
-        fastest = fmax(fastest, fmax(s->factors[k], 1.0) * vec2_length(c->belts[k]));
+        fastest = fmax(fastest, fmax(s->factors[k], 1.0) * c->fastest[k]);
     const float most = (float)(c->jam_density * fastest * (double)(s->n1 + s->n2));
     for (int colour = 0; colour < 2; colour++)
         for (ptrdiff_t row = 0; row < s->n2; row++)
@@ -201,6 +209,7 @@ congested *congested_destroy(congested *c)
     }
     memory_free(c->belts);
     memory_free(c->lateral);
+    memory_free(c->fastest);
     memory_free(c->storage);
     memory_free(c->is_uniform);
     memory_free(c->range);

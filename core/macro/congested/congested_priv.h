@@ -14,6 +14,7 @@
 #include "core/base/team.h"
 #include "core/macro/congested.h"
 #include "core/macro/macro_priv.h"
+#include "core/scene/belt.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -137,7 +138,8 @@ struct congested {
     double *transverse[2];  ///< v_stat along these faces: its other component, m/s
     uint16_t *belt[2];      ///< belt under these faces
     size_t n_belts;         ///< belts
-    vec2 *belts;            ///< v_T of each, and zero off every belt, m/s
+    scene_belt *belts;      ///< each, without corners and schedule, and one at rest off every belt
+    double *fastest;        ///< largest speed on each of them at the factor 1, m/s
     double *lateral;        ///< most speed of cargo across each of them, m/s
     uint8_t closed_edge[4]; ///< west, east, south, north: nothing is corrected across it
     ptrdiff_t half_stride;  ///< floats from half row to half row

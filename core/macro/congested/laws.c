@@ -100,6 +100,13 @@ static bool is_edge_closed(const macro_solver *s, const congested *c, int axis, 
     return (j == 0 && c->closed_edge[2]) || (j == s->n2 && c->closed_edge[3]);
 }
 
+// The centre of a face.
+static vec2 place_of(const bf_grid *g, int axis, ptrdiff_t i, ptrdiff_t j)
+{
+    return (vec2){ g->lower1 + ((double)i + (axis == 0 ? 0.0 : 0.5)) * g->d1,
+                   g->lower2 + ((double)j + (axis == 0 ? 0.5 : 0.0)) * g->d2 };
+}
+
 static void set_axis(const macro_solver *s, const congested *c, int axis)
 {
     const macro_faces *faces = axis == 0 ? &s->faces1 : &s->faces2;
@@ -111,14 +118,16 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
             const size_t at = (size_t)(j * n_columns + i);
             const size_t belt = c->belt[axis][at];
             const double factor = s->factors[belt], aperture = c->aperture[axis][at];
-            const vec2 v_t = vec2_scale(c->belts[belt], factor);
+            const scene_belt *under = &c->belts[belt];
+            const vec2 v_t =
+                vec2_scale(belt_velocity(under, place_of(&s->def.grid, axis, i, j)), factor);
             const face_slot f = slot_of(c, axis, i, j);
             face_state x = {
                 .scale = axis == 0 ? 1.0 : (double)c->ratio,
                 .aperture = is_edge_closed(s, c, axis, i, j) ? 0.0 : aperture,
                 .belt_e = axis == 0 ? v_t.x : v_t.y,
                 .belt_t = axis == 0 ? v_t.y : -v_t.x,
-                .lateral = c->lateral[belt],
+                .lateral = under->turn == 0.0 ? c->lateral[belt] : lateral_most * vec2_length(v_t),
                 // The solver's velocity is that of the flux, which has the aperture in it.
                 .stat_e = aperture > 0.0 ? v[i] / aperture : 0.0,
                 .stat_t = (axis == 0 ? 1.0 : -1.0) * factor * c->transverse[axis][at]
@@ -131,7 +140,7 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
 // Sets c->uniform by a face that has both laws.
 static void set_uniform(const macro_solver *s, congested *c)
 {
-    const double speed = c->n_belts == 0 ? 0.0 : s->factors[0] * c->belts[0].x;
+    const double speed = c->n_belts == 0 ? 0.0 : s->factors[0] * c->belts[0].velocity.x;
     congested_uniform *u = &c->uniform;
     float others[4];
     const congested_law law = { .slope = &u->slope,
@@ -185,14 +194,17 @@ static void find_uniform_groups(const macro_solver *s, congested *c, ptrdiff_t r
     }
 }
 
-// What another belt brings goes on across a belt as fast as it came.
+// What another belt brings goes on across a belt as fast as it came. Belts that turn have only their own.
 static double most_across(const macro_solver *s, const congested *c, size_t belt)
 {
-    const double own = vec2_length(c->belts[belt]);
+    const vec2 velocity = c->belts[belt].velocity;
+    const double own = vec2_length(velocity);
     double most = lateral_most * s->factors[belt] * own;
 
     for (size_t k = 0; own > 0.0 && k < c->n_belts; k++)
-        most = fmax(most, s->factors[k] * fabs(vec2_cross(c->belts[belt], c->belts[k])) / own);
+        if (c->belts[k].turn == 0.0)
+            most =
+                fmax(most, s->factors[k] * fabs(vec2_cross(velocity, c->belts[k].velocity)) / own);
     return most;
 }
 
@@ -202,7 +214,7 @@ void congested_update(macro_solver *s)
 
     c->has_standing = false;
     for (size_t k = 0; k < c->n_belts; k++) {
-        c->has_standing |= s->factors[k] * vec2_length(c->belts[k]) == 0.0;
+        c->has_standing |= s->factors[k] * vec2_length(c->belts[k].velocity) == 0.0;
         c->lateral[k] = most_across(s, c, k);
     }
     set_axis(s, c, 0);

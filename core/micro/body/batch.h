@@ -41,7 +41,8 @@ typedef struct body_batch_point {
     body_lanes gain;           ///< N s per m/s
     body_lanes lower_bound;    ///< J is 0 unless greater: 0, or -infinity where it may be negative
     body_lanes normal_impulse; ///< J by the last solution, N s
-    body_lanes belt_velocity[2]; ///< of a constraint with a belt: along the tangents, m/s
+    body_lanes
+        belt_velocity[2]; ///< in the middle, of the belt under the point: along the tangents, m/s
 } body_batch_point;
 
 /// Constraints of different parts, all with boundaries, or all with belts, or all of pairs. Lanes from n on repeat lane
@@ -64,6 +65,7 @@ typedef struct body_batch {
     body_lanes spin_friction;  ///< with a belt: mu r_spin of (8), m
     body_lanes spin_rate;      ///< same: its lambda, s
     body_lanes gyration;       ///< same: g_0, m
+    body_lanes belt_turn;      ///< same: its angular velocity, rad/s
     body_lanes impulse[6];     ///< so far, on b, in the axes: N s and N m s
     body_lanes normal_impulse; ///< sum of |J| over the points, N s
     body_lanes inertia[21];    ///< M by body_entry(); only where has_inertia

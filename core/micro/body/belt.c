@@ -1,10 +1,11 @@
 // Contacts with the plane z = 0: that of the belts, which bears a part as long as one of them carries it; what of it is
 // over no belt drags as if it lay on that one. Without any belt it is a surface at rest.
 
-#include "core/micro/body/body_priv.h"
+#include "core/micro/body/belt.h"
 
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
+#include "core/micro/body/body_priv.h"
 #include "core/micro/friction.h"
 
 #include <math.h>
@@ -22,18 +23,20 @@ typedef struct belt_pressure {
     double gyration; // of |force| about the middle, m
 } belt_pressure;
 
-static vec3 in_space(vec2 velocity, double factor)
+static body_belt belt_of(const scene_belt *belt, double factor)
 {
-    return (vec3){ velocity.x * factor, velocity.y * factor, 0.0 };
+    const vec2 v = belt_velocity(belt, (vec2){ 0.0, 0.0 });
+
+    return (body_belt){ v.x * factor, v.y * factor, belt->turn * factor };
 }
 
 bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
 {
-    s->belt_velocities = memory_alloc(def->n_belts + 1, sizeof *s->belt_velocities);
-    if (s->belt_velocities == NULL)
+    s->belts = memory_alloc(def->n_belts + 1, sizeof *s->belts);
+    if (s->belts == NULL)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
     for (size_t k = 0; k < def->n_belts; k++)
-        s->belt_velocities[k] = in_space(def->belts[k].velocity, 1.0);
+        s->belts[k] = belt_of(&def->belts[k], 1.0);
     return micro__copy_surroundings(def, &s->common.around, err);
 }
 
@@ -41,7 +44,7 @@ void body__belt_fini(body_state *s)
 {
     surroundings_fini(&s->common.around);
     memory_free(s->belt_cache);
-    memory_free(s->belt_velocities);
+    memory_free(s->belts);
 }
 
 void body__update_belts(body_state *s, uint64_t n_before)
@@ -52,7 +55,7 @@ void body__update_belts(body_state *s, uint64_t n_before)
         return;
     belt_speeds_in_step(&s->common.world->belts, n_before, s->def.dt, factors);
     for (size_t k = 0; k < s->common.around.n_belts; k++)
-        s->belt_velocities[k] = in_space(s->common.around.belts[k].velocity, factors[k]);
+        s->belts[k] = belt_of(&s->common.around.belts[k], factors[k]);
 }
 
 /// How far part k bridges gaps, m.
@@ -82,21 +85,20 @@ bool body__falls(body_state *s, size_t k)
     return surroundings_falls(&s->common.around, find_belt(s, k)->belt);
 }
 
-bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
+const body_belt *body__whole_belt(body_state *s, size_t k)
 {
     const body_belt_cache *cache = find_belt(s, k);
 
-    *ret_velocity = s->belt_velocities[cache->belt];
-    return cache->clearance > 0.0;
+    return cache->clearance > 0.0 ? &s->belts[cache->belt] : NULL;
 }
 
-vec3 body__belt_at(body_state *s, size_t k, double x, double y)
+const body_belt *body__belt_at(body_state *s, size_t k, vec3 at)
 {
-    size_t belt = surroundings_belt_under(&s->common.around, (vec2){ x, y }, bridge_of(s, k));
+    size_t belt = surroundings_belt_under(&s->common.around, (vec2){ at.x, at.y }, bridge_of(s, k));
 
     if (belt == s->common.around.n_belts)
         belt = find_belt(s, k)->belt;
-    return s->belt_velocities[belt];
+    return &s->belts[belt];
 }
 
 /// Add a contact point if it has a normal force.
@@ -184,52 +186,55 @@ static bool find_flat_pressure(const body_state *s, const body_body *body, belt_
     return true;
 }
 
-/// The torque of friction (8), implicit, so that it never reverses the spin.
-static double find_spin_torque(const body_state *s, const body_body *body, const belt_pressure *p)
+/// The torque of friction (8), implicit, so that it never turns the body past the belt's angular velocity.
+static double find_spin_torque(const body_state *s, const body_body *body, const belt_pressure *p,
+                               double turn)
 {
     const body_kind *kind = &s->kinds[body->kind];
     const micro_law *law = &kind->belt_law;
-    double flat = fmin(1.0, p->gyration / kind->flat_gyration);
+    double flat = fmin(1.0, p->gyration / kind->flat_gyration), slip = body->w.z - turn;
     vec3 up = body->r.row[2];
     double inverse_inertia = up.x * up.x / kind->inertia.x + up.y * up.y / kind->inertia.y +
                              up.z * up.z / kind->inertia.z;
 
     double spin_secant = friction_secant(law->friction * kind->spin_radius * flat, p->sum,
-                                         law->tanh_spin, fabs(body->w.z));
-    return -spin_secant * body->w.z / (1.0 + s->def.dt * spin_secant * inverse_inertia);
+                                         law->tanh_spin, fabs(slip));
+    return -spin_secant * slip / (1.0 + s->def.dt * spin_secant * inverse_inertia);
 }
 
-/// Friction (7) in the centre of pressure; in each contact point where several belts are under the body.
-static void add_sliding(body_state *s, size_t k, const belt_pressure *p, const vec3 *belt,
-                        body_load *load)
+/// Friction (7) in the centre of pressure, and (8) about it. Where several belts are under the body, (7) acts in each contact
+/// point by the slip that the centre would have on the belt there, as what differs from that by turning is (8).
+static void add_friction(body_state *s, size_t k, const belt_pressure *p, const body_belt *belt,
+                         body_load *load)
 {
     const body_body *body = &s->bodies[k];
     const micro_law *law = &s->kinds[body->kind].belt_law;
     vec3 velocity = body__velocity(body, p->middle);
+    double turn = belt != NULL ? belt->turn : 0.0;
 
     velocity.z = 0.0;
     if (belt != NULL) {
-        body__add_force(load, body, p->middle,
-                        body__friction_force(law, p->sum, vec3_sub(velocity, *belt)));
-        return;
+        const vec3 slip = vec3_sub(velocity, body__belt_velocity(belt, p->middle));
+        body__add_force(load, body, p->middle, body__friction_force(law, p->sum, slip));
     }
-    for (size_t m = 0; m < p->n; m++) {
-        vec3 under = body__belt_at(s, k, p->at[m].x, p->at[m].y);
-        body__add_force(load, body, p->at[m],
-                        body__friction_force(law, p->force[m], vec3_sub(velocity, under)));
+    for (size_t m = 0; belt == NULL && m < p->n; m++) {
+        const body_belt *under = body__belt_at(s, k, p->at[m]);
+        const vec3 slip = vec3_sub(velocity, body__belt_velocity(under, p->middle));
+        body__add_force(load, body, p->at[m], body__friction_force(law, p->force[m], slip));
+        turn += under->turn * fabs(p->force[m]) / p->sum;
     }
+    load->torque.z += find_spin_torque(s, body, p, turn);
 }
 
 void body__add_belt_forces(body_state *s, size_t k, body_load *load)
 {
     const body_body *body = &s->bodies[k];
-    vec3 belt;
     belt_pressure p;
 
     if (body->x.z >= s->bounding_radius[k])
         return;
-    bool is_one_belt = body__is_on_one_belt(s, k, &belt);
-    if (is_one_belt && find_flat_pressure(s, body, &p))
+    const body_belt *belt = body__whole_belt(s, k);
+    if (belt != NULL && find_flat_pressure(s, body, &p))
         body__add_force(load, body, p.middle, (vec3){ 0.0, 0.0, p.sum });
     else
         find_pressure(s, body, &p);
@@ -237,6 +242,5 @@ void body__add_belt_forces(body_state *s, size_t k, body_load *load)
         return;
     for (size_t m = 0; m < p.n; m++)
         body__add_force(load, body, p.at[m], (vec3){ 0.0, 0.0, p.force[m] });
-    add_sliding(s, k, &p, is_one_belt ? &belt : NULL, load);
-    load->torque.z += find_spin_torque(s, body, &p);
+    add_friction(s, k, &p, belt, load);
 }

@@ -39,9 +39,11 @@ static void place_parts(body_state *s, const micro_def *def)
             &s->common.around, (vec2){ body->x.x, body->x.y }, s->kinds[body->kind].inner_radius);
         if (belt == def->n_belts)
             continue;
-        vec2 v = vec2_scale(def->belts[belt].velocity,
-                            belt_speeds_at(&s->common.world->belts, belt, 0.0));
+        const double factor = belt_speeds_at(&s->common.world->belts, belt, 0.0);
+        const vec2 v =
+            vec2_scale(belt_velocity(&def->belts[belt], (vec2){ body->x.x, body->x.y }), factor);
         body->v = (vec3){ v.x, v.y, 0.0 };
+        body->w.z = factor * def->belts[belt].turn;
     }
 }
 

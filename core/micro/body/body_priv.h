@@ -27,6 +27,7 @@
 
 #include "core/base/checkpoint.h"
 #include "core/micro/backend.h"
+#include "core/micro/body/belt.h"
 #include "core/micro/body/narrow_phase.h"
 #include "core/micro/body/plates.h"
 #include "core/micro/contact_law.h"
@@ -89,13 +90,6 @@ typedef struct body_map {
     size_t capacity; ///< room in plate
 } body_map;
 
-/// The neighbourhood in which one belt, or none, lies under all of a part.
-typedef struct body_belt_cache {
-    vec2 at;          ///< centre of the part when this was computed, m
-    double clearance; ///< distance from there within which it holds, m; < 0: not computed
-    size_t belt;      ///< index of that belt
-} body_belt_cache;
-
 /// The solver.
 struct body_state {
     micro_common common; ///< see there
@@ -129,7 +123,7 @@ struct body_state {
     body_moving *moving;        ///< by plate; NULL: none moves
     body_map map;               ///< of plates
     double map_range;           ///< from a part's centre to plates that the map must contain, m
-    vec3 *belt_velocities;      ///< of each belt, and off every belt, in this step, m/s
+    body_belt *belts;           ///< each belt, and what is off every belt, in this step
     size_t n_blocks;            ///< of parts
     body_report *reports;       ///< one a block
     double largest_overlap;     ///< since the start, m
@@ -169,22 +163,6 @@ bool body__contact_force(const body_state *s, const micro_law *law, vec3 normal,
 /// Prepare a kind. BF_EINPUT: its hull is degenerate.
 BF_MUST_CHECK bf_status body__kind_init(const micro_def *def, const micro_kind *from,
                                         body_kind *ret_kind, bf_error *err);
-
-/// Copy the belts. BF_ENOMEM.
-BF_MUST_CHECK bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err);
-void body__belt_fini(body_state *s); ///< Free them.
-
-/// Set the velocities of the belts for a step, before which n_before were made; by one thread.
-void body__update_belts(body_state *s, uint64_t n_before);
-
-/// Velocity in this step of the belt under a point of part k, else of the one that carries the part; 0 where it falls.
-vec3 body__belt_at(body_state *s, size_t k, double x, double y);
-
-/// True if no belt carries part k.
-bool body__falls(body_state *s, size_t k);
-
-/// True if one belt is under all of part k, and its velocity in this step.
-bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity);
 
 /// Build the list of neighbours and the pairs; pairs that remain keep their memory and warm start.
 /// BF_ENOMEM: the next call builds the list again.
@@ -232,9 +210,6 @@ void body__implicit_fini(body_state *s); ///< Free it.
 
 /// MICRO_IMPLICIT for the driver.
 extern const driver_solver body__implicit;
-
-/// Add the forces of the belt on part k.
-void body__add_belt_forces(body_state *s, size_t k, body_load *load);
 
 /// Largest stable step for a checked definition, s; see kind.c.
 double body__dt_stable(const micro_def *def);

@@ -63,8 +63,11 @@ typedef struct body_constraint {
     uint32_t n;                  ///< points
     bool is_flat;                ///< all normals of the points are axis[2]
     body_constraint_point point[BODY_CONSTRAINT_POINTS]; ///< see there; n of them
-    vec3 normal[BODY_CLOSED_FORM_POINTS];       ///< of the points, in the axes; unless is_flat
-    vec2 belt_velocity[BODY_CONSTRAINT_POINTS]; ///< of the points, if a is the belt, m/s
+    vec3 normal[BODY_CLOSED_FORM_POINTS]; ///< of the points, in the axes; unless is_flat
+    vec2 belt_velocity
+        [BODY_CONSTRAINT_POINTS]; ///< in the middle, of the belts under the points, if a is
+                                  ///< the belt, m/s
+    double belt_turn;             ///< mean angular velocity of these, rad/s
 } body_constraint;
 
 #define BODY_STATIC UINT32_MAX ///< in place of the id of a part: a body that does not move

@@ -171,6 +171,7 @@ static void fill_belt(const body_constraint *p, size_t lane, body_batch *batch)
     batch->spin_friction[lane] = law->friction * p->belt_kind->spin_radius;
     batch->spin_rate[lane] = law->tanh_spin;
     batch->gyration[lane] = p->belt_kind->flat_gyration;
+    batch->belt_turn[lane] = p->belt_turn;
     for (uint32_t k = 0; k < p->n; k++) {
         batch->point[k].belt_velocity[0][lane] = p->belt_velocity[k].x;
         batch->point[k].belt_velocity[1][lane] = p->belt_velocity[k].y;

@@ -287,18 +287,22 @@ static void visit_boundary(void *context, size_t k, const micro_law *law, uint32
                        body__moving_plate(v->s, boundary), contact);
 }
 
-/// The velocities of the belts under the points of a constraint.
+/// The velocities, in the middle of a constraint, of the belts under its points, and how they turn on average. A body goes on
+/// for half a step until it is in the middle of its way: else a belt that turns would lead it off its circle.
 static void find_belt_velocities(body_state *s, size_t k, body_constraint *constraint)
 {
     const vec3 middle = vec3_add(s->bodies[k].x, constraint->lever[1]);
-    vec3 belt;
-    bool is_one = body__is_on_one_belt(s, k, &belt);
+    const vec3 halfway = vec3_along(middle, 0.5 * s->def.dt, s->bodies[k].v);
+    const body_belt *whole = body__whole_belt(s, k);
 
+    constraint->belt_turn = 0.0;
     for (uint32_t m = 0; m < constraint->n; m++) {
         const body_constraint_point *point = &constraint->point[m];
-        if (!is_one)
-            belt = body__belt_at(s, k, middle.x + point->x, middle.y + point->y);
-        constraint->belt_velocity[m] = (vec2){ belt.x, belt.y };
+        const vec3 at = { middle.x + point->x, middle.y + point->y, middle.z };
+        const body_belt *belt = whole != NULL ? whole : body__belt_at(s, k, at);
+        const vec3 velocity = body__belt_velocity(belt, halfway);
+        constraint->belt_velocity[m] = (vec2){ velocity.x, velocity.y };
+        constraint->belt_turn += belt->turn / constraint->n;
     }
 }
 

@@ -255,7 +255,7 @@ static inline simd find_spin_secant(const body_batch *p, size_t lane, const lane
 static inline void add_belt(const body_batch *p, size_t lane, const lanes_point *points,
                             simd impulse, const simd q[6], lanes_law *law)
 {
-    const simd zero = simd_all(0.0), one = simd_all(1.0);
+    const simd zero = simd_all(0.0), one = simd_all(1.0), turn = simd_load(p->belt_turn + lane);
     const simd divisor = simd_select_less(zero, impulse, impulse, one);
     simd x = zero, y = zero, sum = zero, secant_x = zero, secant_y = zero;
 
@@ -266,8 +266,8 @@ static inline void add_belt(const body_batch *p, size_t lane, const lanes_point 
     const simd vx = q[0] - y * q[5], vy = q[1] + x * q[5];
     for (uint32_t k = 0; k < p->n_points; k++) {
         const lanes_point *point = &points[k];
-        const simd belt_x = simd_load(p->point[k].belt_velocity[0] + lane),
-                   belt_y = simd_load(p->point[k].belt_velocity[1] + lane);
+        const simd belt_x = simd_load(p->point[k].belt_velocity[0] + lane) - turn * y,
+                   belt_y = simd_load(p->point[k].belt_velocity[1] + lane) + turn * x;
         const simd secant = find_secant(p, lane, point->impulse, vx - belt_x, vy - belt_y);
         law->start[0] += secant * belt_x;
         law->start[1] += secant * belt_y;
@@ -278,7 +278,9 @@ static inline void add_belt(const body_batch *p, size_t lane, const lanes_point 
     }
     const simd mean = simd_select_less(zero, sum, sum, one);
     add_secant(law, sum, secant_x / mean, secant_y / mean);
-    law->slope.row[5][5] += find_spin_secant(p, lane, points, x, y, impulse, divisor, q[5]);
+    const simd spin = find_spin_secant(p, lane, points, x, y, impulse, divisor, q[5] - turn);
+    law->slope.row[5][5] += spin;
+    law->start[5] += spin * turn;
 }
 
 // Solve (M + D) dq = c - D q - impulse, where q includes the impulse so far. *ret_more is M dq.

@@ -68,7 +68,8 @@ static void set_constants(disk_state *s, const micro_def *def)
         contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], &def->kinds[0].material,
                             &def->conveyor, def->modulus_reduction, def->kinds[0].shape.radius);
     s->spin_damping = pow(fmax(1.0 - def->damping, 0.0), def->dt);
-    s->is_uniform = def->n_kinds == 1 && !def->tension && (top == NULL || top->n_points == 0);
+    s->is_uniform = def->n_kinds == 1 && !def->tension &&
+                    (top == NULL || (top->n_points == 0 && top->turn == 0.0));
     s->uniform_belt = (uint16_t)(def->n_belts - (top != NULL ? 1 : 0));
     s->n = def->n_parts;
     s->n_partitions = 1;
@@ -144,7 +145,8 @@ const disk_belt *disk__belts_in_step(const disk_state *s, uint64_t n_before, dis
     belt_speeds_in_step(&s->common.world->belts, n_before, s->def.dt, factors);
     for (size_t k = 0; k <= s->common.around.n_belts; k++) {
         const disk_belt *belt = &s->belts.of[k];
-        room->of[k] = (disk_belt){ belt->vx * factors[k], belt->vy * factors[k], belt->on_belt };
+        room->of[k] = (disk_belt){ belt->vx * factors[k], belt->vy * factors[k],
+                                   belt->turn * factors[k], belt->on_belt };
     }
     return room->of;
 }
@@ -158,9 +160,11 @@ static void start_parts(disk_state *s, const micro_def *def)
         s->now[k].x = pose->x;
         s->now[k].y = pose->y;
         const size_t belt = disk__belt_under(s, &s->now[k]);
-        if (belt < def->n_belts)
-            v = vec2_scale(def->belts[belt].velocity,
-                           belt_speeds_at(&s->common.world->belts, belt, 0.0));
+        if (belt < def->n_belts) {
+            const double factor = belt_speeds_at(&s->common.world->belts, belt, 0.0);
+            v = vec2_scale(belt_velocity(&def->belts[belt], (vec2){ pose->x, pose->y }), factor);
+            s->now[k].spin = factor * def->belts[belt].turn;
+        }
         s->now[k].vx = v.x;
         s->now[k].vy = v.y;
         s->heading[k] = pose->heading;
@@ -184,8 +188,11 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
     if (copy_kinds(s, def) != BF_OK || make_arrays(s, def) != BF_OK ||
         (is_tiled(def) && disk__tiling_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
-    for (size_t k = 0; k < def->n_belts; k++)
-        s->belts.of[k] = (disk_belt){ def->belts[k].velocity.x, def->belts[k].velocity.y, 1.0 };
+    for (size_t k = 0; k < def->n_belts; k++) {
+        const vec2 v = belt_velocity(&def->belts[k], (vec2){ 0.0, 0.0 });
+        s->belts.of[k] = (disk_belt){ v.x, v.y, def->belts[k].turn, 1.0 };
+        s->has_turning = s->has_turning || def->belts[k].turn != 0.0;
+    }
     bf_status status = micro__copy_surroundings(def, &s->common.around, err);
     if (status == BF_OK)
         status = disk__boundary_init(s, def, err);

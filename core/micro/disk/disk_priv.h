@@ -7,8 +7,9 @@
 ///               contact point, spins included; the point is the middle of the overlap, so its
 ///               levers r - delta/2 add up to dist and angular momentum is conserved
 ///     belt      a = -mu g tanh(lambda |s|) s/|s|, s = velocity relative to the belt under the centre
-///     spin      w+ = w~ / (1 + dt A tanh(lambda |w~|)/|w~|), w~ = (1 - D)^dt w + dt Theta^-1 (torque),
-///               A = mu r_spin m g / Theta: (8), implicit and never past zero
+///     spin      w+ = W + (w~ - W) / (1 + dt A tanh(lambda |w~ - W|)/|w~ - W|), W that of the belt under the
+///               centre, w~ = (1 - D)^dt w + dt Theta^-1 (torque), A = mu r_spin m g / Theta: (8),
+///               implicit and never past W
 ///
 /// Velocity is that of the last half step, (x - x-)/dt: (12) is then v+ = (1 - D dt) v + dt F(x, v)/m,
 /// x+ = x + dt v+, the same numbers with less rounding, and the first step by forward Euler is the one
@@ -98,54 +99,55 @@ typedef struct disk_tiling {
 
 /// The planar solver.
 struct disk_state {
-    micro_common common;            ///< see there
-    micro_def def;                  ///< without its arrays
-    disk_law cargo;                 ///< cargo on cargo
-    disk_law handling;              ///< cargo on obstacles and walls
-    double handling_compliance;     ///< as in disk
-    micro_law belt;                 ///< cargo on belts; its stiffness is not used
-    double spin_damping;            ///< (1 - D)^dt
-    bool is_uniform;                ///< one kind, one belt or none all over, no tension
-    uint16_t uniform_belt;          ///< index of the belt under all parts if is_uniform
-    double uniform_deceleration;    ///< A if is_uniform, rad/s2
-    size_t n;                       ///< parts, gone ones included
-    size_t capacity;                ///< parts that there is room for
-    size_t n_live;                  ///< live ones when the list was made: the slots below
-    size_t n_padded;                ///< n_live rounded up to a multiple of DISK_GROUP
-    uint32_t void_slot;             ///< far away from everything, the last one
-    disk *now;                      ///< parts at the present time, by slot
-    disk *next;                     ///< where an explicit step writes (disk__swap() afterwards)
-    double *heading;                ///< rad, by slot
-    double *spin_deceleration;      ///< A of (8), rad/s2, by slot; NULL if is_uniform
-    uint16_t *belt_under;           ///< index of a belt, by slot; NULL if is_uniform
-    memory_block scratch;           ///< of a rebuild; then of implicit steps
-    uint8_t *has_candidates;        ///< by group: nonzero if its parts have candidates
-    uint32_t *id_of;                ///< id of the part in each slot; UINT32_MAX: padding
-    uint32_t *slot_of;              ///< slot of each part
-    bool has_arrivals;              ///< parts were admitted since the list was made
-    size_t n_kinds;                 ///< kinds of parts
-    disk_kind *kinds;               ///< see there
-    uint32_t *kind_of;              ///< by id; NULL: there is one kind
-    disk_list list;                 ///< neighbours
-    double skin;                    ///< m
-    double displacement_bound;      ///< m, no part has moved farther since the list was made
-    double last_bound;              ///< m, nor in the last explicit step; INFINITY: not known
-    double radius_max;              ///< m, of any kind
-    double radius_min;              ///< m, of any kind
-    size_t n_faces;                 ///< of the boundary
-    disk_face *faces;               ///< see there
-    size_t n_arcs;                  ///< of the boundary
-    disk_arc *arcs;                 ///< see there
-    disk_plates plates;             ///< those that move
-    size_t n_candidates;            ///< sorted by slot, then by feature
-    size_t candidates_capacity;     ///< room
-    disk_candidate *candidates;     ///< see there
-    size_t n_border_parts;          ///< sorted by slot
-    size_t border_parts_capacity;   ///< room
-    disk_border_part *border_parts; ///< see there
-    disk_belts belts;               ///< at v_T
-    neighbours_cells cells;         ///< storage of the grid
-    int n_partitions;               ///< threads that take part
+    micro_common common;         ///< see there
+    micro_def def;               ///< without its arrays
+    disk_law cargo;              ///< cargo on cargo
+    disk_law handling;           ///< cargo on obstacles and walls
+    double handling_compliance;  ///< as in disk
+    micro_law belt;              ///< cargo on belts; its stiffness is not used
+    double spin_damping;         ///< (1 - D)^dt
+    bool is_uniform;             ///< one kind, one straight belt or none all over, no tension
+    bool has_turning;            ///< a belt turns
+    uint16_t uniform_belt;       ///< index of the belt under all parts if is_uniform
+    double uniform_deceleration; ///< A if is_uniform, rad/s2
+    size_t n;                    ///< parts, gone ones included
+    size_t capacity;             ///< parts that there is room for
+    size_t n_live;               ///< live ones when the list was made: the slots below
+    size_t n_padded;             ///< n_live rounded up to a multiple of DISK_GROUP
+    uint32_t void_slot;          ///< far away from everything, the last one
+    disk *now;                   ///< parts at the present time, by slot
+    disk *next;                  ///< where an explicit step writes (disk__swap() afterwards)
+    double *heading;             ///< rad, by slot
+    double *spin_deceleration;   ///< A of (8), rad/s2, by slot; NULL if is_uniform
+    uint16_t *belt_under;      ///< index of a belt, by slot, n_belts of padding; NULL if is_uniform
+    memory_block scratch;      ///< of a rebuild; then of implicit steps
+    uint8_t *has_candidates;   ///< by group: nonzero if its parts have candidates
+    uint32_t *id_of;           ///< id of the part in each slot; UINT32_MAX: padding
+    uint32_t *slot_of;         ///< slot of each part
+    bool has_arrivals;         ///< parts were admitted since the list was made
+    size_t n_kinds;            ///< kinds of parts
+    disk_kind *kinds;          ///< see there
+    uint32_t *kind_of;         ///< by id; NULL: there is one kind
+    disk_list list;            ///< neighbours
+    double skin;               ///< m
+    double displacement_bound; ///< m, no part has moved farther since the list was made
+    double last_bound;         ///< m, nor in the last explicit step; INFINITY: not known
+    double radius_max;         ///< m, of any kind
+    double radius_min;         ///< m, of any kind
+    size_t n_faces;            ///< of the boundary
+    disk_face *faces;          ///< see there
+    size_t n_arcs;             ///< of the boundary
+    disk_arc *arcs;            ///< see there
+    disk_plates plates;        ///< those that move
+    size_t n_candidates;       ///< sorted by slot, then by feature
+    size_t candidates_capacity;                     ///< room
+    disk_candidate *candidates;                     ///< see there
+    size_t n_border_parts;                          ///< sorted by slot
+    size_t border_parts_capacity;                   ///< room
+    disk_border_part *border_parts;                 ///< see there
+    disk_belts belts;                               ///< at v_T
+    neighbours_cells cells;                         ///< storage of the grid
+    int n_partitions;                               ///< threads that take part
     disk_partition partitions[DISK_PARTITIONS_MAX]; ///< one each
     const explicit_kernels *kernels;                ///< of explicit steps
     disk_extremes_line *extremes; ///< scratch: of two explicit steps, DISK_PARTITIONS_MAX each

@@ -143,6 +143,7 @@ typedef struct motion {
     simd belt_secant;             // dt mu g lambda
     simd inv_mass, inv_inertia;   // if uniform
     simd belt_x, belt_y, on_belt; // same
+    simd belt_turn;               // unless uniform
     simd spin_secant;             // same: dt A lambda
 } motion;
 
@@ -175,7 +176,7 @@ INLINED motion make_own_motion(const motion *common, const explicit_step *step, 
                                const parts *own)
 {
     const disk_state *s = step->state;
-    double belt_x[SIMD_LANES], belt_y[SIMD_LANES], on_belt[SIMD_LANES];
+    double belt_x[SIMD_LANES], belt_y[SIMD_LANES], turn[SIMD_LANES], on_belt[SIMD_LANES];
     motion m = *common;
 
     m.inv_mass = own->inv_mass;
@@ -185,10 +186,12 @@ INLINED motion make_own_motion(const motion *common, const explicit_step *step, 
         const disk_belt *belt = &step->belts[s->belt_under[slot + (size_t)k]];
         belt_x[k] = belt->vx;
         belt_y[k] = belt->vy;
+        turn[k] = belt->turn;
         on_belt[k] = belt->on_belt;
     }
-    m.belt_x = simd_load_any(belt_x);
-    m.belt_y = simd_load_any(belt_y);
+    m.belt_turn = simd_load_any(turn);
+    m.belt_x = simd_load_any(belt_x) - m.belt_turn * own->y;
+    m.belt_y = simd_load_any(belt_y) + m.belt_turn * own->x;
     m.on_belt = simd_load_any(on_belt);
     return m;
 }
@@ -208,12 +211,14 @@ INLINED void move(const motion *m, parts *own, const simd_quad *force)
 }
 
 // Spin friction (8), implicitly, and (13).
-INLINED void turn(const motion *m, parts *own, simd torque)
+INLINED void turn(const motion *m, parts *own, simd torque, bool turning)
 {
     simd w = m->spin_damping_factor * own->spin + m->dt_force * m->inv_inertia * torque;
-    friction_quotient t = friction_theta(w * w * m->spin_rate2);
+    simd slip = turning ? w - m->belt_turn : w;
+    friction_quotient t = friction_theta(slip * slip * m->spin_rate2);
+    simd rest = slip * t.down / (t.down + m->on_belt * m->spin_secant * t.up);
 
-    own->spin = w * t.down / (t.down + m->on_belt * m->spin_secant * t.up);
+    own->spin = turning ? m->belt_turn + rest : rest;
 }
 
 // The largest of all parts of a call, and a sum that is finite only if all are.
@@ -259,7 +264,7 @@ INLINED void move_lanes(const explicit_step *step, const motion *common, size_t 
     motion m = uniform ? *common : make_own_motion(common, step, slot, &own);
 
     move(&m, &own, &force);
-    turn(&m, &own, force.column[2]);
+    turn(&m, &own, force.column[2], !uniform && step->state->has_turning);
     simd_quad quad = { { own.x, own.y, own.vx, own.vy } };
     simd_quad_store(&step->next[slot].x, SIMD_ROW, &quad);
     simd_column_store(&step->next[slot].spin, own.spin);

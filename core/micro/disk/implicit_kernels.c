@@ -184,21 +184,29 @@ static void solve(solver_body *bodies, const implicit_blocks *blocks)
                         excess);
 }
 
-// Belts under SIMD_LANES parts.
+// Belts under SIMD_LANES parts, in the middle of their ways in the step: a velocity at its beginning would lead a part off the
+// circle of a belt that turns.
 typedef struct belt_lanes {
-    simd vx, vy, on_belt;
+    simd vx, vy, turn, on_belt;
 } belt_lanes;
 
 static inline belt_lanes load_belts(const disk_state *s, const disk_belt *belts, size_t slot)
 {
     const disk_belt uniform = belts[s->uniform_belt];
-    belt_lanes g = { simd_all(uniform.vx), simd_all(uniform.vy), simd_all(uniform.on_belt) };
+    belt_lanes g = { simd_all(uniform.vx), simd_all(uniform.vy), simd_all(0.0),
+                     simd_all(uniform.on_belt) };
 
     for (size_t k = 0; !s->is_uniform && k < SIMD_LANES; k++) {
         const disk_belt *belt = &belts[s->belt_under[slot + k]];
         g.vx[k] = belt->vx;
         g.vy[k] = belt->vy;
         g.on_belt[k] = belt->on_belt;
+        if (!s->has_turning)
+            continue;
+        const disk *part = &s->now[slot + k];
+        g.vx[k] -= belt->turn * (part->y + 0.5 * s->def.dt * part->vy);
+        g.vy[k] += belt->turn * (part->x + 0.5 * s->def.dt * part->vx);
+        g.turn[k] = belt->turn;
     }
     return g;
 }
@@ -285,11 +293,13 @@ static driver_extremes predict(const disk_state *s, const implicit_step *step,
         index_rows(slot, SIMD_ROW, at);
         simd_quad row = simd_quad_load(&s->now->x, at), more = simd_quad_load(&s->now->spin, at);
         simd *x = row.column, spin = more.column[0], r = more.column[1], inv_mass = more.column[3];
-        friction_quotient theta = friction_theta_quick(s->belt.tanh_spin * size_of(spin));
+        simd damped = s->spin_damping * spin;
+        friction_quotient theta = friction_theta_quick(s->belt.tanh_spin * size_of(spin - g.turn));
         simd loose =
             theta.down / (theta.down + rate * g.on_belt * load_decelerations(s, slot) * theta.up);
-        simd_quad body = { { step->damping_factor * x[2], step->damping_factor * x[3],
-                             s->spin_damping * spin * loose, 2.0 * inv_mass / (r * r) * loose } };
+        simd spun = s->has_turning ? g.turn + (damped - g.turn) * loose : damped * loose;
+        simd_quad body = { { step->damping_factor * x[2], step->damping_factor * x[3], spun,
+                             2.0 * inv_mass / (r * r) * loose } };
         simd dvx = zero, dvy = zero;
         belt_friction_lanes(s, step->belt_secant, &g, body.column, &dvx, &dvy);
         simd_quad_store(&bodies->rows[slot].vx, SIMD_QUAD, &body);

@@ -79,10 +79,11 @@ typedef struct disk_surface {
     double padding[3]; ///< to a cache line
 } disk_surface;
 
-/// The belt under a part, at a time.
+/// The belt under a part, at a time: its velocity is (vx - turn y, vy + turn x).
 typedef struct disk_belt {
-    double vx;      ///< m/s
+    double vx;      ///< at the origin, m/s
     double vy;      ///< same
+    double turn;    ///< angular velocity, rad/s
     double on_belt; ///< 1 on a belt, 0 off every belt
 } disk_belt;
 

@@ -160,18 +160,23 @@ bf_status disk__find_border_parts(disk_state *s)
             return BF_ENOMEM;
         s->border_parts[s->n_border_parts++] = (disk_border_part){ .slot = (uint32_t)slot };
     }
+    for (size_t slot = s->n_live; !s->is_uniform && slot < s->n_padded; slot++)
+        s->belt_under[slot] = (uint16_t)s->common.around.n_belts;
     return BF_OK;
 }
 
 // What a part is after a step; sets the belt that carries it.
 static int find_presence(disk_state *s, size_t slot, const disk *part)
 {
-    if (surroundings_is_outside(&s->common.around, (vec2){ part->x, part->y }))
-        return MICRO_LEFT;
+    const surroundings *around = &s->common.around;
+    const bool has_left = surroundings_is_outside(around, (vec2){ part->x, part->y });
+
     if (s->is_uniform)
-        return MICRO_HERE;
-    s->belt_under[slot] = disk__belt_under(s, part);
-    return surroundings_falls(&s->common.around, s->belt_under[slot]) ? MICRO_FELL : MICRO_HERE;
+        return has_left ? MICRO_LEFT : MICRO_HERE;
+    s->belt_under[slot] = has_left ? (uint16_t)around->n_belts : disk__belt_under(s, part);
+    if (has_left)
+        return MICRO_LEFT;
+    return surroundings_falls(around, s->belt_under[slot]) ? MICRO_FELL : MICRO_HERE;
 }
 
 void disk__update_border_parts(disk_state *s, disk *rows, size_t border_first, size_t border_last,

@@ -26,7 +26,7 @@ static void make_two_belts(scene *s)
 
 static void assert_belt(const surroundings *around, double x, double y, size_t belt, vec2 v)
 {
-    const vec2 velocity = surroundings_velocity_of(around, belt);
+    const vec2 velocity = surroundings_velocity_at(around, belt, (vec2){ x, y });
 
     assert_int_equal(surroundings_belt_at(around, (vec2){ x, y }), belt);
     assert_true(velocity.x == v.x && velocity.y == v.y);
