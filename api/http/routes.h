@@ -51,13 +51,12 @@ typedef struct route {
     const char *help;           ///< what a client should know beyond that
     const char *body;           ///< schema of the request's body as JSON; NULL: it has none
     const char *body_formats;   ///< of the body, the same; NULL: JSON; if several, one of answers
-    const char *refusals;       ///< HTTP statuses beside ROUTES_COMMON_REFUSALS, words; NULL: none
+    const char *refusals;       ///< HTTP statuses that nothing else here tells, words; NULL: none
     route_answer answers[ROUTES_ANSWERS_MAX]; ///< the others
 } route;
 
-/// HTTP statuses of the refusals that any request can meet, those of what needs a token, and the headers of every answer: words.
+/// HTTP statuses of the refusals that any request can meet, and the headers of every answer: words.
 #define ROUTES_COMMON_REFUSALS "400 405 406 414 421 429 500 501 503"
-#define ROUTES_TOKEN_REFUSALS  "401 403"
 #define ROUTES_COMMON_HEADERS  "Vary X-Request-Id RateLimit-Policy RateLimit"
 
 /// What a path says: the values of its parameters, in the order of the template, and the format.

@@ -1,4 +1,4 @@
-/// The parameters of routes, for their table. Private to api/http.
+/// The parameters of routes, for their table and for what is made of it.
 
 #pragma once
 

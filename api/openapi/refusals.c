@@ -3,6 +3,7 @@
 #include "api/openapi/openapi_priv.h"
 
 #include "api/http/problem.h"
+#include "api/http/routes_params.h"
 #include "core/base/check.h"
 
 #include <stdio.h>
@@ -18,10 +19,27 @@ static bool has_status(const char *words, int status)
     return false;
 }
 
+static bool has_param(const route *r, const param *wanted)
+{
+    for (const param *const *at = r->params; *at != NULL; at++) {
+        if (*at == wanted)
+            return true;
+    }
+    return false;
+}
+
+// What a route refuses by its path, parameters, body and scope, and what only it can know.
 static bool can_refuse(const route *r, int status)
 {
-    return has_status(ROUTES_COMMON_REFUSALS, status) || has_status(r->refusals, status) ||
-           (r->scope != API_SCOPE_NONE && has_status(ROUTES_TOKEN_REFUSALS, status));
+    if (status == 401 || status == 403)
+        return r->scope != API_SCOPE_NONE;
+    if ((status == 404 && strchr(r->path, '{') != NULL) ||
+        (status == 412 && has_param(r, &routes__if_match)) ||
+        (status == 416 && has_param(r, &routes__range)) ||
+        (r->body != NULL && has_status("413 415 422", status)) ||
+        (status == 507 && r->scope == API_SCOPE_SUBMIT))
+        return true;
+    return has_status(ROUTES_COMMON_REFUSALS, status) || has_status(r->refusals, status);
 }
 
 // "Not Found" is NotFound.
