@@ -18,7 +18,7 @@
 #include <string.h>
 
 // Of the parameters of a list but for label, limit and cursor.
-enum { FILTERS_SIZE = 3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 100 };
+enum { FILTERS_SIZE = 3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 200 };
 
 static const char *const body_types[] = { "application/json", NULL };
 static const char *const merge_types[] = { "application/merge-patch+json", "application/json",
@@ -175,7 +175,12 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     const char *parent = exchange__text(x, "study");
     const char *sort = exchange__text(x, "sort");
     api_list_query list = {
-        .state = -1, .model = -1, .limit = page->limit, .counts = exchange__whole(x, "count") == 1
+        .state = -1,
+        .model = -1,
+        .limit = page->limit,
+        .counts = exchange__whole(x, "count") == 1,
+        .from_ms = (int64_t)exchange__whole(x, "created_from"),
+        .before_ms = (int64_t)exchange__whole(x, "created_before"),
     };
 
     snprintf(list.owner, sizeof list.owner, "%s", access_list_owner(x));
@@ -197,16 +202,20 @@ static void add_next_link(exchange *x, const exchange_page *page, const api_list
                           api_run_list *list)
 {
     const char *sort = exchange__text(x, "sort");
+    const char *from = exchange__text(x, "created_from");
+    const char *until = exchange__text(x, "created_before");
     bool has_state = wanted->state >= 0, has_model = wanted->model >= 0;
     char filters[FILTERS_SIZE], search[3 * API_LABEL_SIZE];
 
     exchange__encode(wanted->search, search);
-    int n = snprintf(filters, sizeof filters, "%s%s%s%s%s%s%s%s%s%s%s", has_state ? "&status=" : "",
-                     has_state ? run_state_word((run_state)wanted->state) : "",
-                     has_model ? "&model=" : "", has_model ? run_model_words[wanted->model] : "",
-                     wanted->study[0] != '\0' ? "&study=" : "", wanted->study,
-                     search[0] != '\0' ? "&search=" : "", search, sort != NULL ? "&sort=" : "",
-                     sort != NULL ? sort : "", wanted->counts ? "&count=1" : "");
+    int n = snprintf(
+        filters, sizeof filters, "%s%s%s%s%s%s%s%s%s%s%s%s%s%s%s", has_state ? "&status=" : "",
+        has_state ? run_state_word((run_state)wanted->state) : "", has_model ? "&model=" : "",
+        has_model ? run_model_words[wanted->model] : "", wanted->study[0] != '\0' ? "&study=" : "",
+        wanted->study, search[0] != '\0' ? "&search=" : "", search, sort != NULL ? "&sort=" : "",
+        sort != NULL ? sort : "", from != NULL ? "&created_from=" : "", from != NULL ? from : "",
+        until != NULL ? "&created_before=" : "", until != NULL ? until : "",
+        wanted->counts ? "&count=1" : "");
     BF_CHECK(n >= 0 && (size_t)n < sizeof filters);
     run_sort_write_cursor(list->last_id, list->last_key, list->next_cursor);
     exchange__link_next(x, page, filters, list->next_cursor);

@@ -1,5 +1,6 @@
 #include "api/http/param.h"
 
+#include "api/json/moment.h"
 #include "api/json/number.h"
 #include "core/base/check.h"
 
@@ -84,6 +85,20 @@ static void write_flag_values(const param *row, json_out *w)
     for (uint64_t value = row->least; value <= row->most; value++)
         json_out_integer(w, (int64_t)value);
     json_out_array_end(w);
+}
+
+static bf_status read_time(const param *row, const char *text, param_value *ret_value,
+                           bf_error *err)
+{
+    int64_t ms = 0;
+
+    if (!moment_read(text, &ms))
+        return bf_fail(err, BF_EINPUT, "",
+                       "query parameter '%s' must be a time in UTC as 2026-11-24T09:00:00Z, not "
+                       "'%.64s'",
+                       row->name, text);
+    ret_value->whole = (uint64_t)ms;
+    return BF_OK;
 }
 
 static bf_status read_real(const param *row, const char *text, param_value *ret_value,
@@ -194,6 +209,7 @@ const param_kind param_word = { NULL, read_word, NULL };
 const param_kind param_format = { NULL, NULL, NULL };
 const param_kind param_whole = { "integer", read_whole, write_whole_bounds };
 const param_kind param_flag = { "integer", read_whole, write_flag_values };
+const param_kind param_time = { "#Time", read_time, NULL };
 const param_kind param_real = { "number", read_real, write_real_bounds };
 const param_kind param_id = { "#Id", read_id, NULL };
 const param_kind param_cursor = { "#Id", read_cursor, NULL };

@@ -13,7 +13,7 @@ typedef struct param param;
 
 /// A value as its kind reads it.
 typedef union param_value {
-    uint64_t whole; ///< of param_whole and param_flag
+    uint64_t whole; ///< of param_whole and param_flag; of param_time Unix time, ms
     double real;    ///< of param_real
     struct {
         size_t n;                                     ///< how many
@@ -38,6 +38,8 @@ extern const param_kind param_word;   ///< a text for which `is_word` is true
 extern const param_kind param_format; ///< one of the route's formats; negotiation.h chooses it
 extern const param_kind param_whole;  ///< whole number of least .. most
 extern const param_kind param_flag;   ///< 0 or 1
+extern const param_kind
+    param_time; ///< moment in UTC, "2026-11-24T09:00:00Z" (RFC 3339), with fractions of a second or none
 extern const param_kind param_real;   ///< number of least_real .. most_real
 extern const param_kind param_id;     ///< id of a run or a measurement
 extern const param_kind param_cursor; ///< id of the last item of the page before

@@ -193,6 +193,16 @@ const param routes__run_sort = {
             "rising; falling with `-` before it. Runs without a value come last"
 };
 
+const param routes__run_created_from = { .name = "created_from",
+                                         .in = "query",
+                                         .kind = &param_time,
+                                         .help = "Only runs that were accepted then or later" };
+
+const param routes__run_created_before = { .name = "created_before",
+                                           .in = "query",
+                                           .kind = &param_time,
+                                           .help = "Only runs that were accepted earlier" };
+
 const param routes__run_count = { .name = "count",
                                   .in = "query",
                                   .kind = &param_flag,

@@ -83,7 +83,8 @@ static const route table[] = {
         "/v1/runs", handlers_runs_list, "Runs", "listRuns", .formats = "json",
         .params = PARAMS(&routes__run_status, &routes__run_model_word, &routes__run_label,
                          &routes__run_study, &routes__run_search, &routes__run_sort,
-                         &routes__run_count, &routes__page_limit, &routes__run_cursor, CONDITIONS),
+                         &routes__run_created_from, &routes__run_created_before, &routes__run_count,
+                         &routes__page_limit, &routes__run_cursor, CONDITIONS),
         .summary = "List runs, newest first or in another order",
         .help = "Filters narrow the list; the `next` link, where there is one, leads to the next "
                 "page. `search`, another `sort` and `count` look at the newest 50,000 runs of the "

@@ -1,5 +1,6 @@
 #include "api/json/json_out.h"
 
+#include "api/json/moment.h"
 #include "api/json/number.h"
 #include "api/json/text.h"
 
@@ -7,7 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 json_out json_out_to(bf_buffer *buffer)
 {
@@ -176,16 +176,12 @@ void json_out_raw(json_out *w, const char *json, size_t n)
 
 void json_out_time(json_out *w, int64_t unix_ms)
 {
-    time_t seconds = (time_t)(unix_ms / 1000);
-    struct tm tm;
-    char text[80];
+    char text[MOMENT_SIZE];
 
-    if (unix_ms <= 0 || gmtime_r(&seconds, &tm) == NULL) {
+    if (!moment_write(unix_ms, text)) {
         json_out_null(w);
         return;
     }
-    snprintf(text, sizeof text, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ", tm.tm_year + 1900,
-             tm.tm_mon + 1, tm.tm_mday, tm.tm_hour, tm.tm_min, tm.tm_sec, (int)(unix_ms % 1000));
     json_out_string(w, text);
 }
 

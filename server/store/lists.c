@@ -2,6 +2,7 @@
 
 #include "server/store/store_priv.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <sqlite3.h>
 #include <stdio.h>
@@ -42,11 +43,33 @@ static list_way choose_list(const api_list_query *query)
     return (list_way){ STORE__SQL_LIST_ALL, STORE__SQL_LAST_ALL, has_model };
 }
 
-static void bind_filters(store__query *q, const api_list_query *query, int64_t n)
+// What ids of the times asked for lie between; used until the statement ends.
+typedef struct id_bounds {
+    char from[API_ID_SIZE];
+    char before[API_ID_SIZE];
+} id_bounds;
+
+// An id begins with its time (run_id.h); the time alone is less than all of its ids, and "~" is greater than any id.
+static id_bounds bounds_of(const api_list_query *query)
 {
-    // Every id is less than "~".
+    const uint64_t from = (uint64_t)query->from_ms, before = (uint64_t)query->before_ms;
+    id_bounds bounds = { .before = "~" };
+
+    (void)snprintf(bounds.from, API_ID_SIZE, "%08" PRIx64 "-%04" PRIx64, from >> 16, from & 0xffff);
+    if (before > 0)
+        (void)snprintf(bounds.before, API_ID_SIZE, "%08" PRIx64 "-%04" PRIx64, before >> 16,
+                       before & 0xffff);
+    return bounds;
+}
+
+static void bind_filters(store__query *q, const api_list_query *query, const id_bounds *bounds,
+                         int64_t n)
+{
     const char *before = query->before[0] == '\0' ? "~" : query->before;
 
+    // The cursor of another order says nothing of ids.
+    if (!is_sorted(query) && strcmp(bounds->before, before) < 0)
+        before = bounds->before;
     store__bind(q, TEXT(before));
     store__bind(q, INTEGER(n));
     store__bind(q, INTEGER(query->model));
@@ -56,10 +79,12 @@ static void bind_filters(store__query *q, const api_list_query *query, int64_t n
     store__bind(q, TEXT(query->study));
 }
 
-static void bind_search(store__query *q, const api_list_query *query)
+static void bind_search(store__query *q, const api_list_query *query, const id_bounds *bounds)
 {
     store__bind(q, TEXT(query->search));
     store__bind(q, INTEGER(API_LIST_NEWEST - 1));
+    store__bind(q, TEXT(bounds->from));
+    store__bind(q, TEXT(bounds->before));
 }
 
 // The path of the key in the figures, and the key behind which the page begins. path is used until the statement ends.
@@ -128,13 +153,14 @@ static bf_status take_rows(store__query *q, const api_list_query *query, api_run
 }
 
 // Where a page that is narrowed ends, so that it takes a bounded time; "": with the list.
-static bf_status find_oldest(store__connection *reader, const api_list_query *query, store__sql sql,
-                             char ret_oldest[API_ID_SIZE], bf_error *err)
+static bf_status find_oldest(store__connection *reader, const api_list_query *query,
+                             const id_bounds *bounds, store__sql sql, char ret_oldest[API_ID_SIZE],
+                             bf_error *err)
 {
     bool has_row = false;
 
     store__query q = store__begin(reader, sql);
-    bind_filters(&q, query, API_LIST_LOOKS - 1);
+    bind_filters(&q, query, bounds, API_LIST_LOOKS - 1);
     const bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row)
         store__column_text(&q, 0, ret_oldest, API_ID_SIZE);
@@ -146,25 +172,26 @@ static bf_status read_page(store__connection *reader, const api_list_query *quer
                            api_run_list *list, bf_error *err)
 {
     const list_way way = choose_list(query);
+    const id_bounds bounds = bounds_of(query);
     const bool is_found = is_sorted(query) || way.page == STORE__SQL_LIST_FOUND;
     char path[API_SORT_FIGURE_SIZE + 2], oldest[API_ID_SIZE] = "";
     bf_status status = BF_OK;
 
     if (way.is_narrowed)
-        status = find_oldest(reader, query, way.oldest, oldest, err);
+        status = find_oldest(reader, query, &bounds, way.oldest, oldest, err);
     if (status != BF_OK)
         return status;
     store__query q = store__begin(reader, way.page);
-    bind_filters(&q, query, (int64_t)query->limit + 1);
+    bind_filters(&q, query, &bounds, (int64_t)query->limit + 1);
     if (is_found)
-        bind_search(&q, query);
+        bind_search(&q, query, &bounds);
     else
-        store__bind(&q, TEXT(oldest));
+        store__bind(&q, TEXT(strcmp(oldest, bounds.from) > 0 ? oldest : bounds.from));
     if (is_sorted(query))
         bind_order(&q, query, path);
     status = take_rows(&q, query, list, err);
     store__end(&q);
-    if (status == BF_OK && !list->has_more && oldest[0] != '\0') {
+    if (status == BF_OK && !list->has_more && strcmp(oldest, bounds.from) > 0) {
         list->has_more = true;
         memcpy(list->last_id, oldest, sizeof list->last_id);
     }
@@ -175,7 +202,9 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
                             api_run_list *list, bf_error *err)
 {
     const bool is_whole = query->state < 0 && query->model < 0 && query->label[0] == '\0' &&
-                          query->owner[0] == '\0' && query->search[0] == '\0';
+                          query->owner[0] == '\0' && query->search[0] == '\0' &&
+                          query->from_ms == 0 && query->before_ms == 0;
+    const id_bounds bounds = bounds_of(query);
     bool has_row = false;
 
     store__query q =
@@ -184,8 +213,8 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
         store__bind(&q, TEXT(query->study));
         store__bind(&q, INTEGER(API_LIST_NEWEST));
     } else {
-        bind_filters(&q, query, 0);
-        bind_search(&q, query);
+        bind_filters(&q, query, &bounds, 0);
+        bind_search(&q, query, &bounds);
     }
     const bf_status status = store__next(&q, &has_row, err);
     list->has_total = has_row;

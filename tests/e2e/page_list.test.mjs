@@ -73,6 +73,28 @@ test("a first visit says what this is, and shows it at a press of a button", asy
   for (const { id } of runs) assert.ok(page.url().includes(id));
 });
 
+test("runs are found by the day on which they were accepted", async (t) => {
+  const d = await daemon(t);
+  await d.submit(tiny({ name: "run of today" }));
+  const page = await openPage(t, d);
+  const dayOf = (later) => page.evaluate((days) => {
+    const day = new Date(Date.now() + days * 86400e3);
+    return [day.getFullYear(), day.getMonth() + 1, day.getDate()].map((n) => String(n).padStart(2, "0")).join("-");
+  }, later);
+  await visit(page, "#/");
+  await rowOf(page, "run of today").waitFor();
+  await page.getByLabel("From").fill(await dayOf(2));
+  await page.getByText("No run matches.").waitFor();
+  // The day before: the test may run at midnight.
+  await page.getByLabel("From").fill(await dayOf(-1));
+  await rowOf(page, "run of today").waitFor();
+  await page.getByLabel("to", { exact: true }).fill(await dayOf(-2));
+  await page.getByText("No run matches.").waitFor();
+  await page.getByLabel("to", { exact: true }).fill(await dayOf(1));
+  await rowOf(page, "run of today").waitFor();
+  assert.match(page.url(), /from=\d{4}-\d\d-\d\d&to=\d{4}-\d\d-\d\d/);
+});
+
 test("filters stand in the address, and pages follow the cursor there and back", async (t) => {
   const d = await daemon(t);
   for (let k = 0; k < 60; k++) await d.submit(tiny({ name: `run ${k}` }), { label: k % 20 === 0 ? "marked" : "" });

@@ -61,7 +61,7 @@ STANDARD = {
 ALSO = {
     "core/base/simd.h": {"immintrin.h"},
     "core/base/team.c": {"linux/futex.h", "pthread.h", "sched.h", "signal.h", "sys/syscall.h", "unistd.h"},
-    "api/json/json_out.c": {"time.h"},
+    "api/json/moment.c": {"time.h"},
     "api/results/png.c": {"setjmp.h"},
 }
 

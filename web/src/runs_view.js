@@ -19,6 +19,12 @@ import { Variants } from "./variants.js";
 const PERIOD_MS = 2000;
 const LIMIT = 50;
 
+// The beginning of a day, or of the one so many days later, as the API takes it; "" without a day.
+function midnight(day, daysLater = 0) {
+  const [, year, month, date] = /^(\d+)-(\d+)-(\d+)$/.exec(day)?.map(Number) ?? [];
+  return year === undefined ? "" : new Date(year, month - 1, date + daysLater).toISOString();
+}
+
 export class RunsView {
   constructor() {
     this.title = "Runs";
@@ -77,7 +83,15 @@ export class RunsView {
     return h("form", { class: "filters", role: "search", "aria-label": "Filter runs",
       on: { submit: (event) => event.preventDefault() } },
     h("label", { class: "field inline" }, h("span", {}, "Search"), this.searchBox),
-    this.choice("status", "State", plain(states)), this.choice("model", "Model", plain(["macro", "micro"])), this.sorting(), this.studies);
+    this.choice("status", "State", plain(states)), this.choice("model", "Model", plain(["macro", "micro"])),
+    this.day("from", "From"), this.day("to", "to"), this.sorting(), this.studies);
+  }
+
+  // A day in the reader's own time, the first or the last one that counts.
+  day(name, label) {
+    const box = h("input", { type: "date", on: { change: () => this.filter({ [name]: box.value }) } });
+    box.value = this.query.get(name) ?? "";
+    return h("label", { class: "field inline" }, h("span", {}, label), box);
   }
 
   sorting() {
@@ -172,10 +186,11 @@ export class RunsView {
 
   // A page of the list. Studies stand between the newest runs; other orders and filters are of single runs.
   async load(options) {
-    const { open = "", search = "", sort = "", cursor = "", ...query } = Object.fromEntries(this.query);
+    const { open = "", search = "", sort = "", cursor = "", from = "", to = "", ...rest } = Object.fromEntries(this.query);
+    const query = { ...rest, created_from: midnight(from), created_before: midnight(to, 1) };
     const order = parameterOf(sort) === null ? sort : "";
     const page = await listRuns({ limit: LIMIT, count: 1, ...query, search, sort: order, cursor }, options);
-    const isGrouped = !["study", "status", "model", "label", "sort"].some((name) => this.query.get(name));
+    const isGrouped = !["study", "status", "model", "label", "sort", "from", "to"].some((name) => this.query.get(name));
     const entries = isGrouped ? await grouped(page, { after: cursor, open: open.split(","), search }, options)
       : page.runs.map((run) => ({ run }));
     return { ...page, entries };
@@ -293,7 +308,7 @@ export class RunsView {
   showEmpty(n) {
     this.state.hidden = n > 0;
     this.list.hidden = n === 0;
-    const isFiltered = ["status", "model", "label", "search", "study", "cursor"].some((name) => this.query.get(name));
+    const isFiltered = ["status", "model", "label", "search", "study", "from", "to", "cursor"].some((name) => this.query.get(name));
     const what = n > 0 ? "" : isFiltered ? "filtered" : "first";
     if (what === this.emptyShown) return; // so that its button keeps the focus
     this.emptyShown = what;

@@ -236,6 +236,26 @@ static void search_order_and_count_reach_the_store(void **state)
     assert_string_equal(ask_daemon.last_query.search, "");
 }
 
+static void times_of_acceptance_reach_the_store_and_the_next_page(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        ask_add_run(RUN_SUCCEEDED);
+    ask_get("/v1/runs",
+            "limit=1&created_from=1970-01-02T00:00:00Z&created_before=2026-11-24T09:00:00.5Z", NULL,
+            200);
+    assert_int_equal(ask_daemon.last_query.from_ms, 24 * 60 * 60 * 1000);
+    assert_int_equal(ask_daemon.last_query.before_ms,
+                     1795510800500); // date -ud 2026-11-24T09:00:00Z +%s
+    ask_assert_header("Link",
+                      "</v1/runs?limit=1&created_from=1970-01-02T00:00:00Z&"
+                      "created_before=2026-11-24T09:00:00.5Z&cursor=" ID_2 ">; rel=\"next\"");
+    ask_get("/v1/runs", NULL, NULL, 200);
+    assert_int_equal(ask_daemon.last_query.from_ms, 0);
+    assert_int_equal(ask_daemon.last_query.before_ms, 0);
+    ask_get("/v1/runs", "created_from=2026-02-30T00:00:00Z", NULL, 400);
+}
+
 // A key that is no number, and one in the order of creation, which is that of the ids.
 static void a_cursor_of_another_order_is_refused(void **state)
 {
@@ -417,6 +437,7 @@ int main(void)
         ASK_TEST(a_list_has_the_newest_first_and_a_link_to_the_next),
         ASK_TEST(filters_reach_the_store_and_the_next_link),
         ASK_TEST(search_order_and_count_reach_the_store),
+        ASK_TEST(times_of_acceptance_reach_the_store_and_the_next_page),
         ASK_TEST(a_cursor_of_another_order_is_refused),
         ASK_TEST(orders_that_there_are_not_name_those_that_there_are),
         ASK_TEST(the_longest_link_fits),

@@ -54,6 +54,31 @@ static void numbers_are_whole_and_within_their_range(void **state)
         assert_refused(&row, bad[i], BF_EINPUT, "'n' must be a whole number from 1 to 200, not '");
 }
 
+static void times_are_moments_in_utc(void **state)
+{
+    static const param row = { .name = "created_from", .kind = &param_time };
+    static const char *const bad[] = { "",
+                                       "2026-11-24",
+                                       "2026-11-24T09:00:00",
+                                       "2026-11-24T09:00:00+01:00",
+                                       "2026-11-24T09:00:00.Z",
+                                       "2026-11-24T9:00:00Z",
+                                       "2026-11-24 09:00:00Z",
+                                       "2026-02-30T09:00:00Z",
+                                       "2026-13-01T09:00:00Z",
+                                       "1969-12-31T23:59:59Z",
+                                       "2026-11-24T09:00:00Zx" };
+    param_value value;
+
+    (void)state;
+    assert_int_equal(param_read(&row, "1970-01-02T00:00:01Z", &value, NULL), BF_OK);
+    assert_int_equal(value.whole, 86401000);
+    assert_int_equal(param_read(&row, "1970-01-01T00:00:00.0259Z", &value, NULL), BF_OK);
+    assert_int_equal(value.whole, 25);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_refused(&row, bad[i], BF_EINPUT, "'created_from' must be a time in UTC as ");
+}
+
 static void flags_are_0_or_1(void **state)
 {
     static const param row = { .name = "vtk", .kind = &param_flag, .most = 1 };
@@ -158,6 +183,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_whole_and_within_their_range),
+        cmocka_unit_test(times_are_moments_in_utc),
         cmocka_unit_test(flags_are_0_or_1),
         cmocka_unit_test(decimals_are_numbers_within_their_range),
         cmocka_unit_test(texts_have_a_limit_in_bytes),

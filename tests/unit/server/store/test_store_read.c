@@ -282,6 +282,47 @@ static void many_runs_are_listed_page_by_page(void **state)
     assert_int_equal(n, N_MANY);
 }
 
+// Ids as run_id.h makes them of 1 to 6 ms. From 2 to before 5 there are three, by each index and order, and on pages.
+static void runs_are_listed_by_the_time_of_their_acceptance(void **state)
+{
+    static const api_list_query queries[] = {
+        { .state = -1, .model = -1 },
+        { .state = RUN_SUCCEEDED, .model = -1 },
+        { .state = -1, .model = -1, .label = "many" },
+        { .state = -1, .model = 0, .owner = "ada" },
+        { .state = -1, .model = -1, .search = "any" },
+        { .state = -1, .model = -1, .sort = { .by = API_SORT_NAME, .is_rising = true } },
+    };
+    helper_store *h = *state;
+
+    helper_store_close(h);
+    helper_store_sql(h, "WITH RECURSIVE number (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM number "
+                        "WHERE i < 6) INSERT INTO runs (id, state, model, priority, label, name, "
+                        "created_ms, owner) SELECT printf('00000000-%04x-7000-8000-000000000000', "
+                        "i), 2, 0, 0, 'many', 'run', i, 'ada' FROM number");
+    helper_store_open(h);
+    for (size_t k = 0; k < sizeof queries / sizeof *queries; k++) {
+        api_list_query query = queries[k];
+        query.from_ms = 2;
+        query.before_ms = 5;
+        query.counts = true;
+        query.limit = 2;
+        api_run_list *list = list_runs(h->store, &query);
+        assert_int_equal(list->n, 2);
+        assert_int_equal(list->runs[0].created_ms, 4);
+        assert_true(list->has_more);
+        assert_int_equal(list->total, 3);
+        memcpy(query.before, list->last_id, API_ID_SIZE);
+        memcpy(query.before_key, list->last_key, sizeof query.before_key);
+        free(list);
+        list = list_runs(h->store, &query);
+        assert_int_equal(list->n, 1);
+        assert_int_equal(list->runs[0].created_ms, 2);
+        assert_false(list->has_more);
+        free(list);
+    }
+}
+
 // A filter that hardly any run has looks at a bounded number of runs for a page; what is older has pages of its own.
 static void a_filter_looks_at_a_bounded_number_of_runs(void **state)
 {
@@ -380,6 +421,7 @@ int main(void)
         STORE_TEST(a_refusal_to_take_an_event_is_passed_on),
         STORE_TEST(a_removed_run_has_no_events),
         STORE_TEST(many_runs_are_listed_page_by_page),
+        STORE_TEST(runs_are_listed_by_the_time_of_their_acceptance),
         STORE_TEST(a_filter_looks_at_a_bounded_number_of_runs),
         STORE_TEST(no_statement_scans_a_table_or_sorts),
     };
