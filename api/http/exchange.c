@@ -99,6 +99,31 @@ static bf_status check_format(const exchange *x, bf_error *err)
     return BF_OK;
 }
 
+// A 415 refuses all but the formats of the route and of the path's ending, and content codings: with these types a page of
+// another origin cannot post without a CORS preflight.
+static bf_status check_body(exchange *x, bf_error *err)
+{
+    const route *r = x->route;
+    const char *type = exchange__header(x, "Content-Type");
+    const char *encoding = exchange__header(x, "Content-Encoding");
+    const char *formats = r->body_formats;
+
+    if (formats == NULL)
+        formats = strcmp(r->method, "PATCH") == 0 ? "patch json" : "json";
+    else if (routes_endings(r) == formats && x->params.format[0] != '\0')
+        formats = x->params.format;
+    x->body_media = negotiation_find_body(formats, type == NULL ? "" : type, x->accepts);
+    if (type == NULL)
+        return exchange__refuse(x, 415, "", err, "the body needs Content-Type: %s", x->accepts);
+    if (x->body_media == NULL)
+        return exchange__refuse(x, 415, "", err, "the body must be %s, not '%.64s'", x->accepts,
+                                type);
+    if (encoding != NULL && strcasecmp(encoding, "identity") != 0)
+        return exchange__refuse(x, 415, "", err, "the body must not be encoded ('%.32s')",
+                                encoding);
+    return BF_OK;
+}
+
 // Whether the sender may use the route.
 static bf_status admit(exchange *x, bf_error *err)
 {
@@ -119,6 +144,8 @@ static bf_status dispatch(exchange *x, bf_error *err)
         status = choose_media(x, err);
     if (status == BF_OK)
         status = check_format(x, err);
+    if (status == BF_OK && x->route->body != NULL && x->request->polled == NULL)
+        status = check_body(x, err);
     if (status == BF_OK)
         status = x->route->handle(x, err);
     if (status == BF_OK && x->response->status == 0)
@@ -277,6 +304,19 @@ bf_status exchange__reserve(const exchange *x, double n, bf_error *err)
     return bf_fail(err, BF_EBUSY, "", "answers to others take the memory that this one needs");
 }
 
+const char *exchange__body(const exchange *x)
+{
+    return x->request->body == NULL ? "" : x->request->body;
+}
+
+bf_status exchange__write(exchange *x, const member_table *table, const void *item, bf_error *err)
+{
+    json_out w = json_out_to(&x->response->body);
+
+    members_write(&w, table, item);
+    return json_out_status(&w, err);
+}
+
 bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
 {
     const char *id = x->params.values[0];
@@ -339,39 +379,6 @@ bf_status exchange__find_snapshot(const exchange *x, const api_run *of, uint64_t
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no snapshot '%s'; it has %" PRIu64,
                        number, of->n_snapshots);
     *ret_index = index;
-    return BF_OK;
-}
-
-static void list_types(exchange *x, const char *const *types)
-{
-    size_t n = 0;
-
-    for (size_t i = 0; types[i] != NULL && n < sizeof x->accepts; i++)
-        n += (size_t)snprintf(x->accepts + n, sizeof x->accepts - n, "%s%s", i == 0 ? "" : ", ",
-                              types[i]);
-}
-
-bf_status exchange__check_body(exchange *x, const char *const *types, size_t *ret_type,
-                               bf_error *err)
-{
-    const char *type = exchange__header(x, "Content-Type");
-    const char *encoding = exchange__header(x, "Content-Encoding");
-    size_t found = 0;
-
-    list_types(x, types);
-    if (type == NULL)
-        return exchange__refuse(x, 415, "", err, "the body needs Content-Type: %s", x->accepts);
-    size_t n = strcspn(type, "; \t");
-    while (types[found] != NULL &&
-           (strlen(types[found]) != n || strncasecmp(type, types[found], n) != 0))
-        found++;
-    if (types[found] == NULL)
-        return exchange__refuse(x, 415, "", err, "the body must be %s, not '%.64s'", x->accepts,
-                                type);
-    if (encoding != NULL && strcasecmp(encoding, "identity") != 0)
-        return exchange__refuse(x, 415, "", err, "the body must not be encoded ('%.32s')",
-                                encoding);
-    *ret_type = found;
     return BF_OK;
 }
 

@@ -4,9 +4,6 @@
 #include "api/results/lease_json.h"
 #include "core/base/memory.h"
 
-static const char *const json_types[] = { "application/json", NULL };
-static const char *const frames_types[] = { "application/octet-stream", NULL };
-
 // The services, where the daemon leaves solving to workers.
 static bf_status find_services(exchange *x, const api_leases **ret_leases, bf_error *err)
 {
@@ -29,18 +26,6 @@ static bf_status find_lease(exchange *x, const api_leases **ret_leases, const ch
     return find_services(x, ret_leases, err);
 }
 
-static bf_status check_body(exchange *x, const char *const *types, bf_error *err)
-{
-    size_t type;
-
-    return exchange__check_body(x, types, &type, err);
-}
-
-static const char *body_of(const exchange *x)
-{
-    return x->request->body == NULL ? "" : x->request->body;
-}
-
 bf_status handlers_leases_take(exchange *x, bf_error *err)
 {
     const api_leases *leases = NULL;
@@ -49,9 +34,8 @@ bf_status handlers_leases_take(exchange *x, bf_error *err)
 
     bf_status status = find_services(x, &leases, err);
     if (status == BF_OK)
-        status = check_body(x, json_types, err);
-    if (status == BF_OK)
-        status = lease_json_read_worker(body_of(x), x->request->n_body, &who, &x->faults, err);
+        status =
+            lease_json_read_worker(exchange__body(x), x->request->n_body, &who, &x->faults, err);
     if (status == BF_OK)
         who.token = x->who.token;
     if (status == BF_OK)
@@ -88,7 +72,8 @@ static bf_status deliver(exchange *x, const api_leases *leases, const char *id,
     api_job_states states = { .n = 0 };
     size_t n = 0;
 
-    bf_status status = lease_json_read_sections(body_of(x), x->request->n_body, sections, &n, err);
+    bf_status status =
+        lease_json_read_sections(exchange__body(x), x->request->n_body, sections, &n, err);
     if (status != BF_OK)
         return exchange__refuse(x, 422, "", err, "%s", err->text);
     status = leases->deliver(leases->context, x->who.token, id, sections, n, &states, err);
@@ -101,8 +86,6 @@ bf_status handlers_leases_deliver(exchange *x, bf_error *err)
     const char *id = NULL;
 
     bf_status status = find_lease(x, &leases, &id, err);
-    if (status == BF_OK)
-        status = check_body(x, frames_types, err);
     if (status != BF_OK)
         return status;
     api_lease_section *sections = memory_alloc(LEASE_SECTIONS_MAX, sizeof *sections);
@@ -121,9 +104,8 @@ bf_status handlers_leases_renew(exchange *x, bf_error *err)
 
     bf_status status = find_lease(x, &leases, &id, err);
     if (status == BF_OK)
-        status = check_body(x, json_types, err);
-    if (status == BF_OK)
-        status = lease_json_read_renewal(body_of(x), x->request->n_body, &renewal, &x->faults, err);
+        status = lease_json_read_renewal(exchange__body(x), x->request->n_body, &renewal,
+                                         &x->faults, err);
     renewal.token = x->who.token;
     if (status == BF_OK)
         status = leases->renew(leases->context, id, &renewal, &states, err);

@@ -16,9 +16,6 @@ enum { MEMBERS_JSON_MAX = 4096 };
 // Bytes of JSON that a byte of a text takes at most: "\\n" of a line's end.
 enum { CSV_JSON_MAX = 2 };
 
-static const char *const body_types[] = { "application/json", "text/csv", NULL };
-enum { BODY_JSON, BODY_CSV };
-
 // Of a word that the route's table has accepted; NULL: a curve.
 static api_measured kind_of(const char *word)
 {
@@ -31,34 +28,27 @@ static api_measured kind_of(const char *word)
 
 static bf_status read_measurement(exchange *x, measurement *ret_measurement, bf_error *err)
 {
-    const api_request *request = x->request;
-    const char *body = request->body == NULL ? "" : request->body;
+    const char *body = exchange__body(x);
+    const size_t n = x->request->n_body;
     const char *label = exchange__text(x, "label");
     const char *counter = exchange__text(x, "counter");
     const char *kind = exchange__text(x, "kind");
-    size_t type;
+    const bool is_csv = x->body_media->format == MEDIA_CSV;
 
-    // The path with an ending is for CSV alone.
-    const size_t first = strcmp(x->params.format, "csv") == 0 ? BODY_CSV : BODY_JSON;
-    bf_status status = exchange__check_body(x, body_types + first, &type, err);
-    if (status != BF_OK)
-        return status;
-    type += first;
-    if (type == BODY_CSV && kind_of(kind) != API_MEASURED_CURVE) {
+    if (is_csv && kind_of(kind) != API_MEASURED_CURVE) {
         if (counter != NULL)
             return exchange__refuse(x, 422, "/counter", err, "a %s has no counter", kind);
-        return measurement_read_feed(body, request->n_body, kind_of(kind), label, ret_measurement,
-                                     &x->faults, err);
+        return measurement_read_feed(body, n, kind_of(kind), label, ret_measurement, &x->faults,
+                                     err);
     }
-    if (type == BODY_CSV)
-        return measurement_read_csv(body, request->n_body, label, counter, ret_measurement,
-                                    &x->faults, err);
+    if (is_csv)
+        return measurement_read_csv(body, n, label, counter, ret_measurement, &x->faults, err);
     if (kind_of(kind) != API_MEASURED_CURVE)
         return exchange__refuse(x, 415, "", err, "a %s is sent as text/csv", kind);
     if (label != NULL || counter != NULL)
         return exchange__refuse(x, 400, "", err, "query parameter '%s': JSON has it in the body",
                                 label != NULL ? "label" : "counter");
-    return measurement_read_json(body, request->n_body, ret_measurement, &x->faults, err);
+    return measurement_read_json(body, n, ret_measurement, &x->faults, err);
 }
 
 bf_status handlers_measurements_add(exchange *x, bf_error *err)
@@ -86,14 +76,6 @@ bf_status handlers_measurements_add(exchange *x, bf_error *err)
     return status;
 }
 
-static bf_status write_list(exchange *x, const api_measurement_list *list, bf_error *err)
-{
-    json_out w = json_out_to(&x->response->body);
-
-    members_write(&w, &measurement_list, list);
-    return json_out_status(&w, err);
-}
-
 bf_status handlers_measurements_list(exchange *x, bf_error *err)
 {
     const exchange_page page = exchange__page(x);
@@ -112,7 +94,7 @@ bf_status handlers_measurements_list(exchange *x, bf_error *err)
     }
     exchange__cache_revalidate(x);
     if (status == BF_OK)
-        status = write_list(x, list, err);
+        status = exchange__write(x, &measurement_list, list, err);
     memory_free(list);
     return status;
 }

@@ -20,25 +20,12 @@
 // Of the parameters of a list but for label, limit and cursor.
 enum { FILTERS_SIZE = 3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 200 };
 
-static const char *const body_types[] = { "application/json", NULL };
-static const char *const merge_types[] = { "application/merge-patch+json", "application/json",
-                                           NULL };
-
-static const char *body_of(const exchange *x)
-{
-    return x->request->body == NULL ? "" : x->request->body;
-}
-
 static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
 {
-    const api_request *request = x->request;
-    const char *body = body_of(x);
     json_in_texts texts = handlers__texts(x, SUBMISSION_TEXTS_MAX);
-    size_t type;
 
-    bf_status status = exchange__check_body(x, body_types, &type, err);
-    if (status == BF_OK)
-        status = submission_read(body, request->n_body, &texts, ret_submission, &x->faults, err);
+    bf_status status = submission_read(exchange__body(x), x->request->n_body, &texts,
+                                       ret_submission, &x->faults, err);
     if (status != BF_OK)
         return status;
     status = access_check_priority(x, ret_submission->priority, err);
@@ -221,14 +208,6 @@ static void add_next_link(exchange *x, const exchange_page *page, const api_list
     exchange__link_next(x, page, filters, list->next_cursor);
 }
 
-static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err)
-{
-    json_out w = json_out_to(&x->response->body);
-
-    members_write(&w, &run_json_list, list);
-    return json_out_status(&w, err);
-}
-
 bf_status handlers_runs_list(exchange *x, bf_error *err)
 {
     const exchange_page page = exchange__page(x);
@@ -245,7 +224,7 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
         add_next_link(x, &page, &list_query, list);
     exchange__cache_revalidate(x);
     if (status == BF_OK)
-        status = write_list(x, list, err);
+        status = exchange__write(x, &run_json_list, list, err);
     memory_free(list);
     return status;
 }
@@ -328,8 +307,8 @@ static bf_status annotate(exchange *x, const char *id, uint64_t revision, api_ru
     memcpy(annotations.name, record->name, sizeof annotations.name);
     memcpy(annotations.label, record->label, sizeof annotations.label);
     memcpy(annotations.notes, record->notes, sizeof annotations.notes);
-    bf_status status = annotations_json_read(body_of(x), x->request->n_body, &annotations_json_run,
-                                             &annotations, &x->faults, err);
+    bf_status status = annotations_json_read(exchange__body(x), x->request->n_body,
+                                             &annotations_json_run, &annotations, &x->faults, err);
     return status == BF_OK ? x->services->annotate(x->services->store, id, record->revision,
                                                    &annotations, record, err)
                            : status;
@@ -338,11 +317,8 @@ static bf_status annotate(exchange *x, const char *id, uint64_t revision, api_ru
 bf_status handlers_runs_annotate(exchange *x, bf_error *err)
 {
     api_run record;
-    size_t type;
 
-    bf_status status = exchange__check_body(x, merge_types, &type, err);
-    if (status == BF_OK)
-        status = change_run(x, annotate, &record, err);
+    bf_status status = change_run(x, annotate, &record, err);
     if (status == BF_OK)
         api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", record.revision);
     return status == BF_OK ? run_json_write(&record, &x->response->body, err) : status;

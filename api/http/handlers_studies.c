@@ -11,26 +11,12 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const body_types[] = { "application/json", NULL };
-static const char *const merge_types[] = { "application/merge-patch+json", "application/json",
-                                           NULL };
-
-static const char *body_of(const exchange *x)
-{
-    return x->request->body == NULL ? "" : x->request->body;
-}
-
 static bf_status read_submission(exchange *x, api_study_submission *ret_submission, bf_error *err)
 {
-    const api_request *request = x->request;
-    const char *body = body_of(x);
     json_in_texts texts = handlers__texts(x, STUDY_SUBMISSION_TEXTS_MAX);
-    size_t type;
 
-    bf_status status = exchange__check_body(x, body_types, &type, err);
-    if (status == BF_OK)
-        status =
-            study_submission_read(body, request->n_body, &texts, ret_submission, &x->faults, err);
+    bf_status status = study_submission_read(exchange__body(x), x->request->n_body, &texts,
+                                             ret_submission, &x->faults, err);
     if (status != BF_OK)
         return status;
     status = access_check_priority(x, ret_submission->priority, err);
@@ -76,14 +62,6 @@ bf_status handlers_studies_submit(exchange *x, bf_error *err)
     return status;
 }
 
-static bf_status write_list(exchange *x, const api_study_list *list, bf_error *err)
-{
-    json_out w = json_out_to(&x->response->body);
-
-    members_write(&w, &study_json_list, list);
-    return json_out_status(&w, err);
-}
-
 bf_status handlers_studies_list(exchange *x, bf_error *err)
 {
     const exchange_page page = exchange__page(x);
@@ -107,7 +85,7 @@ bf_status handlers_studies_list(exchange *x, bf_error *err)
     }
     exchange__cache_revalidate(x);
     if (status == BF_OK)
-        status = write_list(x, list, err);
+        status = exchange__write(x, &study_json_list, list, err);
     memory_free(list);
     return status;
 }
@@ -133,8 +111,9 @@ static bf_status annotate(exchange *x, api_study *about, bf_error *err)
     api_annotations annotations = { .name = "" };
 
     memcpy(annotations.name, about->name, sizeof about->name);
-    bf_status status = annotations_json_read(
-        body_of(x), x->request->n_body, &annotations_json_study, &annotations, &x->faults, err);
+    bf_status status =
+        annotations_json_read(exchange__body(x), x->request->n_body, &annotations_json_study,
+                              &annotations, &x->faults, err);
     return status == BF_OK ? x->services->annotate_study(x->services->store, about->id,
                                                          about->revision, &annotations, about, err)
                            : status;
@@ -210,11 +189,8 @@ bf_status handlers_studies_remove(exchange *x, bf_error *err)
 bf_status handlers_studies_annotate(exchange *x, bf_error *err)
 {
     api_study about;
-    size_t type;
 
-    bf_status status = exchange__check_body(x, merge_types, &type, err);
-    if (status == BF_OK)
-        status = change_study(x, ANNOTATE, &about, err);
+    bf_status status = change_study(x, ANNOTATE, &about, err);
     if (status == BF_OK)
         api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", about.revision);
     return status == BF_OK ? study_json_write(&about, &x->response->body, err) : status;

@@ -6,7 +6,7 @@
 #include "api/http/negotiation.h"
 #include "api/http/query.h"
 #include "api/http/routes.h"
-#include "api/json/json_in.h"
+#include "api/json/members.h"
 #include "core/base/faults.h"
 
 #include <stdbool.h>
@@ -14,7 +14,6 @@
 enum { EXCHANGE_ETAG_SIZE = 112 }; ///< bytes of an entity tag with its terminator
 
 struct array_file;
-struct json_out;
 
 /// One request on its way to its response. Lives on the stack of api_handle().
 struct exchange {
@@ -25,6 +24,7 @@ struct exchange {
     route_params params;          ///< of the path
     query query;                  ///< parsed, and checked against the rows of the route
     const media *media;           ///< the representation that was chosen
+    const media *body_media;      ///< of the body, where the route has one
     bf_faults faults;             ///< of the request's document, for `errors` of a problem
     bool is_unmatched;            ///< If-Match of a GET names other states than the present one
     api_identity who;             ///< who sent it
@@ -32,7 +32,7 @@ struct exchange {
     api_scope lacked;             ///< the scope that the token lacks, of a refusal for it
     int refusal;                  ///< HTTP status of a failure; 0: follows from its bf_status
     unsigned retry_after_s;       ///< of a failure that passes, if it is known when; else 0
-    char accepts[64];             ///< media types of bodies, for a 415
+    char accepts[NEGOTIATION_TYPES_SIZE]; ///< media types of bodies, for a 415
 };
 
 /// Fail with an HTTP status that no bf_status stands for, as BF_EINPUT. pointer is the place at fault, as
@@ -73,11 +73,10 @@ uint64_t exchange__whole(const exchange *x, const char *name);
 double exchange__real(const exchange *x, const char *name);
 size_t exchange__ids(const exchange *x, const char *name, char (*ret_ids)[API_ID_SIZE]);
 
-/// Find which of the media types the body has, as its Content-Type says; types is NULL-terminated. A
-/// 415 refuses all others, and content codings: with these types a page of another origin cannot post
-/// without a CORS preflight.
-BF_MUST_CHECK bf_status exchange__check_body(exchange *x, const char *const *types,
-                                             size_t *ret_type, bf_error *err);
+/// The request's body as text, "" if there is none; and an object as that of the answer.
+const char *exchange__body(const exchange *x);
+BF_MUST_CHECK bf_status exchange__write(exchange *x, const member_table *table, const void *item,
+                                        bf_error *err);
 
 /// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
 BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);
@@ -222,7 +221,7 @@ route_handler_fn handlers_measurements_show;
 route_handler_fn handlers_measurements_remove;
 
 /// Write the distance of the densities of two runs; null where an id is NULL. n_pairs share what a request may compare.
-BF_MUST_CHECK bf_status handlers__write_density(exchange *x, struct json_out *w, const char *a,
+BF_MUST_CHECK bf_status handlers__write_density(exchange *x, json_out *w, const char *a,
                                                 const char *b, size_t n_pairs, bf_error *err);
 
 /// Leases of workers: take, read its jobs, deliver frames, renew, leave; and the list of workers.

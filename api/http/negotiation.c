@@ -199,6 +199,23 @@ bool negotiation_has_format(const char *formats, const char *word)
     return find_word(rows, gather(formats, rows), word) >= 0;
 }
 
+const media *negotiation_find_body(const char *formats, const char *content_type, char *ret_types)
+{
+    const media *rows[N_MEDIA], *found = NULL;
+    const size_t n_rows = gather(formats, rows);
+    const size_t n_type = strcspn(content_type, "; \t");
+    size_t n = 0;
+
+    for (size_t i = 0; i < n_rows && n < NEGOTIATION_TYPES_SIZE; i++) {
+        const char *type = rows[i]->type;
+        n += (size_t)snprintf(ret_types + n, NEGOTIATION_TYPES_SIZE - n, "%s%s", n == 0 ? "" : ", ",
+                              type);
+        if (strlen(type) == n_type && strncasecmp(content_type, type, n_type) == 0)
+            found = rows[i];
+    }
+    return found;
+}
+
 bf_status negotiation_choose_media(const char *formats, const char *word, const char *accept,
                                    const media **ret_media, bf_error *err)
 {

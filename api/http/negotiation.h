@@ -16,6 +16,7 @@
 #define MEDIA_LIST(X)                                                                              \
     X(MEDIA_JSON, "json", "application/json", "application/json")                                  \
     X(MEDIA_CSV, "csv", "text/csv", "text/csv; charset=utf-8")                                     \
+    X(MEDIA_JSON, "patch", "application/merge-patch+json", "application/merge-patch+json")         \
     X(MEDIA_NPY, "npy", "application/octet-stream", "application/octet-stream")                    \
     X(MEDIA_NPY, "npy", "application/x-npy", "application/x-npy")                                  \
     X(MEDIA_PNG, "png", "image/png", "image/png")                                                  \
@@ -52,6 +53,8 @@ typedef struct media {
     const char *content_type; ///< of the response
 } media;
 
+enum { NEGOTIATION_TYPES_SIZE = 64 }; ///< bytes of the types of a body with their terminator
+
 /// Choose among the formats that a resource has ("npy json", the default first): by word, the value
 /// of ?format=, if that is not NULL, else by the Accept header (NULL: anything). *ret_media is
 /// static. BF_EINPUT: none fits; the text names those that exist.
@@ -61,6 +64,10 @@ BF_MUST_CHECK bf_status negotiation_choose_media(const char *formats, const char
 
 /// True if a list of words of formats ("npy json") has this one.
 bool negotiation_has_format(const char *formats, const char *word);
+
+/// The one of the formats of a body that its Content-Type names; NULL: none of them. Their types are written to ret_types
+/// (NEGOTIATION_TYPES_SIZE bytes), with commas between.
+const media *negotiation_find_body(const char *formats, const char *content_type, char *ret_types);
 
 /// Accept (RFC 9110, 12.5.1): the media type among offers with the highest q-value, the first one of
 /// those with the same. For each offer the most specific range counts (type/subtype before type/*
