@@ -83,8 +83,15 @@ export class RunsView {
     return h("form", { class: "filters", role: "search", "aria-label": "Filter runs",
       on: { submit: (event) => event.preventDefault() } },
     h("label", { class: "field inline" }, h("span", {}, "Search"), this.searchBox),
-    this.choice("status", "State", plain(states)), this.choice("model", "Model", plain(["macro", "micro"])),
-    this.day("from", "From"), this.day("to", "to"), this.sorting(), this.studies);
+    this.folded(this.choice("status", "State", plain(states)), this.choice("model", "Model", plain(["macro", "micro"])),
+    this.day("from", "From"), this.day("to", "to"), this.sorting(), this.studies));
+  }
+
+  // On small screens, unless one of them is set.
+  folded(...filters) {
+    const isSet = ["status", "model", "from", "to", "sort", "study"].some((name) => this.query.get(name));
+    return h("details", { open: isSet || matchMedia("(width > 640px)").matches }, h("summary", {}, "Filters and order"),
+      h("div", { class: "filters" }, filters));
   }
 
   // A day in the reader's own time, the first or the last one that counts.
