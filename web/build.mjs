@@ -3,7 +3,7 @@
 //     node web/build.mjs OUT MODULES
 //
 // OUT is emptied first; MODULES is the node_modules folder that `npm ci` made of package-lock.json.
-// The editor of JSON, which the page imports when it is needed, becomes a bundle of its own. scenario_schemas.json and the pages
+// The editor of JSON and the reader of drawings, which the page imports when they are needed, become bundles of their own. scenario_schemas.json and the pages
 // below OUT/docs, which web/docs makes, follow from api/openapi.json.
 
 import { mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
@@ -99,8 +99,8 @@ async function writeDocs() {
 mkdirSync(out, { recursive: true });
 for (const name of readdirSync(out)) rmSync(path.join(out, name), { recursive: true });
 copyFolder(path.join(here, "static"), out);
-await bundle(path.join(here, "src/main.js"), out, { external: ["./code_editor.js"] });
-await bundle(path.join(here, "src/code_editor.js"), out);
+await bundle(path.join(here, "src/main.js"), out, { external: ["./code_editor.js", "./drawing_files.js"] });
+for (const part of ["code_editor.js", "board/drawing_files.js"]) await bundle(path.join(here, "src", part), out);
 writeFileSync(path.join(out, "scenario_schemas.json"), scenarioSchemas());
 const docs = path.join(out, "docs");
 copyFolder(path.join(here, "docs/static"), docs);

@@ -238,3 +238,56 @@ test("the line as a whole has a form: a mix of kinds, which feeds name, and its 
   assert.deepEqual((await scenarioIn(page)).feeds[0].cargo, [{ kind: "cola" }]);
   await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
 });
+
+// A DXF file: pairs of a code and a value. Millimetres; a block of an outline of 1,000 x 400, which holds itself, inserted at (500, 100).
+const dxf = [
+  [0, "SECTION"], [2, "HEADER"], [9, "$INSUNITS"], [70, 4], [0, "ENDSEC"],
+  [0, "SECTION"], [2, "BLOCKS"], [0, "BLOCK"], [2, "BELT"], [10, 0], [20, 0],
+  [0, "LWPOLYLINE"], [90, 4], [70, 1], [10, 0], [20, 0], [10, 1000], [20, 0], [10, 1000], [20, 400], [10, 0], [20, 400],
+  [0, "INSERT"], [2, "BELT"], [10, 9], [20, 9], [0, "ENDBLK"], [0, "ENDSEC"],
+  [0, "SECTION"], [2, "ENTITIES"], [0, "INSERT"], [2, "BELT"], [10, 500], [20, 100],
+  [0, "LINE"], [10, 0], [20, 0], [11, 2000], [21, 0], [0, "ARC"], [10, 1800], [20, 300], [40, 200], [50, 0], [51, 90], [0, "ENDSEC"], [0, "EOF"],
+].map(([code, value]) => `${code}\n${value}\n`).join("");
+
+test("a drawing lies under the line, and its lines become belts and guides", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?blank=1");
+  await page.getByText("Ready:").waitFor();
+  const open = (name, text) => page.getByLabel(/drawing …|Drawing under/i).setInputFiles({ name, mimeType: "", buffer: Buffer.from(text) });
+  await open("hall.dxf", dxf);
+  await page.getByText("1 of 3 lines: an outline, 1 × 0.4 m").waitFor();
+  // Its lower left corner lies at that of the line, unless it is moved.
+  await page.getByLabel("Its lower edge is at y =").fill("0,05");
+  await page.getByRole("button", { name: "As a belt" }).click();
+  await page.getByRole("button", { name: "The next line of it" }).click();
+  await page.getByText("2 of 3 lines: 2 points, 2 × 0 m").waitFor();
+  assert.equal(await page.getByRole("button", { name: "As a belt" }).isDisabled(), true);
+  await page.getByRole("button", { name: "As a guide" }).click();
+  const { belts, obstacles } = await scenarioIn(page);
+  assert.deepEqual(belts[1].polygon_m, [[0.5, 0.15], [1.5, 0.15], [1.5, 0.55], [0.5, 0.55]]);
+  assert.deepEqual(obstacles, [{ id: "plate-1", from_m: [0, 0.05], to_m: [2, 0.05] }]);
+  await page.getByRole("button", { name: "The line of it before" }).click();
+  await assertAccessible(page, "a drawing under the line");
+
+  // It outlasts a reload. The arc is a quarter of a circle of 0.2 m, which has 48 chords.
+  await page.reload();
+  await page.getByText("1 of 3 lines").waitFor();
+  await page.getByRole("button", { name: "The line of it before" }).click();
+  await page.getByText("3 of 3 lines: 13 points, 0.2 × 0.2 m").waitFor();
+
+  // An SVG file is 3 m wide, its y goes down. The rectangle is moved by (200, 50), and scaled by two before.
+  await open("hall.svg", `<svg xmlns="http://www.w3.org/2000/svg" width="3000mm" viewBox="0 0 3000 1000" style="x:y">
+    <style>rect { fill: red }</style><g transform="translate(200 50)"><rect transform="scale(2)" x="0" y="0" width="500" height="200"/></g><path d="M0 1000h3000M0 0v1000"/></svg>`);
+  await page.getByText("1 of 3 lines: an outline, 1 × 0.4 m").waitFor();
+  await page.getByRole("button", { name: "Line as large as the drawing" }).click();
+  await page.getByRole("button", { name: "As a belt" }).click();
+  const grown = await scenarioIn(page);
+  assert.deepEqual(grown.domain, { x_m: [0, 3], y_m: [0, 1] });
+  assert.deepEqual(new Set(grown.belts[2].polygon_m.map(String)), new Set(["0.2,0.95", "1.2,0.95", "1.2,0.55", "0.2,0.55"]));
+
+  await open("letter.dxf", "Dear colleague,\n");
+  await page.getByText(/^letter.dxf: /).waitFor();
+  await page.getByRole("button", { name: "Without the drawing" }).click();
+  await page.getByText("Drawing under the line …").waitFor();
+});

@@ -7,6 +7,7 @@ import { Board } from "./board/board.js";
 import { History } from "./board/history.js";
 import { newLineId, saveLine } from "./board/lines.js";
 import { loadSchemas } from "./board/schema.js";
+import { Underlay } from "./board/underlay.js";
 import { nameOfVariant } from "./differences.js";
 import { h } from "./dom.js";
 import { fileNameOf, quantity, span } from "./format.js";
@@ -57,10 +58,12 @@ export class NewView {
     this.form = new ScenarioForm((set, what) => this.change(set, what), () => this.sayFaults(""), this.goods);
     this.board = new Board({ onChange: (set, what) => this.change(set, what), onChoose: () => this.showScene(), onFault: () => this.sayFaults("") });
     this.scene = new SceneEditor((set, what) => this.change(set, what), (list, k) => this.board.choose(list, k));
+    this.underlay = this.scene.underlay = new Underlay({ onChange: () => this.placeDrawing(), onTake: (list, item) => this.board.take(list, item),
+      onSize: (x, y) => this.change((scenario) => Object.assign(scenario.domain, { x_m: x, y_m: y })) });
     this.verdict = h("p", { class: "verdict", role: "status" });
     this.others = h("ul", { class: "faults", "aria-label": "Other faults" });
     this.warnings = h("ul", { class: "warnings", "aria-label": "Warnings", hidden: true });
-    this.formPart = h("div", { class: "tab" }, h("div", { class: "scene-form" }, h("div", {}, this.scene.element, this.board.stand),
+    this.formPart = h("div", { class: "tab" }, h("div", { class: "scene-form" }, h("div", {}, this.scene.element, this.underlay.element, this.board.stand),
       h("div", {}, this.board.thing, this.form.main)), this.advanced(), this.others);
     this.jsonPart = h("div", { class: "tab" }, this.editor.element);
     const form = h("form", { class: "new-run", novalidate: true, on: { keydown: (event) => this.undoByKey(event), submit: (event) => {
@@ -127,7 +130,13 @@ export class NewView {
     for (const [by, element] of this.undoButtons) element.disabled = !this.history.canGo(by);
     if (!this.scenario || !this.isEdited) return;
     if (this.line === null) note({ line: (this.line = newLineId()), blank: "", from: "", example: "" });
-    saveLine({ id: this.line, scenario: this.scenario, model: this.model, label: this.labelBox.value, isNamed: this.isNamed });
+    saveLine({ id: this.line, scenario: this.scenario, model: this.model, label: this.labelBox.value, isNamed: this.isNamed, underlay: this.underlay.kept });
+  }
+
+  placeDrawing() {
+    this.isEdited = true;
+    this.scene.draw();
+    this.keep();
   }
 
   about() {
@@ -168,13 +177,14 @@ export class NewView {
     if (this.judged) this.showWarnings(this.judged);
   }
 
-  begin({ scenario, model, label, line = null, isNamed = false }) {
+  begin({ scenario, model, label, line = null, isNamed = false, underlay = null }) {
     if (model && !this.query.has("model")) this.chooseModel(this.model = model, false);
     if (label !== undefined) this.labelBox.value = label;
     this.scenario = scenario;
     this.origin = structuredClone(scenario);
     Object.assign(this, { line, isNamed, isEdited: false, validation: null });
     this.board.chosen = null;
+    this.underlay.begin(underlay);
     this.editor.text = formatJson(scenario);
     this.history.begin(this.editor.text);
     this.keep();
@@ -185,6 +195,7 @@ export class NewView {
   fillForm() {
     if (document.activeElement !== this.nameBox) this.nameBox.value = this.scenario?.name ?? "";
     this.form.fill(this.scenario, this.model);
+    this.underlay.domain = this.scenario?.domain ?? null;
     this.board.show(this.scenario, this.validation?.resolved ?? null);
     this.showScene();
   }

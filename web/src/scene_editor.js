@@ -28,9 +28,9 @@ function pictureOf(parts) {
 }
 
 export class SceneEditor {
-  // onChange(set, key): what was drawn by this handle goes into the scenario by set(scenario); onChoose(list, k): a handle of this thing has the focus.
+  // underlay: a drawing that is shown beneath it, once it is given. onChange(set, key): what was drawn by this handle goes into the scenario by set(scenario); onChoose(list, k): a handle of this thing has the focus.
   constructor(onChange, onChoose = () => {}) {
-    Object.assign(this, { onChange, onChoose, handles: new Map() });
+    Object.assign(this, { onChange, onChoose, handles: new Map(), underlay: null });
     this.field = h("canvas");
     this.scenery = h("canvas");
     this.devices = h("canvas");
@@ -75,6 +75,7 @@ export class SceneEditor {
     this.frame.style.height = `${view.cssHeight}px`;
     const colors = Object.fromEntries(names.map((name) => [name, color(`draw-${name}`)]));
     this.drawCargo(this.field.getContext("2d"));
+    this.underlay?.draw(this.field.getContext("2d"), view, colors);
     drawScenery(this.scenery.getContext("2d"), view, scenario, colors);
     drawDevices(this.devices.getContext("2d"), view, scenario,
       { plates: scenario.obstacles.map(() => ({ turn: 0, isPresent: true })), eyes: (scenario.photo_eyes ?? []).map(() => null) }, colors);

@@ -70,6 +70,11 @@ export class Board {
     return needs !== undefined && this.ids(needs).length === 0;
   }
 
+  // A thing of a list that was made elsewhere.
+  take(list, item) {
+    this.add(this.lists.find((one) => one.list === list), () => item);
+  }
+
   add(one, make) {
     const { stem, first = [] } = kindOf(one);
     this.onChange((scenario) => {
