@@ -177,11 +177,29 @@ static int refusal_status(const exchange *x, bf_status code)
     return problem_status(code);
 }
 
+// Faults of numbers get the units of the document, which the core does not know: its angles are in radians.
+static void name_units(exchange *x)
+{
+    const member_table *table = x->route == NULL ? NULL : x->route->body;
+
+    for (size_t k = 0; table != NULL && k < faults_kept(&x->faults); k++) {
+        bf_error *fault = &x->faults.items[k];
+        fault->unit = members_unit(table, fault->pointer);
+        if (!fault->has_limit || fault->unit == NULL || strcmp(fault->unit, "deg") != 0)
+            continue;
+        fault->value = number_to_degrees(fault->value);
+        fault->limit = number_to_degrees(fault->limit);
+        snprintf(fault->text, sizeof fault->text, "must be %s %.9g, not %.9g",
+                 fault->value < fault->limit ? "at least" : "at most", fault->limit, fault->value);
+    }
+}
+
 static void refuse(exchange *x, bf_status code, const bf_error *error)
 {
     int status = refusal_status(x, code);
     char allow[ROUTES_ALLOW_SIZE];
 
+    name_units(x);
     problem_write(x->response, status, x->request->path, error, &x->faults);
     if (status == 405 && routes_allow(x->request->path, allow))
         api_response_header(x->response, "Allow", "%s", allow);

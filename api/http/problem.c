@@ -58,10 +58,24 @@ static void encode_path(const char *path, char *ret_text, size_t size)
     ret_text[n] = '\0';
 }
 
+static bool has_limit(const void *item)
+{
+    return ((const bf_error *)item)->has_limit;
+}
+
+static bool has_unit(const void *item)
+{
+    return has_limit(item) && ((const bf_error *)item)->unit != NULL;
+}
+
 #define AT(place) offsetof(bf_error, place)
 static const member error_members[] = {
     MEMBER("pointer", text, AT(pointer), "The place in the document", .type = "#JsonPointer"),
     MEMBER("detail", text, AT(text), "What is wrong there"),
+    MEMBER("value", number, AT(value), "The number, or the number of items, that breaks a limit",
+           .applies = has_limit),
+    MEMBER("limit", number, AT(limit), "The limit that it breaks", .applies = has_limit),
+    MEMBER("unit", string, AT(unit), "Unit of both, where they have one", .applies = has_unit),
 };
 const member_table problem_error_members = { MEMBER_TABLE("ProblemError", error_members),
                                              .size = sizeof(bf_error) };

@@ -6,6 +6,7 @@
 #include "api/access.h"
 #include "api/http/exchange.h"
 #include "api/http/param.h"
+#include "api/json/members.h"
 #include "core/base/status.h"
 
 #include <stdbool.h>
@@ -49,7 +50,7 @@ typedef struct route {
     const char *tag;            ///< under which the document lists it
     const char *summary;        ///< what it does, one line
     const char *help;           ///< what a client should know beyond that
-    const char *body;           ///< schema of the request's body as JSON; NULL: it has none
+    const member_table *body;   ///< the request's body as JSON; NULL: it has none
     const char *body_formats;   ///< of the body, the same; NULL: JSON; if several, one of answers
     const char *refusals;       ///< HTTP statuses that nothing else here tells, words; NULL: none
     route_answer answers[ROUTES_ANSWERS_MAX]; ///< the others

@@ -3,6 +3,11 @@
 #include "api/http/http_priv.h"
 #include "api/http/routes.h"
 #include "api/http/routes_params.h"
+#include "api/results/annotations_json.h"
+#include "api/results/lease_json.h"
+#include "api/results/measurement.h"
+#include "api/scenario/submission.h"
+#include "api/study/study_document.h"
 
 #define PARAMS(...)                                                                                \
     (const param *const[])                                                                         \
@@ -74,7 +79,7 @@ static const route table[] = {
           "its path; nothing waits for its end. 429 means that the "
           "client's quota of queued runs is used up, 503 that the queue is full, 507 that the "
           "disk has too little room.",
-      .body = "Submission",
+      .body = &submission_members,
       .refusals = "409",
       .answers = { { 201, "RunOrStudy",
                      "Location ETag Cache-Control Preference-Applied Idempotent-Replayed",
@@ -104,7 +109,8 @@ static const route table[] = {
         .help =
             "A JSON Merge Patch (RFC 7396): what is missing stays, null empties. Results, and the "
             "name in the scenario, stay as they are. `application/merge-patch+json` is taken, too.",
-        .body = "RunAnnotations", .answers = { { 200, "Run", "ETag Cache-Control", "The run" } }),
+        .body = &annotations_json_run,
+        .answers = { { 200, "Run", "ETag Cache-Control", "The run" } }),
     CHANGES("DELETE", "/v1/runs/{id}", handlers_runs_remove, "Runs", "deleteRun",
             .params = PARAMS(&routes__run_id, &routes__if_match),
             .summary = "Stop a run if need be and remove it with its results",
@@ -248,7 +254,7 @@ static const route table[] = {
               "and says which is best and how sure that is. The whole document is checked first, "
               "as of POST /v1/runs. Feeds of the scenario may name stored measurements, and so may "
               "curves of `calibrate`: the stored document has their numbers.",
-      .body = "StudyDocument",
+      .body = &study_document_members,
       .refusals = "409",
       .answers = { { 201, "Study", "Location ETag Cache-Control Idempotent-Replayed",
                      "The study was accepted" } } },
@@ -267,7 +273,7 @@ static const route table[] = {
           .answers = { { 200, "Study", CACHED, "The study" }, UNCHANGED }),
     CHANGES("PATCH", "/v1/studies/{id}", handlers_studies_annotate, "Studies", "annotateStudy",
             .params = PARAMS(&routes__study_id, &routes__if_match), .summary = "Rename a study",
-            .help = "A JSON Merge Patch, as of a run.", .body = "StudyAnnotations",
+            .help = "A JSON Merge Patch, as of a run.", .body = &annotations_json_study,
             .answers = { { 200, "Study", "ETag Cache-Control", "The study" } }),
     CHANGES(
         "DELETE", "/v1/studies/{id}", handlers_studies_remove, "Studies", "deleteStudy",
@@ -372,7 +378,7 @@ static const route table[] = {
           "of a scenario name by the id of the measurement. It is on disk before the answer is "
           "sent, "
           "and never changes. 409 when there are too many.",
-      .body = "Measurement",
+      .body = &measurement_members,
       .body_formats = "json csv",
       .refusals = "409",
       .answers = { { 201, "StoredMeasurement", "Location Cache-Control", "It was stored" } } },
@@ -402,7 +408,7 @@ static const route table[] = {
            .help =
                "Runs by themselves come before trials. A lease without jobs has no id. Where the "
                "worker's solver is of another version than the service it is a 409.",
-           .body = "LeaseRequest", .refusals = "409",
+           .body = &lease_json_worker_members, .refusals = "409",
            .answers = { { 200, "Lease", "Cache-Control", "The lease" } }),
     LEASES("GET", "", list, "listWorkers", .formats = "json", .params = NO_PARAMS,
            .summary = "List workers and their leases", .refusals = "409",
@@ -418,7 +424,7 @@ static const route table[] = {
                "Sections of 16 bytes, little-endian (u32 job, u32 n, u64 offset of the first "
                "byte in all of the job's frames), and n bytes. What came before is ignored; what "
                "leaves a gap, or has no place now, is not taken: `next` says where to go on.",
-           .body = "LeaseRequest", .body_formats = "frames", .refusals = "409",
+           .body = &lease_json_worker_members, .body_formats = "frames", .refusals = "409",
            .answers = { { 200, "LeaseJobStates", "Cache-Control", "What was taken" } }),
     LEASES("POST", "/{id}/renew", renew, "renewLease", .formats = "json",
            .params = PARAMS(&routes__lease_id),
@@ -426,7 +432,7 @@ static const route table[] = {
            .help =
                "A job that has ended leaves the lease when all its bytes were taken. What is not "
                "named is not the worker's any more.",
-           .body = "LeaseRenewal", .refusals = "409",
+           .body = &lease_json_renewal_members, .refusals = "409",
            .answers = { { 200, "LeaseJobStates", "Cache-Control", "What is known of the jobs" } }),
     LEASES("DELETE", "/{id}", leave, "leaveLease", .formats = "json",
            .params = PARAMS(&routes__lease_id),
@@ -462,7 +468,7 @@ static const route table[] = {
       .tag = "Scenarios",
       .summary = "Check a submission as POST /v1/runs does, and store nothing",
       .help = "The same checks and the same problems as when a run is submitted.",
-      .body = "Submission",
+      .body = &submission_members,
       .answers = { { 200, "Validation", "Cache-Control", "It would be accepted" } } },
     { .method = "GET",
       .path = "/v1/examples",

@@ -202,6 +202,7 @@ bool json_in_integer(json_in *in, const struct json_t *value, double least, doub
     }
     if (number < least || number > most) {
         json_in_fault(in, "must be from %.16g to %.16g, not %.16g", least, most, number);
+        faults_set_limit(in->faults, number, number < least ? least : most);
         return false;
     }
     *ret_integer = number;

@@ -129,11 +129,14 @@ bool member__check_list(json_in *in, const json_t *value, const member *m)
 
     if (!json_is_array(value))
         return json_in_is_array(in, value);
+    if (n >= m->least && n <= limit)
+        return true;
     if (n < m->least)
         json_in_fault(in, "must have at least %zu items, not %zu", m->least, n);
-    if (n > limit)
+    else
         json_in_fault_limit(in, "has %zu items, the limit is %zu", n, limit);
-    return n >= m->least && n <= limit;
+    faults_set_limit(in->faults, (double)n, (double)(n < m->least ? m->least : limit));
+    return false;
 }
 
 void *member__allocate(json_in *in, const member *m, size_t n, size_t size, void *item)

@@ -205,6 +205,43 @@ void members_write_ref(json_out *w, const member_table *table, member_view view)
     schema_write_ref(w, "schemas", name, strlen(name));
 }
 
+static const member *find_part(const member_table *table, const char *name, size_t n)
+{
+    const member *found = NULL;
+
+    for (size_t k = 0; k < table->n && found == NULL; k++) {
+        const member *m = &table->members[k];
+        if (m->name == NULL)
+            found = find_part(m->table, name, n);
+        else if (strlen(m->name) == n && memcmp(m->name, name, n) == 0)
+            found = m;
+    }
+    return found;
+}
+
+const char *members_unit(const member_table *table, const char *pointer)
+{
+    const member *m = NULL;
+    bool is_list = false;
+
+    while (*pointer == '/') {
+        const char *name = pointer + 1;
+        const size_t n = strcspn(name, "/");
+        pointer = name + n;
+        if (m != NULL && isdigit((unsigned char)*name)) {
+            table = m->items != NULL ? m->items : table;
+            is_list = false;
+            continue;
+        }
+        m = table == NULL ? NULL : find_part(table, name, n);
+        if (m == NULL)
+            return NULL;
+        table = m->table;
+        is_list = m->kind->element != NULL;
+    }
+    return m == NULL || is_list ? NULL : m->unit;
+}
+
 // ---- ranges and defaults as texts
 
 void members_range_text(const bf_range *range, char *ret_text)

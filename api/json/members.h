@@ -180,6 +180,10 @@ void members_write_into(json_out *w, const member_table *table, const void *item
 /// True if a member of a client's document may be missing.
 bool members_has_default(const member *m);
 
+/// The unit of the number that a JSON pointer below a table's object names; NULL: it has none, as a list by itself, or no
+/// table tells.
+const char *members_unit(const member_table *table, const char *pointer);
+
 /// The default for people ("0.005", "inflow"), "" if there is none, and the range ("> 0"), "" if it
 /// is any, in MEMBER_TEXT_SIZE bytes. False: there is no memory, and the text is "".
 bool members_default_text(const member_table *table, const member *m, char *ret_text);

@@ -172,14 +172,16 @@ static void write_content(json_out *w, const char *id, const operation *o, const
 static void write_body(json_out *w, const char *id, const operation *o)
 {
     const route *r = o->route;
+    char schema[MEMBER_TEXT_SIZE];
 
     if (r->body == NULL)
         return;
+    members_schema_name(r->body, MEMBER_GIVEN, schema);
     json_out_key(w, "requestBody");
     json_out_object(w);
     json_out_key_bool(w, "required", true);
     const char *formats = r->body_formats == NULL ? "json" : r->body_formats;
-    write_content(w, id, o, "request", formats == routes_endings(r) ? o->format : formats, r->body);
+    write_content(w, id, o, "request", formats == routes_endings(r) ? o->format : formats, schema);
     json_out_object_end(w);
 }
 

@@ -1,5 +1,6 @@
 #include "core/base/faults.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 
@@ -9,6 +10,7 @@ static void add(bf_faults *faults, bf_status code, const char *pointer, const ch
     if (faults->n < FAULTS_MAX) {
         bf_error *item = &faults->items[faults->n];
         item->code = code;
+        item->has_limit = false;
         snprintf(item->pointer, sizeof item->pointer, "%s", pointer);
         vsnprintf(item->text, sizeof item->text, format, args);
     }
@@ -31,6 +33,16 @@ void faults_add_limit(bf_faults *faults, const char *pointer, const char *format
     va_start(args, format);
     add(faults, BF_ELIMIT, pointer, format, args);
     va_end(args);
+}
+
+void faults_set_limit(bf_faults *faults, double value, double limit)
+{
+    if (faults->n == 0 || faults->n > FAULTS_MAX || !isfinite(value) || !isfinite(limit))
+        return;
+    bf_error *item = &faults->items[faults->n - 1];
+    item->has_limit = true;
+    item->value = value;
+    item->limit = limit;
 }
 
 void faults_add_error(bf_faults *faults, const bf_error *err)

@@ -27,6 +27,9 @@ void faults_add(bf_faults *faults, const char *pointer, const char *format, ...)
 void faults_add_limit(bf_faults *faults, const char *pointer, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/// Say of the fault that was noted last which number breaks which limit, if both are finite.
+void faults_set_limit(bf_faults *faults, double value, double limit);
+
 /// Add a failure as it was reported, with any code.
 void faults_add_error(bf_faults *faults, const bf_error *err);
 

@@ -6,8 +6,10 @@ void range_check(const bf_range *range, double value, const char *pointer, bf_fa
     bool is_low = range->excludes_min ? !(value > range->minimum) : !(value >= range->minimum);
     bool is_high = range->excludes_max ? !(value < maximum) : !(value <= maximum);
 
-    if (is_low || is_high)
-        faults_add(faults, pointer, "must be %s %g and %s %g, not %g",
-                   range->excludes_min ? "above" : "at least", range->minimum,
-                   range->excludes_max ? "below" : "at most", maximum, value);
+    if (!is_low && !is_high)
+        return;
+    faults_add(faults, pointer, "must be %s %g and %s %g, not %g",
+               range->excludes_min ? "above" : "at least", range->minimum,
+               range->excludes_max ? "below" : "at most", maximum, value);
+    faults_set_limit(faults, value, is_low ? range->minimum : maximum);
 }

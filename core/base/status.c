@@ -20,6 +20,7 @@ bf_status bf_fail(bf_error *err, bf_status code, const char *pointer, const char
     if (err == NULL)
         return code;
     err->code = code;
+    err->has_limit = false;
     snprintf(err->pointer, sizeof err->pointer, "%s", pointer);
     va_start(args, format);
     vsnprintf(err->text, sizeof err->text, format, args);

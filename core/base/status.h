@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /// The kinds of failure, each with the word that logs and documents use for it.
@@ -39,6 +40,10 @@ typedef struct bf_error {
     bf_status code;                ///< same as the returned status
     char pointer[BF_POINTER_SIZE]; ///< JSON pointer of the place at fault; "" is the whole document
     char text[BF_TEXT_SIZE];       ///< one sentence in English, no full stop
+    bool has_limit;                ///< a number breaks a limit:
+    double value;                  ///< the number
+    double limit;                  ///< the limit
+    const char *unit;              ///< of both, static, for who sets it; NULL: none, or not known
 } bf_error;
 
 /// Mark a function whose status must be looked at.

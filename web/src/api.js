@@ -18,10 +18,15 @@ export function local(target) {
   return target.replace(/^\//, "");
 }
 
+// A sentence about a number ends with the number that was sent.
+function faultOf({ detail, unit, ...fault }) {
+  return { ...fault, detail: unit === undefined ? detail : `${detail} ${unit}` };
+}
+
 async function problemOf(response) {
   try {
     const value = await response.json();
-    return new Problem(response.status, readable(value.detail ?? response.statusText), value.errors ?? []);
+    return new Problem(response.status, readable(value.detail ?? response.statusText), (value.errors ?? []).map(faultOf));
   } catch (error) {
     if (error.name === "AbortError") throw error;
     return new Problem(response.status, `${response.status} ${response.statusText}`);

@@ -52,6 +52,15 @@ static void a_bad_document_is_answered_with_pointers(void **state)
     assert_int_equal(ask_daemon.n_submitted, 0);
 }
 
+static void a_number_beyond_a_limit_is_told_with_both_and_their_unit(void **state)
+{
+    (void)state;
+    ask("POST", "/v1/runs", NULL, IS_JSON, BAD_BODY, 422);
+    assert_true(ask_body_has(",\"value\":-1,\"limit\":0,\"unit\":\"s\"}"));
+    ask("POST", "/v1/runs", NULL, IS_JSON, "{\"scenario\":" SCENARIO ",\"priority\":1000}", 422);
+    assert_true(ask_body_has(",\"value\":1000,\"limit\":100}"));
+}
+
 static void several_faults_are_told_together(void **state)
 {
     (void)state;
@@ -423,6 +432,7 @@ int main(void)
         ASK_TEST(a_submitted_run_is_answered_with_its_place),
         ASK_TEST(a_body_that_is_not_json_is_a_bad_request),
         ASK_TEST(a_bad_document_is_answered_with_pointers),
+        ASK_TEST(a_number_beyond_a_limit_is_told_with_both_and_their_unit),
         ASK_TEST(several_faults_are_told_together),
         ASK_TEST(only_json_is_taken),
         ASK_TEST(a_full_queue_asks_to_come_back),

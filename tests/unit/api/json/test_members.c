@@ -158,6 +158,34 @@ static void an_answer_has_the_members_of_its_table_in_their_order(void **unused)
     buffer_fini(&out);
 }
 
+static void a_pointer_leads_to_the_unit_of_a_number(void **unused)
+{
+    static const struct {
+        const char *pointer, *unit;
+    } places[] = {
+        { "/duration_s", "s" },
+        { "/obstacles/3/thickness_m", "m" },
+        { "/obstacles/0/motion/turn_deg/12", "deg" },
+        { "/cargo/mass_kg", "kg" },
+        { "/cargo/1/mass_kg", "kg" },
+        { "/obstacles/0/motion/turn_deg", NULL },
+        { "/contacts/friction", NULL },
+        { "/obstacles", NULL },
+        { "/nowhere/thickness_m", NULL },
+        { "/duration_s/thickness_m", NULL },
+        { "", NULL },
+    };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof places / sizeof *places; k++) {
+        const char *unit = members_unit(&scenario_members, places[k].pointer);
+        if (places[k].unit == NULL)
+            assert_null(unit);
+        else
+            assert_string_equal(unit, places[k].unit);
+    }
+}
+
 static void ranges_are_texts_made_from_the_numbers(void **unused)
 {
     static const struct {
@@ -233,6 +261,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_out_of_the_tables_ranges_is_refused),
         cmocka_unit_test(an_answer_has_the_members_of_its_table_in_their_order),
+        cmocka_unit_test(a_pointer_leads_to_the_unit_of_a_number),
         cmocka_unit_test(ranges_are_texts_made_from_the_numbers),
         cmocka_unit_test(defaults_are_those_of_core),
     };
