@@ -90,7 +90,11 @@ const calmViews = (ids) => [
     await editText(page, (await editedText(page)).replace('"duration_s"', '"duraton_s"'));
     await page.locator(".faults button").first().waitFor();
   }],
-  ["keys", `#/runs/${ids.macro}?t=2`, async (page) => page.getByRole("button", { name: "Keyboard" }).click()],
+  ["help", `#/runs/${ids.macro}?t=2`, async (page) => {
+    await page.getByRole("button", { name: "Help" }).click();
+    for (const name of ["Words", "Key figures"]) await page.getByText(name, { exact: true }).last().click();
+    await page.getByText("Doubles of a photo eye").waitFor();
+  }],
 ];
 
 async function shown(page) {

@@ -7,7 +7,8 @@ import { percent, quantity } from "./format.js";
 
 let description = null; // a promise of the schemas
 
-function schemas() {
+// Those of the API, by their names; none where they could not be loaded.
+export function schemas() {
   description ??= getJson("openapi.json").then(({ components }) => components.schemas).catch(() => {
     description = null; // asked for again by the next panel
     return {};

@@ -17,7 +17,7 @@ import { getJson } from "./api.js";
 import { CompareView } from "./compare_view.js";
 import { onConnection } from "./connection.js";
 import { h, link } from "./dom.js";
-import { showKeys } from "./keys.js";
+import { showHelp } from "./help.js";
 import { NewStudyView } from "./new_study_view.js";
 import { NewView } from "./new_view.js";
 import { startRouter } from "./router.js";
@@ -97,10 +97,10 @@ document.querySelector(".skip").addEventListener("click", (event) => {
   event.preventDefault();
   root.focus();
 });
-document.getElementById("keys").addEventListener("click", showKeys);
+document.getElementById("help").addEventListener("click", showHelp);
 document.addEventListener("keydown", (event) => {
   if (event.target.closest?.("input:not([type='checkbox']), textarea, select, .json-box")) return;
-  if (event.key === "?") showKeys();
+  if (event.key === "?") showHelp();
   if (event.key === "z" && (event.ctrlKey || event.metaKey) && undoLast()) event.preventDefault();
 });
 const signOutButton = document.getElementById("sign-out");
