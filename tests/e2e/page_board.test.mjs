@@ -182,6 +182,19 @@ test("counts are pasted as a spreadsheet copies them, and how they are read is s
   const { measurements: [{ id }] } = (await d.get("/v1/measurements")).json;
   const { t_s: times, count } = (await d.get(`/v1/measurements/${id}`)).json;
   assert.deepEqual([times, count], [[0, 60, 150], [12, 20, 30]]);
+
+  // The clock of the counts began elsewhere: what is shifted is stored beside.
+  await page.getByRole("button", { name: "Shift …" }).click();
+  const shift = page.getByRole("dialog", { name: "Shift pasted counts in time" });
+  await shift.getByText(/^Fewer than two samples are within/).waitFor();
+  await shift.getByRole("button", { name: "Fit" }).click();
+  await shift.getByLabel("Later by").fill("-1,5");
+  await assertAccessible(page, "a shift in time");
+  await shift.getByRole("button", { name: "Shift the counts" }).click();
+  await page.getByText("pasted counts, 1.5 s earlier · upstream").waitFor();
+  const { measurements: [moved] } = (await d.get("/v1/measurements")).json;
+  assert.deepEqual((await d.get(`/v1/measurements/${moved.id}`)).json.t_s, [-1.5, 58.5, 148.5]);
+  assert.match(page.url(), new RegExp(`measured=${moved.id}`));
 });
 
 test("a run is renamed and noted on, and its address and the list say so", async (t) => {

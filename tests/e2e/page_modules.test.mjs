@@ -15,7 +15,7 @@ import { bodyOf } from "../../web/src/plate.js";
 import { marksOf, readNumber, writeNumber } from "../../web/src/numbers.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
-import { columnsOf, contentOf, differenceOf, fallsOf, flowOf, rateOf, valueAt } from "../../web/src/series.js";
+import { columnsOf, contentOf, differenceOf, distanceOf, fallsOf, fittedShift, flowOf, rateOf, shifted, valueAt } from "../../web/src/series.js";
 import { intervalOf, pointsOf } from "../../web/src/study_points.js";
 import { daemon } from "./daemon.mjs";
 
@@ -30,6 +30,21 @@ test("parts of a mix are of the kinds that the server names, told by the heights
   const { shape: [n, columns], data } = readNpy(bytesOf(await d.get(`/v1/runs/${run.id}/parts/0`)));
   const { kindOfPart } = cargoOf(example, (await d.get(`/v1/runs/${run.id}/snapshots`)).json.kinds);
   for (let k = 0; k < n; k++) near(data[k * columns + 2], example.cargo[kindOfPart(k)].shape.height_m / 2, 1e-6);
+});
+
+test("counts are shifted to where they are nearest to a curve", () => {
+  // Parts leave from 2 s on, ten a second, until 6 s; the clock of the counts began 3.3 s later.
+  const t = Array.from({ length: 101 }, (_, k) => k / 10);
+  const leftAt = (time) => Math.min(Math.max(10 * (time - 2), 0), 40);
+  const curve = { t, v: t.map(leftAt) };
+  const counts = { t: [0, 1, 2, 3, 4], v: [0, 1, 2, 3, 4].map((time) => leftAt(time + 3.3)) };
+  // Half a step of the search is (10 + 4)/400/20 s.
+  near(fittedShift(counts, curve), 3.3, 14 / 8000 + 1e-9);
+  near(distanceOf(shifted(counts, 3.3), curve), 0, 1e-9);
+  // One second later the curve, ten a second, has ten more.
+  near(distanceOf(shifted({ t: [3, 4], v: [10, 20] }, 1), curve), 10, 1e-9);
+  assert.equal(distanceOf(shifted(counts, 100), curve), null);
+  assert.equal(fittedShift({ t: [1], v: [1] }, curve), null);
 });
 
 test("a snapshot's NPY is its JSON", async (t) => {

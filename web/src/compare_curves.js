@@ -3,10 +3,11 @@
 
 import { CurvePlot } from "./curve_plot.js";
 import { h, iconButton } from "./dom.js";
-import { fileButton, listMeasured, loadMeasured, storeCurve, storeFile } from "./measured.js";
+import { fileButton, listMeasured, loadMeasured, storeCurve, storeFile, storeMeasured } from "./measured.js";
 import { askForCounts } from "./paste_counts.js";
 import { note } from "./router.js";
-import { columnsOf, differenceOf, flowOf, isFed, isOneWay, rateOf } from "./series.js";
+import { columnsOf, differenceOf, flowOf, isFed, isOneWay, rateOf, shifted } from "./series.js";
+import { askForShift } from "./shift_counts.js";
 import { DASHES } from "./theme.js";
 import { tellFault, toast } from "./toast.js";
 import { segments } from "./transport.js";
@@ -113,6 +114,18 @@ export class CompareCurves {
     if (curve) this.lay((counter, isColumn) => storeCurve(curve, "pasted counts", counter, isColumn));
   }
 
+  // Shifted counts are stored as others, so that all that is made of counts goes by them.
+  async shift(curve) {
+    const by = await askForShift(curve, this.curveOf(this.runs[this.reference], this.reference, curve.counter));
+    if (by === null) return;
+    try {
+      const moved = await storeMeasured(shifted(curve, by), `${curve.label}, ${Math.abs(by)} s ${by > 0 ? "later" : "earlier"}`, curve.counter);
+      this.setMeasured(this.measured.map((one) => (one === curve ? moved : one)));
+    } catch (error) {
+      tellFault(error);
+    }
+  }
+
   async loadMeasured(ids, isColumnChosen = false) {
     for (const id of ids) {
       try {
@@ -135,6 +148,7 @@ export class CompareCurves {
     this.measured = list;
     note({ measured: list.map(({ id }) => id).join(",") });
     this.laid.replaceChildren(...list.map((curve) => h("li", { class: "chip" }, `${curve.label} · ${curve.counter}`,
+      h("button", { type: "button", class: "bare", on: { click: () => this.shift(curve) } }, "Shift …"),
       iconButton("close", `Remove ${curve.label}`, () => this.setMeasured(this.measured.filter(({ id }) => id !== curve.id)), { class: "bare" }))));
     this.show();
     this.onChange();
@@ -170,8 +184,7 @@ export class CompareCurves {
   }
 
   // A run whose scenario has no such column shows its first counter.
-  curveOf({ curve, scenario }, k) {
-    const wanted = this.measuredColumn();
+  curveOf({ curve, scenario }, k, wanted = this.measuredColumn()) {
     const column = this.shown === "rate" && !isOneWay(scenario, wanted) ? EXITS : wanted;
     return { name: this.titles[k], color: `run-${k + 1}`, dash: DASHES[k], t: curve.t,
       v: curve.columns.get(column) ?? curve.columns.get(scenario.counters[0].id) ?? [] };

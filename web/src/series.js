@@ -78,6 +78,35 @@ export function differenceOf({ t, v }, reference) {
   return { t: known.map(([time]) => time), v: known.map(([, value, other]) => value - other) };
 }
 
+export const shifted = (curve, by) => ({ ...curve, t: curve.t.map((time) => Number((time + by).toFixed(9))) });
+
+// The root mean square distance of a curve from a reference, at its times that both have; null: fewer than two.
+export function distanceOf(curve, reference) {
+  const { v } = differenceOf(curve, reference);
+  return v.length < 2 ? null : Math.sqrt(v.reduce((sum, one) => sum + one * one, 0) / v.length);
+}
+
+const SHIFTS = 400; // that are tried at first
+
+// By how much later a curve is nearest to a reference, to a four-thousandth of what both times span; null: it cannot be said. At least
+// half of its samples stay within the reference.
+export function fittedShift(curve, reference) {
+  const { t } = curve;
+  if (t.length < 2 || reference.t.length < 2) return null;
+  const [low, high] = [reference.t[0] - t.at(-1), reference.t.at(-1) - t[0]];
+  const at = (by) => {
+    const moved = shifted(curve, by);
+    const isWithin = 2 * differenceOf(moved, reference).v.length >= t.length;
+    return { by, distance: isWithin ? distanceOf(moved, reference) ?? Infinity : Infinity };
+  };
+  const bestOf = (from, step, n) => Array.from({ length: n + 1 }, (_, k) => at(from + k * step)).reduce((a, b) => (b.distance < a.distance ? b : a));
+  const step = (high - low) / SHIFTS;
+  const coarse = bestOf(low, step, SHIFTS);
+  if (coarse.distance === Infinity) return null;
+  const fine = bestOf(coarse.by - step, step / 10, 20);
+  return Number(fine.by.toPrecision(4));
+}
+
 const RATE_WINDOWS = 20; // that the time of a curve has, of each of which a rate is the mean
 
 // How many parts per second pass, of a curve that only rises or only falls, as means over windows about each sample.
