@@ -166,18 +166,13 @@ bf_status store__get_chunks(store__connection *c, int64_t results, store__blob k
                             bf_buffer *out, bf_error *err)
 {
     const size_t before = out->n;
-    bool has_row = true;
     bf_status status = BF_OK;
 
     store__query q =
         store__start(c, STORE__SQL_LIST_CHUNKS, INTEGER(results), INTEGER(kind), INTEGER(item));
-    for (int64_t part = 0; status == BF_OK && has_row; part++) {
-        status = store__next(&q, &has_row, err);
-        if (status == BF_OK && has_row && sqlite3_column_int64(q.statement, 1) != part)
-            status = fail_missing(err);
-        else if (status == BF_OK && has_row)
-            status = store__column_bytes(&q, 0, out, err);
-    }
+    for (int64_t part = 0; store__next(&q, &status, err); part++)
+        status = sqlite3_column_int64(q.statement, 1) == part ? store__column_bytes(&q, 0, out, err)
+                                                              : fail_missing(err);
     store__end(&q);
     if (status != BF_OK)
         buffer_truncate(out, before);
@@ -189,15 +184,10 @@ bf_status store__get_chunk(store__connection *c, int64_t results, store__blob ki
 {
     bool has_row = false;
 
-    store__query q = store__start(c, STORE__SQL_GET_CHUNK, INTEGER(results), INTEGER(kind),
-                                  INTEGER(item), INTEGER(part));
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
-        status = store__column_bytes(&q, 0, out, err);
-    store__end(&q);
-    if (status == BF_OK && !has_row)
-        return fail_missing(err);
-    return status;
+    const bf_status status =
+        store__find_bytes(c, STORE__SQL_GET_CHUNK, out, &has_row, err, INTEGER(results),
+                          INTEGER(kind), INTEGER(item), INTEGER(part));
+    return status == BF_OK && !has_row ? fail_missing(err) : status;
 }
 
 bf_status store__count_chunks(store__connection *c, int64_t results, store__blob kind,

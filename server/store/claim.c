@@ -389,17 +389,13 @@ static bf_status list_runs_of_study(store *s, const char *study_id, size_t n_mos
                                     char (*ret_ids)[API_ID_SIZE], size_t *ret_n, bf_error *err)
 {
     store__connection *reader = NULL;
-    bool has_row = true;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
     store__query q =
         store__start(reader, STORE__SQL_LIST_RUNS_OF_STUDY, TEXT(study_id), INTEGER(n_most));
-    while (status == BF_OK && *ret_n < n_most) {
-        status = store__next(&q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
+    while (*ret_n < n_most && store__next(&q, &status, err)) {
         store__column_text(&q, 0, ret_ids[(*ret_n)++], API_ID_SIZE);
     }
     store__end(&q);

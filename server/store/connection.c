@@ -188,17 +188,19 @@ store__query store__start_with(store__connection *c, store__sql sql, const store
     return q;
 }
 
-bf_status store__next(store__query *q, bool *ret_has_row, bf_error *err)
+bool store__next(store__query *q, bf_status *status, bf_error *err)
 {
-    if (q->code == SQLITE_OK) {
-        int code = sqlite3_step(q->statement);
-        if (code == SQLITE_ROW || code == SQLITE_DONE) {
-            *ret_has_row = code == SQLITE_ROW;
-            return BF_OK;
-        }
-        q->code = code;
+    if (*status == BF_OK && q->code == SQLITE_OK) {
+        const int code = sqlite3_step(q->statement);
+        if (code == SQLITE_ROW)
+            return true;
+        if (code != SQLITE_DONE)
+            q->code = code;
     }
-    return store__fail(q->connection->db, q->code, err);
+    if (*status == BF_OK && q->code != SQLITE_OK)
+        *status = store__fail(q->connection->db, q->code, err);
+    store__end(q);
+    return false;
 }
 
 void store__end(store__query *q)
@@ -212,9 +214,9 @@ void store__end(store__query *q)
 
 bf_status store__run(store__query *q, bf_error *err)
 {
-    bool has_row = false;
+    bf_status status = BF_OK;
 
-    bf_status status = store__next(q, &has_row, err);
+    (void)store__next(q, &status, err);
     store__end(q);
     return status;
 }
@@ -234,12 +236,13 @@ bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err)
 bf_status store__find_number_with(store__connection *c, store__sql sql, int64_t *ret_number,
                                   bf_error *err, const store__value *values, size_t n)
 {
-    bool has_row = false;
+    bf_status status = BF_OK;
 
     store__query q = store__start_with(c, sql, values, n);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK)
-        *ret_number = has_row ? sqlite3_column_int64(q.statement, 0) : 0;
+    if (store__next(&q, &status, err))
+        *ret_number = sqlite3_column_int64(q.statement, 0);
+    else if (status == BF_OK)
+        *ret_number = 0;
     store__end(&q);
     return status;
 }
@@ -248,6 +251,20 @@ bf_status store__read_number(store__connection *c, store__sql sql, int64_t *ret_
                              bf_error *err)
 {
     return store__find_number_with(c, sql, ret_number, err, NULL, 0);
+}
+
+bf_status store__find_bytes_with(store__connection *c, store__sql sql, bf_buffer *out,
+                                 bool *ret_has_row, bf_error *err, const store__value *values,
+                                 size_t n)
+{
+    bf_status status = BF_OK;
+
+    store__query q = store__start_with(c, sql, values, n);
+    *ret_has_row = store__next(&q, &status, err);
+    if (*ret_has_row)
+        status = store__column_bytes(&q, 0, out, err);
+    store__end(&q);
+    return status;
 }
 
 double store__column_real(const store__query *q, int column)

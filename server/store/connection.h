@@ -46,7 +46,7 @@ typedef enum store__access {
     STORE__READ_ONLY,  ///< a reader's
 } store__access;
 
-/// A use of a statement. A failure is remembered: further calls do nothing and store__next() returns it.
+/// A use of a statement. A failure is remembered: further calls do nothing and store__next() tells it.
 typedef struct store__query {
     store__connection *connection;  ///< whose statement it is
     struct sqlite3_stmt *statement; ///< NULL: could not be prepared
@@ -112,10 +112,10 @@ void store__bind_value(store__query *q, const store__value *value);
 store__query store__start_with(store__connection *c, store__sql sql, const store__value *values,
                                size_t n);
 
-/// Step to the next row, or to the end.
-BF_MUST_CHECK bf_status store__next(store__query *q, bool *ret_has_row, bf_error *err);
+/// Step to the next row, if *status is BF_OK. False: there is none, or *status is a failure; the statement is ended.
+bool store__next(store__query *q, bf_status *status, bf_error *err);
 
-/// Done with the statement for now.
+/// Done with the statement for now, where rows may be left. Done twice is fine.
 void store__end(store__query *q);
 
 /// Step a statement without rows to its end, and end it.
@@ -137,6 +137,13 @@ BF_MUST_CHECK bf_status store__find_number_with(store__connection *c, store__sql
                                                 const store__value *values, size_t n);
 BF_MUST_CHECK bf_status store__read_number(store__connection *c, store__sql sql,
                                            int64_t *ret_number, bf_error *err);
+
+/// Append the text or blob in the first row of a statement. *ret_has_row: there is one.
+#define store__find_bytes(c, sql, out, ret_has_row, err, ...)                                      \
+    store__find_bytes_with(c, sql, out, ret_has_row, err, STORE__VALUES(__VA_ARGS__))
+BF_MUST_CHECK bf_status store__find_bytes_with(store__connection *c, store__sql sql, bf_buffer *out,
+                                               bool *ret_has_row, bf_error *err,
+                                               const store__value *values, size_t n);
 
 /// A column of the present row; a NULL is NAN.
 double store__column_real(const store__query *q, int column);

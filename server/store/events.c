@@ -54,12 +54,11 @@ typedef struct samples {
 static bf_status get_samples(store__connection *reader, const store__row *row, uint64_t first,
                              samples *got, bf_error *err)
 {
-    bool has_row = false;
-
     store__query q =
         store__start(reader, STORE__SQL_GET_SAMPLES, INTEGER(row->results), INTEGER(first));
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row) {
+    bf_status status = BF_OK;
+    const bool has_row = store__next(&q, &status, err);
+    if (has_row) {
         got->n = (size_t)sqlite3_column_int64(q.statement, 0);
         status = store__column_bytes(&q, 1, &got->t, err);
     }
@@ -125,12 +124,8 @@ static bf_status describe_change(store__connection *reader, const store__row *ro
     bf_buffer data = { 0 };
     bool has_row = false;
 
-    store__query q =
-        store__start(reader, STORE__SQL_GET_CHANGE, INTEGER(row->results), INTEGER(index));
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
-        status = store__column_bytes(&q, 0, &data, err);
-    store__end(&q);
+    bf_status status = store__find_bytes(reader, STORE__SQL_GET_CHANGE, &data, &has_row, err,
+                                         INTEGER(row->results), INTEGER(index));
     if (status == BF_OK)
         status = events_of_run(row->run.id, data.bytes, data.n, out, err);
     buffer_fini(&data);
@@ -210,10 +205,9 @@ static bf_status copy_event(const store__query *q, int first, event_merge *merge
 static bf_status copy_head(store__connection *reader, event_merge *merge, size_t which,
                            bf_error *err)
 {
-    bool has_row = false;
-
     store__query q = store__start(reader, STORE__SQL_GET_EVENT, INTEGER(merge->heads[which]));
-    bf_status status = store__next(&q, &has_row, err);
+    bf_status status = BF_OK;
+    const bool has_row = store__next(&q, &status, err);
     if (status == BF_OK)
         status = has_row ? copy_event(&q, 0, merge, which, err)
                          : bf_fail(err, BF_ECORRUPT, "", "an index of the store is damaged");
@@ -314,17 +308,14 @@ bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_
 static bf_status copy_changes(store__connection *reader, const char *id, event_merge *merge,
                               bf_error *err)
 {
-    bool has_row = true;
-
     bf_status status = store__find_row(reader, id, &merge->rows[0], err);
     if (status != BF_OK)
         return status;
     store__query q = store__start(reader, STORE__SQL_LIST_CHANGES, INTEGER(merge->rows[0].rowid));
-    while (status == BF_OK && (status = store__next(&q, &has_row, err)) == BF_OK && has_row) {
+    while (store__next(&q, &status, err)) {
         merge->heads[0] = (uint64_t)sqlite3_column_int64(q.statement, 0);
         status = copy_event(&q, 1, merge, 0, err);
     }
-    store__end(&q);
     return status;
 }
 

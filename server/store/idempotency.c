@@ -75,16 +75,13 @@ static bf_status read_answer(const store__query *q, const store__key *key, api_a
 bf_status store__find_answer(store__connection *writer, const store *s, const store__key *key,
                              int64_t now_ms, api_acceptance *accepted, bf_error *err)
 {
-    bool has_row = false;
-
     if (key->text[0] == '\0')
         return BF_OK;
     bf_status status = store__expire_keys(writer, now_ms - s->idempotency_ms, err);
     if (status != BF_OK)
         return status;
     store__query q = store__start(writer, STORE__SQL_FIND_KEY, TEXT(key->route), TEXT(key->text));
-    status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
+    if (store__next(&q, &status, err))
         status = read_answer(&q, key, accepted, err);
     store__end(&q);
     return status;

@@ -131,14 +131,10 @@ static void take_key(const store__query *q, const api_list_query *query, api_run
 static bf_status take_rows(store__query *q, const api_list_query *query, api_run_list *list,
                            bf_error *err)
 {
-    bool has_row = true;
     bf_status status = BF_OK;
     store__row row;
 
-    while (status == BF_OK && has_row && !list->has_more) {
-        status = store__next(q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
+    while (!list->has_more && store__next(q, &status, err)) {
         status = store__read_row(q, &row, err);
         if (status != BF_OK)
             break;
@@ -157,12 +153,10 @@ static bf_status find_oldest(store__connection *reader, const api_list_query *qu
                              const id_bounds *bounds, store__sql sql, char ret_oldest[API_ID_SIZE],
                              bf_error *err)
 {
-    bool has_row = false;
-
     store__query q = store__begin(reader, sql);
     bind_filters(&q, query, bounds, API_LIST_LOOKS - 1);
-    const bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
+    bf_status status = BF_OK;
+    if (store__next(&q, &status, err))
         store__column_text(&q, 0, ret_oldest, API_ID_SIZE);
     store__end(&q);
     return status;
@@ -205,7 +199,6 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
                           query->owner[0] == '\0' && query->search[0] == '\0' &&
                           query->from_ms == 0 && query->before_ms == 0;
     const id_bounds bounds = bounds_of(query);
-    bool has_row = false;
 
     store__query q =
         store__begin(reader, is_whole ? STORE__SQL_COUNT_LISTED : STORE__SQL_COUNT_FOUND);
@@ -216,7 +209,8 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
         bind_filters(&q, query, &bounds, 0);
         bind_search(&q, query, &bounds);
     }
-    const bf_status status = store__next(&q, &has_row, err);
+    bf_status status = BF_OK;
+    const bool has_row = store__next(&q, &status, err);
     list->has_total = has_row;
     list->total = has_row ? (uint64_t)sqlite3_column_int64(q.statement, 0) : 0;
     store__end(&q);

@@ -134,10 +134,9 @@ static bf_status read_samples(const store__query *q, const api_measurement *abou
 static bf_status read_measurement(store__connection *reader, const char *id, api_curve *curve,
                                   api_measurement *ret_about, bf_error *err)
 {
-    bool has_row = false;
-
     store__query q = store__start(reader, STORE__SQL_FIND_MEASUREMENT, TEXT(id));
-    bf_status status = store__next(&q, &has_row, err);
+    bf_status status = BF_OK;
+    const bool has_row = store__next(&q, &status, err);
     if (status == BF_OK && !has_row)
         status = fail_absent(id, err);
     if (status == BF_OK)
@@ -185,28 +184,18 @@ bf_status store_read_measurement(store *s, const char *id, api_curve *ret_curve,
     return status;
 }
 
-static bf_status read_csv(store__connection *reader, const char *id, bf_buffer *out, bf_error *err)
-{
-    bool has_row = false;
-
-    store__query q = store__start(reader, STORE__SQL_GET_MEASUREMENT_CSV, TEXT(id));
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK)
-        status = has_row ? store__column_bytes(&q, 0, out, err) : fail_absent(id, err);
-    store__end(&q);
-    return status;
-}
-
 bf_status store_read_measurement_csv(store *s, const char *id, bf_buffer *out, bf_error *err)
 {
     store__connection *reader = NULL;
+    bool has_row = false;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_csv(reader, id, out, err);
+    status =
+        store__find_bytes(reader, STORE__SQL_GET_MEASUREMENT_CSV, out, &has_row, err, TEXT(id));
     store__release_reader(&s->pool, reader);
-    return status;
+    return status == BF_OK && !has_row ? fail_absent(id, err) : status;
 }
 
 // One row more than the page holds is asked for: if it comes, there are more.
@@ -215,16 +204,13 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
     const api_measurement_query *query = of;
     api_measurement_list *list = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
-    bool has_label = query->label[0] != '\0', has_row = true;
+    bool has_label = query->label[0] != '\0';
     bf_status status = BF_OK;
 
     store__query q = store__start(
         reader, has_label ? STORE__SQL_LIST_MEASUREMENTS_LABEL : STORE__SQL_LIST_MEASUREMENTS,
         TEXT(before), INTEGER(query->limit + 1), TEXT(query->label), TEXT(query->owner));
-    while (status == BF_OK && has_row && !list->has_more) {
-        status = store__next(&q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
+    while (!list->has_more && store__next(&q, &status, err)) {
         list->has_more = list->n == query->limit;
         if (!list->has_more)
             status = read_about(&q, &list->items[list->n++], err);

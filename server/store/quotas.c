@@ -87,19 +87,16 @@ static bf_status read_cpu(store__connection *c, const char *owner, int64_t now_m
 {
     double sums[QUOTA_HOURS] = { 0.0 }, used_s = 0.0;
     int64_t since, until;
-    bool has_row = true;
 
     find_hours(now_ms, &since, &until);
     store__query q =
         store__start(c, STORE__SQL_LIST_CPU_SUMS, TEXT(owner), INTEGER(since), INTEGER(until));
-    bf_status status = store__next(&q, &has_row, err);
-    while (status == BF_OK && has_row) {
+    bf_status status = BF_OK;
+    while (store__next(&q, &status, err)) {
         double sum_s = sqlite3_column_double(q.statement, 1);
         sums[sqlite3_column_int64(q.statement, 0) - since - 1] = sum_s;
         used_s += sum_s;
-        status = store__next(&q, &has_row, err);
     }
-    store__end(&q);
     if (status != BF_OK)
         return status;
     ret_quota->used = used_s < 0x1p63 ? (uint64_t)used_s : UINT64_C(1) << 63;

@@ -81,16 +81,12 @@ static bf_status take_samples(const store__query *q, uint64_t first, uint64_t n_
 static bf_status read_samples(store__connection *reader, int64_t results, uint64_t first,
                               uint64_t n_most, api_curve *curve, bf_error *err)
 {
-    bool has_row = true;
     bf_status status = BF_OK;
 
     store__query q =
         store__start(reader, STORE__SQL_LIST_SAMPLES, INTEGER(results), INTEGER(first));
-    while (status == BF_OK && has_row && curve->n < n_most) {
-        status = store__next(&q, &has_row, err);
-        if (status == BF_OK && has_row)
-            status = take_samples(&q, first, n_most, curve, err);
-    }
+    while (curve->n < n_most && store__next(&q, &status, err))
+        status = take_samples(&q, first, n_most, curve, err);
     store__end(&q);
     return status;
 }
@@ -142,21 +138,16 @@ static api_snapshot read_snapshot_row(const store__query *q)
 static bf_status read_items(store__connection *reader, int64_t results, api_snapshot_list *list,
                             bf_error *err)
 {
-    bool has_row = true;
     bf_status status = BF_OK;
 
     store__query q = store__start(reader, STORE__SQL_LIST_SNAPSHOTS, INTEGER(results));
-    while (status == BF_OK && has_row) {
-        status = store__next(&q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
+    while (store__next(&q, &status, err)) {
         api_snapshot snapshot = read_snapshot_row(&q);
         if (buffer_append(&list->items, &snapshot, sizeof snapshot) != BF_OK)
             status = bf_fail(err, BF_ENOMEM, "", "out of memory");
         else
             list->n++;
     }
-    store__end(&q);
     return status;
 }
 
@@ -193,12 +184,11 @@ bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_
 bf_status store__find_snapshot(store__connection *reader, int64_t results, uint64_t index,
                                api_snapshot *ret_snapshot, bf_error *err)
 {
-    bool has_row = false;
-
     store__query q =
         store__start(reader, STORE__SQL_GET_SNAPSHOT, INTEGER(results), INTEGER(index));
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
+    bf_status status = BF_OK;
+    const bool has_row = store__next(&q, &status, err);
+    if (has_row)
         *ret_snapshot = read_snapshot_row(&q);
     store__end(&q);
     if (status == BF_OK && !has_row)

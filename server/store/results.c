@@ -71,8 +71,9 @@ bf_status store__find_solved(store__connection *c, const unsigned char digest[ST
     (void)solver_name(solver);
     store__query q =
         store__start(c, STORE__SQL_FIND_SOLVED, BLOB(digest, STORE__DIGEST_SIZE), TEXT(solver));
-    bf_status status = store__next(&q, ret_is_solved, err);
-    if (status == BF_OK && *ret_is_solved)
+    bf_status status = BF_OK;
+    *ret_is_solved = store__next(&q, &status, err);
+    if (*ret_is_solved)
         status = store__read_row(&q, ret_row, err);
     store__end(&q);
     if (status == BF_OK && *ret_is_solved)
@@ -156,7 +157,8 @@ static bf_status are_used(store__connection *writer, int64_t results, bool *ret_
                           bf_error *err)
 {
     store__query q = store__start(writer, STORE__SQL_ARE_USED, INTEGER(results));
-    bf_status status = store__next(&q, ret_are_used, err);
+    bf_status status = BF_OK;
+    *ret_are_used = store__next(&q, &status, err);
     store__end(&q);
     return status;
 }

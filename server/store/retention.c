@@ -81,15 +81,15 @@ static bf_status find_first_to_go(const step *st, store__row *first, bf_error *e
 {
     const bool is_of_runs = strcmp(st->rule, "retention_runs") == 0;
     char owner[API_OWNER_SIZE] = "";
-    bool has_row = false;
     store__row row;
 
     if (strcmp(st->rule, "retention_days") == 0)
         return BF_OK;
     store__query q = store__begin(st->writer, is_of_runs ? STORE__SQL_OWNER_OF_MOST_RUNS
                                                          : STORE__SQL_OWNER_OF_MOST_BYTES);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
+    bf_status status = BF_OK;
+    bool has_row = store__next(&q, &status, err);
+    if (has_row)
         store__column_text(&q, 0, owner, sizeof owner);
     store__end(&q);
     if (status == BF_OK && has_row)

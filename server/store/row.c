@@ -40,8 +40,9 @@ bf_status store__find_first(store__connection *c, store__sql sql, const char *te
     store__query q = store__begin(c, sql);
     if (text != NULL)
         store__bind(&q, TEXT(text));
-    bf_status status = store__next(&q, ret_has_row, err);
-    if (status == BF_OK && *ret_has_row)
+    bf_status status = BF_OK;
+    *ret_has_row = store__next(&q, &status, err);
+    if (*ret_has_row)
         status = store__read_row(&q, ret_row, err);
     store__end(&q);
     return status;

@@ -114,12 +114,11 @@ void store__take_reserve(store *s)
 // The log is emptied as well, unless someone reads an old state of it.
 static bf_status shrink_file(store__connection *writer, bf_error *err)
 {
-    bool has_row = true;
     bf_status status = BF_OK;
 
     store__query q = store__begin(writer, STORE__SQL_SHRINK_FILE);
-    while (status == BF_OK && has_row)
-        status = store__next(&q, &has_row, err);
+    while (store__next(&q, &status, err))
+        ;
     store__end(&q);
     (void)sqlite3_wal_checkpoint_v2(writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL, NULL);
     return status;

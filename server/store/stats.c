@@ -13,17 +13,13 @@ enum { READY_MS = 1000 }; // how long a write test counts
 
 static bf_status count_states(store__connection *writer, store_stats *stats, bf_error *err)
 {
-    bool has_row = true;
-
     store__query q = store__begin(writer, STORE__SQL_COUNT_STATES);
-    bf_status status = store__next(&q, &has_row, err);
-    while (status == BF_OK && has_row) {
+    bf_status status = BF_OK;
+    while (store__next(&q, &status, err)) {
         int state = sqlite3_column_int(q.statement, 0);
         if (state >= 0 && state < RUN_STATE_COUNT)
             stats->n_runs[state] += (uint64_t)sqlite3_column_int64(q.statement, 1);
-        status = store__next(&q, &has_row, err);
     }
-    store__end(&q);
     return status;
 }
 
@@ -73,7 +69,6 @@ bf_status store_list_measured(store *s, int64_t after_ms, store_measured *runs, 
                               size_t *ret_n, bf_error *err)
 {
     store__connection *reader = NULL;
-    bool has_row = true;
 
     *ret_n = 0;
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
@@ -81,15 +76,13 @@ bf_status store_list_measured(store *s, int64_t after_ms, store_measured *runs, 
         return status;
     store__query q =
         store__start(reader, STORE__SQL_LIST_MEASURED, INTEGER(after_ms), INTEGER(n_most));
-    status = store__next(&q, &has_row, err);
-    for (; status == BF_OK && has_row; status = store__next(&q, &has_row, err)) {
+    while (store__next(&q, &status, err)) {
         store_measured *ended = &runs[(*ret_n)++];
         store__column_text(&q, 0, ended->id, API_ID_SIZE);
         store__column_text(&q, 1, ended->study, API_ID_SIZE);
         ended->cpu_s = store__column_real(&q, 2);
         ended->finished_ms = (int64_t)store__column_real(&q, 3);
     }
-    store__end(&q);
     store__release_reader(&s->pool, reader);
     return status;
 }
@@ -98,19 +91,16 @@ bf_status store_list_queued(store *s, store_queued *runs, size_t n_most, size_t 
                             bf_error *err)
 {
     store__connection *reader = NULL;
-    bool has_row = true;
 
     *ret_n = 0;
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
     store__query q = store__start(reader, STORE__SQL_LIST_QUEUED, INTEGER(n_most));
-    status = store__next(&q, &has_row, err);
-    for (; status == BF_OK && has_row; status = store__next(&q, &has_row, err)) {
+    while (store__next(&q, &status, err)) {
         store__column_text(&q, 0, runs[*ret_n].id, API_ID_SIZE);
         store__column_text(&q, 1, runs[(*ret_n)++].study, API_ID_SIZE);
     }
-    store__end(&q);
     store__release_reader(&s->pool, reader);
     return status;
 }

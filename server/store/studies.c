@@ -42,11 +42,10 @@ bf_status store__read_study(const store__query *q, store__study *ret_row, bf_err
 bf_status store__find_study(store__connection *c, const char *id, store__study *ret_row,
                             bf_error *err)
 {
-    bool has_row = false;
-
     store__query q = store__start(c, STORE__SQL_FIND_STUDY, TEXT(id));
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
+    bf_status status = BF_OK;
+    const bool has_row = store__next(&q, &status, err);
+    if (has_row)
         status = store__read_study(&q, ret_row, err);
     store__end(&q);
     if (status == BF_OK && !has_row)
@@ -230,17 +229,13 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
     const api_study_query *query = of;
     api_study_list *list = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
-    bool has_row = true;
     bf_status status = BF_OK;
     store__study row;
 
     store__query q =
         store__start(reader, STORE__SQL_LIST_STUDIES, TEXT(before), INTEGER(query->limit + 1),
                      INTEGER(query->state), TEXT(query->owner));
-    while (status == BF_OK && !list->has_more) {
-        status = store__next(&q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
+    while (!list->has_more && store__next(&q, &status, err)) {
         status = store__read_study(&q, &row, err);
         list->has_more = list->n == query->limit;
         if (status == BF_OK && !list->has_more)
@@ -270,7 +265,6 @@ bf_status store_list_work(store *s, store_studies which, size_t size, store_stud
                           size_t *ret_n, bf_error *err)
 {
     store__connection *reader = NULL;
-    bool has_row = true;
     store__study row;
     size_t n = 0;
 
@@ -280,16 +274,12 @@ bf_status store_list_work(store *s, store_studies which, size_t size, store_stud
     store__query q = store__start(reader, works[which].sql, INTEGER(size));
     if (works[which].state >= 0)
         store__bind(&q, INTEGER(works[which].state));
-    while (status == BF_OK) {
-        status = store__next(&q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
+    while (store__next(&q, &status, err)) {
         status = store__read_study(&q, &row, err);
         if (status == BF_OK)
             ret_studies[n++] =
                 (store_study){ .study = row.study, .stop_request = row.stop_request };
     }
-    store__end(&q);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_n = n;
@@ -410,12 +400,8 @@ static bf_status read_text(store__connection *reader, const char *id, api_study_
     bf_status status = store__find_study(reader, id, &row, err);
     if (status != BF_OK)
         return status;
-    store__query q =
-        store__start(reader, STORE__SQL_GET_STUDY_TEXT, INTEGER(row.rowid), INTEGER(which));
-    status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
-        status = store__column_bytes(&q, 0, out, err);
-    store__end(&q);
+    status = store__find_bytes(reader, STORE__SQL_GET_STUDY_TEXT, out, &has_row, err,
+                               INTEGER(row.rowid), INTEGER(which));
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ECONFLICT, "", "no trial of the study has ended yet");
     return status;
@@ -444,7 +430,7 @@ bf_status store_find_old_study(store *s, int64_t before_ms, char ret_id[API_ID_S
     if (status != BF_OK)
         return status;
     store__query q = store__start(reader, STORE__SQL_OLDEST_ENDED_STUDY, INTEGER(before_ms));
-    status = store__next(&q, &has_row, err);
+    has_row = store__next(&q, &status, err);
     if (status == BF_OK && has_row)
         status = store__read_study(&q, &row, err);
     store__end(&q);

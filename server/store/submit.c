@@ -15,9 +15,9 @@
 #include "server/base/metrics.h"
 #include "server/base/run_id.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <sodium.h>
-#include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -31,31 +31,20 @@ typedef struct submit_context {
     api_acceptance accepted;
 } submit_context;
 
-static bf_status read_count(store__query *q, size_t *ret_n, bf_error *err)
-{
-    bool has_row = false;
-
-    bf_status status = store__next(q, &has_row, err);
-    if (status == BF_OK)
-        *ret_n = (size_t)sqlite3_column_int64(q->statement, 0);
-    store__end(q);
-    return status;
-}
-
 // The client's runs that wait are counted by an index that has no others.
 static bf_status check_quota(store__connection *writer, const char *client, size_t quota,
                              bf_error *err)
 {
-    size_t n = 0;
+    int64_t n = 0;
 
     if (quota == 0 || client[0] == '\0')
         return BF_OK;
-    store__query q = store__start(writer, STORE__SQL_COUNT_QUEUED_OF, TEXT(client));
-    bf_status status = read_count(&q, &n, err);
-    if (status == BF_OK && n >= quota) {
+    bf_status status =
+        store__find_number(writer, STORE__SQL_COUNT_QUEUED_OF, &n, err, TEXT(client));
+    if (status == BF_OK && (size_t)n >= quota) {
         metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_CLIENT, 1);
-        return bf_fail(err, BF_ELIMIT, "", "%zu runs of %s wait already, its share of the queue", n,
-                       client);
+        return bf_fail(err, BF_ELIMIT, "",
+                       "%" PRId64 " runs of %s wait already, its share of the queue", n, client);
     }
     return status;
 }
@@ -66,8 +55,10 @@ static bf_status enter_queue(store__connection *writer, size_t limit, bf_error *
     bf_status status = BF_OK;
 
     if (writer->queued_at_most >= limit) {
-        store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED);
-        status = read_count(&q, &writer->queued_at_most, err);
+        int64_t n = 0;
+        status = store__read_number(writer, STORE__SQL_COUNT_QUEUED, &n, err);
+        if (status == BF_OK)
+            writer->queued_at_most = (size_t)n;
     }
     if (status != BF_OK)
         return status;

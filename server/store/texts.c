@@ -22,23 +22,13 @@ bf_status store__put_text(store__connection *writer, int64_t number, store__text
                        TEXT_OF(text, n));
 }
 
-static bf_status get_bytes(store__connection *c, store__sql sql, int64_t number, int64_t kind,
-                           bf_buffer *out, bool *ret_has_row, bf_error *err)
-{
-    store__query q = store__start(c, sql, INTEGER(number), INTEGER(kind));
-    bf_status status = store__next(&q, ret_has_row, err);
-    if (status == BF_OK && *ret_has_row)
-        status = store__column_bytes(&q, 0, out, err);
-    store__end(&q);
-    return status;
-}
-
 bf_status store__get_text(store__connection *c, int64_t number, store__text kind, bf_buffer *out,
                           bf_error *err)
 {
     bool has_row = false;
 
-    bf_status status = get_bytes(c, STORE__SQL_GET_TEXT, number, kind, out, &has_row, err);
+    bf_status status = store__find_bytes(c, STORE__SQL_GET_TEXT, out, &has_row, err,
+                                         INTEGER(number), INTEGER(kind));
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no such text");
     return status;
@@ -50,7 +40,8 @@ static bf_status get_base(store__connection *c, const store__study *of, bf_buffe
 {
     bool has_row = false;
 
-    return get_bytes(c, STORE__SQL_GET_STUDY_TEXT, of->rowid, API_STUDY_BASE, out, &has_row, err);
+    return store__find_bytes(c, STORE__SQL_GET_STUDY_TEXT, out, &has_row, err, INTEGER(of->rowid),
+                             INTEGER(API_STUDY_BASE));
 }
 
 // A window that holds base and text, and a place of the table for each of their positions.
@@ -171,7 +162,8 @@ bf_status store__get_run_text(store__connection *c, const store__row *row, store
     store__study of;
 
     if (row->run.study[0] != '\0')
-        status = get_bytes(c, STORE__SQL_GET_TEXT_DELTA, row->rowid, kind, &delta, &is_delta, err);
+        status = store__find_bytes(c, STORE__SQL_GET_TEXT_DELTA, &delta, &is_delta, err,
+                                   INTEGER(row->rowid), INTEGER(kind));
     if (status == BF_OK && !is_delta)
         return store__get_text(c, row->rowid, kind, out, err);
     if (status == BF_OK)

@@ -86,15 +86,11 @@ static bf_status read_entry(const store__query *q, store__token *ret_token, bf_e
 bf_status store__read_tokens(store__connection *c, store__token *ret_tokens, size_t *ret_n,
                              bf_error *err)
 {
-    bool has_row = true;
     bf_status status = BF_OK;
     size_t n = 0;
 
     store__query q = store__begin(c, STORE__SQL_LIST_TOKENS);
-    while (status == BF_OK && n < TOKENS_MAX) {
-        status = store__next(&q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
+    while (n < TOKENS_MAX && store__next(&q, &status, err)) {
         status = read_entry(&q, &ret_tokens[n], err);
         n += status == BF_OK;
     }

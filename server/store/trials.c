@@ -187,7 +187,6 @@ static bf_status read_page(store *s, const char *id, const api_trial_query *quer
 {
     store__connection *reader = NULL;
     store__study row = { .rowid = 0 };
-    bool has_row = true;
     size_t n = 0;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
@@ -196,14 +195,10 @@ static bf_status read_page(store *s, const char *id, const api_trial_query *quer
     status = store__find_study(reader, id, &row, err);
     store__query q = store__start(reader, orders[query->order], INTEGER(row.rowid),
                                   INTEGER(query->from), INTEGER(query->limit));
-    while (status == BF_OK) {
-        status = store__next(&q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
+    while (store__next(&q, &status, err)) {
         status = read_trial(&q, &ret_trials[n], err);
         n += status == BF_OK;
     }
-    store__end(&q);
     store__release_reader(&s->pool, reader);
     *ret_n = n;
     return status;

@@ -27,10 +27,9 @@ static bool comes_before(const candidate *a, const candidate *b)
 static bf_status find_turn(store__connection *reader, const char *owner, int64_t *ret_turn,
                            bf_error *err)
 {
-    bool has_row = false;
-
     store__query q = store__start(reader, STORE__SQL_GET_OWNER, TEXT(owner));
-    bf_status status = store__next(&q, &has_row, err);
+    bf_status status = BF_OK;
+    const bool has_row = store__next(&q, &status, err);
     if (status == BF_OK)
         *ret_turn = has_row ? sqlite3_column_int64(q.statement, 1) : 0;
     store__end(&q);
@@ -107,23 +106,18 @@ static int compare_turns(const void *a, const void *b)
 static bf_status list_running(store__connection *reader, running *ret_running, size_t *ret_n,
                               bf_error *err)
 {
-    bool has_row = true;
     size_t n = 0;
     bf_status status = BF_OK;
 
     store__query q =
         store__start(reader, STORE__SQL_LIST_STUDY_TURNS, INTEGER(STORE_STUDIES_RUNNING_MAX));
-    while (status == BF_OK) {
-        status = store__next(&q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
+    while (store__next(&q, &status, err)) {
         running *r = &ret_running[n++];
         store__column_text(&q, 0, r->id, sizeof r->id);
         r->priority = sqlite3_column_int64(q.statement, 1);
         r->owners_turn = sqlite3_column_int64(q.statement, 2);
         r->turn = sqlite3_column_int64(q.statement, 3);
     }
-    store__end(&q);
     if (n > 1)
         qsort(ret_running, n, sizeof *ret_running, compare_turns);
     *ret_n = n;
