@@ -8,6 +8,15 @@
 enum {
     KEYS_MAX = 100000, // answers of a route that are stored for an owner's requests that come again
     TRIM_EVERY = 64,   // between counts, where owners take turns
+    ROUTE_SIZE = 32,   // bytes of a route with its terminator
+};
+
+// A key that a request uses at the moment; on its caller's stack.
+struct store__key {
+    char route[ROUTE_SIZE + API_OWNER_SIZE];  // and after a space the owner, if there is one
+    const char *text;                         // the key; "": none
+    unsigned char digest[STORE__DIGEST_SIZE]; // of the request's body
+    store__key *next;                         // in the store's list
 };
 
 static bool are_same(const store__key *a, const store__key *b)
@@ -15,15 +24,15 @@ static bool are_same(const store__key *a, const store__key *b)
     return strcmp(a->text, b->text) == 0 && strcmp(a->route, b->route) == 0;
 }
 
-bf_status store__use_key(store *s, store__key *key, const char *route, const char *owner,
-                         const char *text, const void *body, size_t n_body, bf_error *err)
+// BF_ECONFLICT: another request uses it at the moment.
+static bf_status use_key(store *s, store__key *key, const store__request *request, bf_error *err)
 {
-    key->text = text;
-    if (text[0] == '\0')
+    key->text = request->key;
+    if (key->text[0] == '\0')
         return BF_OK;
-    (void)snprintf(key->route, sizeof key->route, "%s%s%s", route, owner[0] == '\0' ? "" : " ",
-                   owner);
-    (void)crypto_hash_sha256(key->digest, body, n_body);
+    (void)snprintf(key->route, sizeof key->route, "%s%s%s", request->route,
+                   request->owner[0] == '\0' ? "" : " ", request->owner);
+    (void)crypto_hash_sha256(key->digest, request->body, request->n_body);
     lock_acquire(&s->lock);
     const store__key *used = s->keys;
     while (used != NULL && !are_same(used, key))
@@ -39,7 +48,7 @@ bf_status store__use_key(store *s, store__key *key, const char *route, const cha
                    "a request with this Idempotency-Key is being answered: try again");
 }
 
-void store__free_key(store *s, store__key *key)
+static void free_key(store *s, store__key *key)
 {
     if (key->text[0] == '\0')
         return;
@@ -72,7 +81,8 @@ static bf_status read_answer(const store__query *q, const store__key *key, api_a
     return store__column_bytes(q, 3, &accepted->answer, err);
 }
 
-bf_status store__find_answer(store__connection *writer, const store *s, const store__key *key,
+// accepted->is_replay: there is one. BF_EINPUT: it was to another body.
+static bf_status find_answer(store__connection *writer, const store *s, const store__key *key,
                              int64_t now_ms, api_acceptance *accepted, bf_error *err)
 {
     if (key->text[0] == '\0')
@@ -102,7 +112,7 @@ static bf_status trim_keys(store__connection *writer, const store__key *key, bf_
     return store__exec(writer, STORE__SQL_TRIM_KEYS, err, TEXT(key->route), INTEGER(KEYS_MAX));
 }
 
-bf_status store__insert_answer(store__connection *writer, const store__key *key, int64_t at_ms,
+static bf_status insert_answer(store__connection *writer, const store__key *key, int64_t at_ms,
                                const api_acceptance *accepted, bf_error *err)
 {
     if (key->text[0] == '\0')
@@ -112,4 +122,49 @@ bf_status store__insert_answer(store__connection *writer, const store__key *key,
                                    TEXT(accepted->id), INTEGER(accepted->revision), INTEGER(at_ms),
                                    TEXT_OF(accepted->answer.bytes, accepted->answer.n));
     return status == BF_OK ? trim_keys(writer, key, err) : status;
+}
+
+typedef struct accept_context {
+    const store__request *request;
+    store__insert_fn *insert;
+    void *context;
+    const store *store;
+    store__key key;
+    api_acceptance accepted;
+} accept_context;
+
+static bf_status apply_accept(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    accept_context *a = operation->context;
+    const store__request *request = a->request;
+
+    bf_status status = find_answer(writer, a->store, &a->key, request->now_ms, &a->accepted, err);
+    if (status != BF_OK || a->accepted.is_replay)
+        return status;
+    status = store__check_room(a->store, err);
+    if (status == BF_OK)
+        status = a->insert(writer, a->context, &a->accepted, err);
+    memcpy(a->accepted.id, request->id, API_ID_SIZE);
+    memcpy(operation->changed, request->id, API_ID_SIZE);
+    return status == BF_OK ? insert_answer(writer, &a->key, request->now_ms, &a->accepted, err)
+                           : status;
+}
+
+bf_status store__accept(store *s, const store__request *request, store__insert_fn *insert,
+                        void *context, api_acceptance *ret_acceptance, bf_error *err)
+{
+    accept_context a = { .request = request, .insert = insert, .context = context, .store = s };
+
+    bf_status status = use_key(s, &a.key, request, err);
+    if (status != BF_OK)
+        return status;
+    status = store__write(s, apply_accept, &a, err);
+    free_key(s, &a.key);
+    if (status == BF_OK)
+        *ret_acceptance = a.accepted;
+    else
+        buffer_fini(&a.accepted.answer);
+    if (status == BF_ELIMIT)
+        ret_acceptance->retry_after_s = a.accepted.retry_after_s;
+    return status;
 }

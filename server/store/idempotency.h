@@ -7,35 +7,26 @@
 
 #include "server/store/store_priv.h"
 
-enum { STORE__ROUTE_SIZE = 32 }; ///< bytes of a route with its terminator
+/// A request for something new, which may have a key.
+typedef struct store__request {
+    const char *route; ///< "POST /v1/runs"; keys of different routes and owners are different keys
+    const char *owner; ///< whose they are; "": nobody's
+    const char *key;   ///< "": none
+    const void *body;  ///< what must be the same when the key comes again
+    size_t n_body;     ///< bytes
+    const char *id;    ///< of what is new
+    int64_t now_ms;    ///< when
+} store__request;
 
-/// A key that a request uses at the moment; on its caller's stack.
-struct store__key {
-    char
-        route[STORE__ROUTE_SIZE + API_OWNER_SIZE]; ///< and after a space the owner, if there is one
-    const char *text;                              ///< the key; "": none
-    unsigned char digest[STORE__DIGEST_SIZE];      ///< of the request's body
-    store__key *next;                              ///< in the store's list
-};
+/// Insert what a request asks for, and set revision and answer of *accepted; of BF_ELIMIT, retry_after_s.
+typedef bf_status store__insert_fn(store__connection *writer, void *context,
+                                   api_acceptance *accepted, bf_error *err);
 
-/// Begin to use a key, until store__free_key(). Keys of different routes and owners are different keys; those of nobody
-/// are the route's alone. BF_ECONFLICT: another request uses it at the moment.
-BF_MUST_CHECK bf_status store__use_key(store *s, store__key *key, const char *route,
-                                       const char *owner, const char *text, const void *body,
-                                       size_t n_body, bf_error *err);
-
-/// Have done with a key.
-void store__free_key(store *s, store__key *key);
-
-/// Look for the first answer to a key; accepted->is_replay: there is one. BF_EINPUT: it was to another body.
-BF_MUST_CHECK bf_status store__find_answer(store__connection *writer, const store *s,
-                                           const store__key *key, int64_t now_ms,
-                                           api_acceptance *accepted, bf_error *err);
-
-/// Store the answer to a key.
-BF_MUST_CHECK bf_status store__insert_answer(store__connection *writer, const store__key *key,
-                                             int64_t at_ms, const api_acceptance *accepted,
-                                             bf_error *err);
+/// Accept a request in one transaction: the first answer to its key, or else, where the disk has room, what insert does,
+/// with the answer to the key. See api_services.submit, also of its errors.
+BF_MUST_CHECK bf_status store__accept(store *s, const store__request *request,
+                                      store__insert_fn *insert, void *context,
+                                      api_acceptance *ret_acceptance, bf_error *err);
 
 /// Delete the answers from before a time.
 BF_MUST_CHECK bf_status store__expire_keys(store__connection *writer, int64_t before_ms,

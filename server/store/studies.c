@@ -109,10 +109,8 @@ bf_status store__move_study(store__study *row, api_study_state to, bf_error *err
 /// A study to be accepted, and what becomes of it.
 typedef struct submit_context {
     const api_study_submission *submission;
-    store *store;   ///< for its limits
-    store__key key; ///< which it came with
+    store *store; ///< for its limits
     store__study row;
-    api_acceptance accepted;
 } submit_context;
 
 static bf_status check_count(store__connection *writer, store__sql sql, int64_t limit,
@@ -127,10 +125,11 @@ static bf_status check_count(store__connection *writer, store__sql sql, int64_t 
     return status;
 }
 
-static bf_status accept(store__connection *writer, submit_context *context, bf_error *err)
+static bf_status accept(store__connection *writer, void *of, api_acceptance *accepted,
+                        bf_error *err)
 {
+    submit_context *context = of;
     const api_study_submission *submission = context->submission;
-    api_acceptance *accepted = &context->accepted;
     store__study *row = &context->row;
 
     bf_status status = store__check_bytes(writer, context->store, row->study.owner, err);
@@ -148,28 +147,8 @@ static bf_status accept(store__connection *writer, submit_context *context, bf_e
         status = store__put_study_text(writer, row, API_STUDY_DOCUMENT, &submission->document, err);
     if (status == BF_OK)
         status = store__put_study_text(writer, row, API_STUDY_COLUMNS, &submission->columns, err);
-    if (status == BF_OK)
-        status = study_json_write(&row->study, &accepted->answer, err);
-    if (status != BF_OK)
-        return status;
-    memcpy(accepted->id, row->study.id, API_ID_SIZE);
     accepted->revision = row->study.revision;
-    return store__insert_answer(writer, &context->key, row->study.created_ms, accepted, err);
-}
-
-static bf_status apply_submit(store__connection *writer, store__operation *operation, bf_error *err)
-{
-    submit_context *context = operation->context;
-
-    bf_status status = store__find_answer(writer, context->store, &context->key,
-                                          context->row.study.created_ms, &context->accepted, err);
-    if (status != BF_OK || context->accepted.is_replay)
-        return status;
-    status = store__check_room(context->store, err);
-    if (status == BF_OK)
-        status = accept(writer, context, err);
-    memcpy(operation->changed, context->row.study.id, API_ID_SIZE);
-    return status;
+    return status == BF_OK ? study_json_write(&row->study, &accepted->answer, err) : status;
 }
 
 static void fill_row(const api_study_submission *submission, store__study *row)
@@ -191,21 +170,20 @@ bf_status store_submit_study(store *s, const api_study_submission *submission,
                              api_acceptance *ret_acceptance, bf_error *err)
 {
     submit_context context = { .submission = submission, .store = s };
+    const api_study *about = &context.row.study;
 
-    bf_status status = run_id_make(context.row.study.id, err);
-    if (status == BF_OK)
-        status = store__use_key(s, &context.key, "POST /v1/studies", submission->owner,
-                                submission->key, submission->body, submission->n_body, err);
+    const bf_status status = run_id_make(context.row.study.id, err);
     if (status != BF_OK)
         return status;
     fill_row(submission, &context.row);
-    status = store__write(s, apply_submit, &context, err);
-    store__free_key(s, &context.key);
-    if (status == BF_OK)
-        *ret_acceptance = context.accepted;
-    else
-        buffer_fini(&context.accepted.answer);
-    return status;
+    const store__request request = { .route = "POST /v1/studies",
+                                     .owner = submission->owner,
+                                     .key = submission->key,
+                                     .body = submission->body,
+                                     .n_body = submission->n_body,
+                                     .id = about->id,
+                                     .now_ms = about->created_ms };
+    return store__accept(s, &request, accept, &context, ret_acceptance, err);
 }
 
 bf_status store_find_study(store *s, const char *id, api_study *ret_study, bf_error *err)

@@ -25,10 +25,8 @@
 typedef struct submit_context {
     const api_submission *submission;
     store *store;                             ///< for its limits
-    store__key key;                           ///< which it came with
     unsigned char digest[STORE__DIGEST_SIZE]; ///< of what is to be solved
     store__row row;                           ///< of the new run
-    api_acceptance accepted;
 } submit_context;
 
 // The client's runs that wait are counted by an index that has no others.
@@ -92,14 +90,14 @@ static bf_status insert_new(store__connection *writer, const api_submission *sub
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }
 
-static bf_status accept_new(store__connection *writer, submit_context *context, bf_error *err)
+static bf_status accept_new(store__connection *writer, submit_context *context,
+                            unsigned *retry_after_s, bf_error *err)
 {
     store__row *row = &context->row;
 
     bf_status status = check_quota(writer, row->client, context->store->client_quota, err);
     if (status == BF_OK)
-        status = store__check_owner(writer, context->store, row->run.owner,
-                                    &context->accepted.retry_after_s, err);
+        status = store__check_owner(writer, context->store, row->run.owner, retry_after_s, err);
     if (status == BF_OK)
         status = enter_queue(writer, context->store->queue_limit, err);
     return status == BF_OK ? insert_new(writer, context->submission, context->digest, row, err)
@@ -151,10 +149,11 @@ static bf_status accept_solved(store__connection *writer, const api_submission *
     return status;
 }
 
-static bf_status accept(store__connection *writer, submit_context *context, bf_error *err)
+static bf_status accept(store__connection *writer, void *of, api_acceptance *accepted,
+                        bf_error *err)
 {
+    submit_context *context = of;
     const api_run *record = &context->row.run;
-    api_acceptance *accepted = &context->accepted;
     bool is_solved = false;
 
     bf_status status = store__check_bytes(writer, context->store, record->owner, err);
@@ -162,29 +161,9 @@ static bf_status accept(store__connection *writer, submit_context *context, bf_e
         status = accept_solved(writer, context->submission, context->digest, &context->row,
                                &is_solved, err);
     if (status == BF_OK && !is_solved)
-        status = accept_new(writer, context, err);
-    if (status == BF_OK)
-        status = run_json_write(record, &accepted->answer, err);
-    if (status != BF_OK)
-        return status;
-    memcpy(accepted->id, record->id, API_ID_SIZE);
+        status = accept_new(writer, context, &accepted->retry_after_s, err);
     accepted->revision = record->revision;
-    return store__insert_answer(writer, &context->key, record->created_ms, accepted, err);
-}
-
-static bf_status apply_submit(store__connection *writer, store__operation *operation, bf_error *err)
-{
-    submit_context *context = operation->context;
-
-    bf_status status = store__find_answer(writer, context->store, &context->key,
-                                          context->row.run.created_ms, &context->accepted, err);
-    if (status != BF_OK || context->accepted.is_replay)
-        return status;
-    status = store__check_room(context->store, err);
-    if (status == BF_OK)
-        status = accept(writer, context, err);
-    memcpy(operation->changed, context->row.run.id, API_ID_SIZE);
-    return status;
+    return status == BF_OK ? run_json_write(record, &accepted->answer, err) : status;
 }
 
 // The results of a trial have no snapshots, so they are not those of a run by itself.
@@ -223,24 +202,21 @@ bf_status store_submit(store *s, const api_submission *submission, api_acceptanc
                        bf_error *err)
 {
     submit_context context = { .submission = submission, .store = s };
+    const api_run *record = &context.row.run;
 
     bf_status status = run_id_make(context.row.run.id, err);
-    if (status == BF_OK)
-        status = store__use_key(s, &context.key, "POST /v1/runs", submission->owner,
-                                submission->key, submission->body, submission->n_body, err);
     if (status != BF_OK)
         return status;
     fill_row(submission, &context.row);
     digest_work(submission, false, context.digest);
-    status = store__write(s, apply_submit, &context, err);
-    store__free_key(s, &context.key);
-    if (status == BF_OK)
-        *ret_acceptance = context.accepted;
-    else
-        buffer_fini(&context.accepted.answer);
-    if (status == BF_ELIMIT)
-        ret_acceptance->retry_after_s = context.accepted.retry_after_s;
-    return status;
+    const store__request request = { .route = "POST /v1/runs",
+                                     .owner = submission->owner,
+                                     .key = submission->key,
+                                     .body = submission->body,
+                                     .n_body = submission->n_body,
+                                     .id = record->id,
+                                     .now_ms = record->created_ms };
+    return store__accept(s, &request, accept, &context, ret_acceptance, err);
 }
 
 bf_status store__submit_trial(store__connection *writer, const api_submission *submission,
