@@ -1,6 +1,7 @@
 /// What a comparison of two runs, or of a run and counts, says of their throughputs, in sentences (api/results/verdict.h).
 ///
-///     models_agree     both models of one line, within COMPARE_MODELS_AGREE of each other or what chance leaves open
+///     models_agree     both models of one line, within COMPARE_MODELS_AGREE of each other, to which comes, where nothing holds parts up,
+///                      by how much more or fewer than the mean, which the density has, arrived by chance; or within the interval
 ///     models_disagree  same, not so
 ///     more, less       the other lets more, or less, through than the reference, by more than chance leaves open
 ///     equal            the difference is within what chance leaves open, and what would halve that
@@ -26,6 +27,8 @@ typedef struct compare_side {
     bool has_chance;         ///< runs at other substreams may differ
     bool is_compared;        ///< the model was compared for such lines
     uint64_t line;           ///< digest of the scenario without how it is solved
+    double offered_per_h;    ///< mean of what arrives after the warm-up; NAN: nothing, or not known
+    double arrived;          ///< of that mean, what was drawn; 1 without chance
     double throughput_per_h; ///< NAN: nothing left
     double error_per_h;      ///< half width of its interval of 95 %; NAN: there is none
     double needs_s;          ///< how long a run has to be for one; NAN: not known

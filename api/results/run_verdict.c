@@ -186,7 +186,9 @@ static bf_status say_fed(const run_verdict_subject *of, verdicts *all, bf_error 
 
     if (!isfinite(through) || of->end->t <= s->warmup)
         return BF_OK;
-    const bf_status status = feed_offered(s, s->warmup, of->end->t, &offered, err);
+    const bf_status status = of->review->model == RUN_MICRO
+                                 ? feed_drawn(s, s->warmup, of->end->t, &offered, err)
+                                 : feed_offered(s, s->warmup, of->end->t, &offered, err);
     if (status != BF_OK)
         return status;
     offered *= s_per_h / (of->end->t - s->warmup);

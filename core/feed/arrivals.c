@@ -178,6 +178,24 @@ bf_status feed_offered(const scene *s, double from, double to, double *ret_parts
     return BF_OK;
 }
 
+bf_status feed_drawn(const scene *s, double from, double to, double *ret_parts, bf_error *err)
+{
+    double parts = 0.0;
+
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        feed_arrivals *arrivals = NULL;
+        const bf_status status = feed_arrivals_create(&s->feeds[k], s->substream, &arrivals, err);
+        if (status != BF_OK)
+            return status;
+        feed_cursor cursor = feed_arrivals_first(arrivals);
+        for (; cursor.due <= to; feed_arrivals_next(arrivals, &cursor))
+            parts += cursor.due > from ? 1.0 : 0.0;
+        feed_arrivals_destroy(arrivals);
+    }
+    *ret_parts = parts;
+    return BF_OK;
+}
+
 static double list_time(const feed_arrivals *a, double level)
 {
     size_t low = 0, high = a->n_entries;

@@ -69,6 +69,11 @@ double feed_arrivals_until(const feed_arrivals *a, double t);
 BF_MUST_CHECK bf_status feed_offered(const scene *s, double from, double to, double *ret_parts,
                                      bf_error *err);
 
+/// The parts of all feeds of a checked scene that are due after one time and until another, s, as they are drawn. O(n) in the parts
+/// that are due until then. BF_ENOMEM.
+BF_MUST_CHECK bf_status feed_drawn(const scene *s, double from, double to, double *ret_parts,
+                                   bf_error *err);
+
 /// The first time at which Lambda is at least `level` > 0, s; INFINITY: it never is.
 double feed_arrivals_time(const feed_arrivals *a, double level);
 

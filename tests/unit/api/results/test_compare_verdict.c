@@ -29,6 +29,8 @@ static compare_side run_of(run_model model, uint64_t line, double throughput, do
     return (compare_side){ .is_run = true,
                            .model = model,
                            .is_compared = true,
+                           .offered_per_h = 1010.0,
+                           .arrived = 1.0,
                            .has_chance = model == RUN_MICRO,
                            .line = line,
                            .throughput_per_h = throughput,
@@ -56,6 +58,27 @@ static void models_of_one_line_agree_or_not(void **unused)
     assert_string_equal(say(&micro, &macro)->kind, "models_agree");
     macro.line = 2;
     assert_string_equal(say(&micro, &macro)->kind, "equal");
+}
+
+// The density has the mean of what arrives. Of 1,093 parts for 1,000, 6 % and 9.3 % of 1,093 are 167. It does not matter where the
+// density lets only half of what is offered through.
+static void models_agree_where_more_parts_than_the_mean_arrived(void **unused)
+{
+    const compare_side macro = run_of(RUN_MACRO, 1, 1000.0, (double)NAN);
+    compare_side micro = run_of(RUN_MICRO, 1, 1093.0, (double)NAN), full = macro;
+
+    (void)unused;
+    full.offered_per_h = 2000.0;
+    assert_string_equal(say(&macro, &micro)->kind, "models_disagree");
+    micro.arrived = 1.093;
+    const verdict *v = say(&macro, &micro);
+    assert_string_equal(v->kind, "models_agree");
+    assert_non_null(strstr(v->text, "By chance 9.3 % more parts arrived"));
+    assert_string_equal(say(&full, &micro)->kind, "models_disagree");
+    micro.arrived = 0.9;
+    micro.throughput_per_h = 1200.0;
+    assert_string_equal(say(&macro, &micro)->kind, "models_disagree");
+    assert_non_null(strstr(say(&macro, &micro)->text, "10.0 % fewer parts arrived"));
 }
 
 // The interval of the difference: sqrt(30^2 + 40^2) = 50.
@@ -119,6 +142,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(models_of_one_line_agree_or_not),
+        cmocka_unit_test(models_agree_where_more_parts_than_the_mean_arrived),
         cmocka_unit_test(a_difference_is_held_against_chance),
         cmocka_unit_test(a_side_is_read_from_a_summary),
     };

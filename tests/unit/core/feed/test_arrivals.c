@@ -107,6 +107,24 @@ static void a_profile_repeats_and_pauses(void **state)
     feed_arrivals_destroy(a);
 }
 
+// Ten a second, due at 0.05 s and each tenth of a second after it; and batches of 5 of four a second from 0.3 s on, due where
+// 2.5 and 7.5 parts are reached: at 0.925 and 2.175 s. The density has 14 parts of both.
+static void parts_of_all_feeds_are_counted_as_they_are_drawn(void **state)
+{
+    (void)state;
+    scene_feed feeds[] = { make_feed(10.0), make_feed(4.0) };
+    const scene s = { .n_feeds = 2, .feeds = feeds };
+    double parts = 0.0;
+
+    feeds[1].arrivals = SCENE_ARRIVALS_BATCH;
+    feeds[1].batch_size = 5;
+    feeds[1].start = 0.3;
+    assert_int_equal(feed_drawn(&s, 0.5, 1.5, &parts, NULL), BF_OK);
+    assert_true(parts == 15.0);
+    assert_int_equal(feed_offered(&s, 0.5, 1.5, &parts, NULL), BF_OK);
+    assert_near(parts, 14.0, 1e-12);
+}
+
 static void a_profile_that_ends_with_nothing_is_finite(void **state)
 {
     (void)state;
@@ -377,6 +395,7 @@ int main(void)
         cmocka_unit_test(a_constant_rate_counts_from_start_to_end),
         cmocka_unit_test(a_profile_is_the_integral_of_its_pieces),
         cmocka_unit_test(a_profile_repeats_and_pauses),
+        cmocka_unit_test(parts_of_all_feeds_are_counted_as_they_are_drawn),
         cmocka_unit_test(a_profile_that_ends_with_nothing_is_finite),
         cmocka_unit_test(the_inverse_undoes_lambda),
         cmocka_unit_test(regular_and_batch_arrivals_are_at_halves),
