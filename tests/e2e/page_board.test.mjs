@@ -195,6 +195,15 @@ test("counts are pasted as a spreadsheet copies them, and how they are read is s
   const { measurements: [moved] } = (await d.get("/v1/measurements")).json;
   assert.deepEqual((await d.get(`/v1/measurements/${moved.id}`)).json.t_s, [-1.5, 58.5, 148.5]);
   assert.match(page.url(), new RegExp(`measured=${moved.id}`));
+
+  // The run as a line, the counts as a dot each.
+  const [drawing] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save the curves as SVG" }).click()]);
+  assert.equal(drawing.suggestedFilename(), "curves-of-the-runs.svg");
+  const shapes = await page.evaluate((text) => {
+    const svg = new DOMParser().parseFromString(text, "image/svg+xml").documentElement;
+    return [svg.localName, ...["polyline", "circle"].map((name) => svg.querySelectorAll(name).length), svg.textContent.includes("pasted counts, 1.5 s earlier")];
+  }, readFileSync(await drawing.path(), "utf8"));
+  assert.deepEqual(shapes, ["svg", 1, 3, true]);
 });
 
 test("a run is renamed and noted on, and its address and the list say so", async (t) => {
