@@ -20,8 +20,9 @@ function layOut({ stages, scale }) {
   const width = Math.max(...stages.map(({ stage }) => stage.view.width));
   const height = Math.max(...stages.map(({ stage }) => stage.view.height)) + HEAD * ratio;
   const rows = Math.ceil(stages.length / columns);
-  return { ratio, width: columns * (width + GAP * ratio) + GAP * ratio,
-    height: rows * (height + GAP * ratio) + (GAP + (scale ? SCALE : 0)) * ratio,
+  const even = (n) => 2 * Math.ceil(n / 2); // as films ask for
+  return { ratio, width: even(columns * (width + GAP * ratio) + GAP * ratio),
+    height: even(rows * (height + GAP * ratio) + (GAP + (scale ? SCALE : 0)) * ratio),
     places: stages.map((stage, k) => [GAP * ratio + (k % columns) * (width + GAP * ratio),
       GAP * ratio + Math.floor(k / columns) * (height + GAP * ratio)]) };
 }

@@ -1,26 +1,31 @@
-// A film of what is seen while the clock runs, as WebM: each frame is drawn as a picture onto one canvas, and the browser
+// A film of what is seen while the clock runs, as MP4 or, where the browser makes none, as WebM: each frame is drawn as a picture onto one canvas, and the browser
 // records that.
 
 import { drawPicture, saveBlob } from "./picture.js";
 
 const FRAMES_PER_S = 30;
 const BITS_PER_S = 8e6;
-const TYPE = "video/webm";
+// Files' endings and kinds, the first one that there is; H.264 of a level that holds 4096 x 2304 pixels.
+const KINDS = [["mp4", "video/mp4;codecs=avc1.640033"], ["webm", "video/webm"]];
 
-export function canRecord() {
-  return typeof MediaRecorder === "function" && MediaRecorder.isTypeSupported(TYPE);
+const kindOf = () => KINDS.find(([, type]) => globalThis.MediaRecorder?.isTypeSupported(type));
+
+// The ending of the file of a film; undefined: this browser makes none.
+export function filmEnding() {
+  return kindOf()?.[0];
 }
 
 export class Recorder {
   // scene(): for drawPicture; the film ends with the clock.
   constructor(scene, cinema, name, onEnd) {
     Object.assign(this, { scene, cinema });
+    const [, type] = kindOf();
     this.canvas = drawPicture(scene());
-    this.recorder = new MediaRecorder(this.canvas.captureStream(FRAMES_PER_S), { mimeType: TYPE, videoBitsPerSecond: BITS_PER_S });
+    this.recorder = new MediaRecorder(this.canvas.captureStream(FRAMES_PER_S), { mimeType: type, videoBitsPerSecond: BITS_PER_S });
     const pieces = [];
     this.recorder.addEventListener("dataavailable", ({ data }) => pieces.push(data));
     this.recorder.addEventListener("stop", () => {
-      saveBlob(new Blob(pieces, { type: TYPE }), name);
+      saveBlob(new Blob(pieces, { type }), name);
       onEnd();
     });
     this.recorder.start(1000);

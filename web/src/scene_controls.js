@@ -5,7 +5,7 @@ import { maps, ranges } from "./colormap.js";
 import { h, iconButton } from "./dom.js";
 import { fileNameOf } from "./format.js";
 import { savePicture } from "./picture.js";
-import { canRecord, Recorder } from "./recorder.js";
+import { filmEnding, Recorder } from "./recorder.js";
 import { note } from "./router.js";
 import { ScaleBar } from "./scale_bar.js";
 import { segments } from "./transport.js";
@@ -42,7 +42,7 @@ export class SceneControls {
     const hasParts = cinema.screens.some(({ data }) => data.hasParts());
     const choice = hasParts ? segments(label, layers, cinema.layer ?? "both",
       (layer) => this.change("layer", layer, "both", () => cinema.setLayer(layer))).element : null;
-    this.film = canRecord() ? iconButton("film", "Save film", () => this.record(), { shown: true }) : null;
+    this.film = filmEnding() ? iconButton("film", "Save film", () => this.record(), { shown: true }) : null;
     this.row = h("div", { class: "scene-row" }, choice, cinema.zoom.element,
       iconButton("download", "Save picture", () => this.save(), { shown: true }), this.film);
     return [this.row, this.scale.element];
@@ -88,7 +88,7 @@ export class SceneControls {
       this.recorder.stop();
       return;
     }
-    this.recorder = new Recorder(() => this.scene(), this.cinema, this.fileName("webm"), () => {
+    this.recorder = new Recorder(() => this.scene(), this.cinema, this.fileName(filmEnding()), () => {
       this.recorder = null;
       this.film.lastChild.textContent = "Save film";
     });
