@@ -16,7 +16,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { TABLES_MAX = 48, HELP_SIZE = 300 };
+enum { TABLES_MAX = 64, HELP_SIZE = 300 };
 
 // The tables that were written, so that none is written twice.
 typedef struct seen {

@@ -48,11 +48,61 @@ static const member_table speed_schedule_table = {
 #undef AT
 
 #define AT(place) offsetof(scene_belt, place)
+static bool has_no_arc(const void *item)
+{
+    return !((const scene_belt *)item)->arc.is_given;
+}
+
+static bool has_no_polygon(const void *item)
+{
+    const scene_belt *belt = item;
+
+    return belt->arc.is_given || belt->n_points == 0;
+}
+
+static void note_arc(json_in *in, const struct json_t *object, void *item)
+{
+    (void)in;
+    (void)object;
+    ((scene_belt *)item)->arc.is_given = true;
+}
+
+// The outline of an arc is that of its own members.
+static void check_outline(json_in *in, const struct json_t *object, void *item)
+{
+    const scene_belt *belt = item;
+    const size_t mark = json_pointer_enter(&in->pointer, "arc", sizeof "arc" - 1);
+
+    (void)object;
+    if (belt->arc.is_given && belt->n_points > 0)
+        json_in_fault(in, "is another outline beside polygon_m");
+    json_pointer_leave(&in->pointer, mark);
+}
+
+static const member arc_members[] = {
+    MEMBER("centre_m", point, AT(centre), "about which it turns", .unit = "m"),
+    MEMBER("inner_radius_m", number, AT(arc.inner_radius), "of its inner border", .unit = "m",
+           .range = &scene_range_length),
+    MEMBER("outer_radius_m", number, AT(arc.outer_radius), "of its outer border", .unit = "m",
+           .range = &scene_range_length),
+    MEMBER("from_deg", degrees, AT(arc.from), "where it begins, counter-clockwise from the x axis",
+           .unit = "deg"),
+    MEMBER("to_deg", degrees, AT(arc.to),
+           "where it ends: above from_deg it turns counter-clockwise, below it clockwise",
+           .unit = "deg"),
+    MEMBER("reference_radius_m", number, AT(arc.reference_radius),
+           "at which it has the speed of velocity_m_s", .unit = "m", .range = &scene_range_length,
+           .default_text = "the mean of both radii"),
+};
+static const member_table arc_table = { MEMBER_TABLE("arc", arc_members),
+                                        .size = sizeof(scene_belt), .init = init_belt,
+                                        .post_read = note_arc };
+
 static const member belt_members[] = {
     MEMBER("id", text, AT(id), "its name", .default_text = "main, belt-2, ...", .least = 1,
            .limit = SCENE_ID_SIZE),
-    MEMBER("velocity_m_s", point, AT(velocity), "of the surface", .unit = "m/s",
-           .flags = MEMBER_INIT),
+    MEMBER("velocity_m_s", point, AT(velocity), "of the surface; of an arc only its size counts",
+           .unit = "m/s", .flags = MEMBER_INIT),
     MEMBER("acceleration_m_s2", number, AT(acceleration), "of ramps to a higher speed",
            .unit = "m/s2", .range = &scene_range_acceleration, .flags = MEMBER_OMIT_EMPTY,
            .default_text = "at once"),
@@ -64,10 +114,15 @@ static const member belt_members[] = {
            .flags = MEMBER_OMIT_EMPTY, .default_text = "factor 1 at all times"),
     MEMBER("polygon_m", points, AT(polygon), "corners of a simple polygon", .unit = "m",
            .offset_n = AT(n_points), .least = 3, .limit = SCENE_POINTS_MAX,
-           .flags = MEMBER_OMIT_EMPTY, .default_text = "the domain"),
+           .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_polygon, .default_text = "the domain"),
+    MEMBER("arc", object, 0,
+           "a curve: its outline, a sector of a ring, which turns about its centre",
+           .table = &arc_table, .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_arc,
+           .default_text = "the belt is straight"),
 };
 const member_table scenario__belt_members = { MEMBER_TABLE("belt", belt_members),
-                                              .size = sizeof(scene_belt), .init = init_belt };
+                                              .size = sizeof(scene_belt), .init = init_belt,
+                                              .post_read = check_outline };
 #undef AT
 
 // What turns an obstacle. A pivot is all there is where only actions turn it.

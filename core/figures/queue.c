@@ -57,7 +57,8 @@ static void find_plates(queue *q, const scene *s)
 queue queue_of(const scene *s)
 {
     const scene_rect *d = &s->domain;
-    const vec2 velocity = s->n_belts > 0 ? s->belts[0].velocity : (vec2){ 0.0, 0.0 };
+    const bool is_straight = s->n_belts > 0 && !s->belts[0].arc.is_given;
+    const vec2 velocity = is_straight ? s->belts[0].velocity : (vec2){ 0.0, 0.0 };
     const double speed = vec2_length(velocity);
     queue q = { .upstream = speed > 0.0 ? vec2_scale(velocity, -1.0 / speed) : (vec2){ -1.0, 0.0 },
                 .width = 2.0 * shape_inner_radius(&s->cargo[0].shape),

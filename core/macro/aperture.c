@@ -254,7 +254,11 @@ static void apply_end(const scene *s, velocity_field *f, const surroundings *aro
     const bf_grid *g = &f->grid;
     plate_end e = { .tip = obstacle->path[last] };
     const vec2 along = vec2_sub(e.tip, obstacle->path[before]);
-    const vec2 belt = surroundings_velocity_under(around, e.tip);
+    const size_t under = surroundings_belt_at(around, e.tip);
+    const bool turns = under < around->n_belts && around->belts[under].turn != 0.0;
+    // The chord of a guide along an arc has the direction of the belt in its middle.
+    const vec2 at = turns ? vec2_sub(e.tip, vec2_scale(along, 0.5)) : e.tip;
+    const vec2 belt = surroundings_velocity_at(around, under, at);
     const face_axis axes[2] = {
         { f, 0, g->d1, g->d2, g->lower1, g->lower2, (ptrdiff_t)g->n1, (ptrdiff_t)g->n2 },
         { f, 1, g->d2, g->d1, g->lower2, g->lower1, (ptrdiff_t)g->n2, (ptrdiff_t)g->n1 },

@@ -46,6 +46,7 @@ regions_velocity regions_begin(const surroundings *around, vec2 at)
 
     v.belt_index = surroundings_belt_at(around, at);
     v.belt = surroundings_velocity_at(around, v.belt_index, at);
+    v.under = v.belt_index < around->n_belts ? &around->belts[v.belt_index] : NULL;
     v.velocity = v.belt;
     return v;
 }
@@ -55,7 +56,10 @@ void regions_consider(regions_velocity *v, const regions_segment *g, vec2 at)
     const vec2 along = g->piece.along, upstream = surroundings_upstream(along, v->belt);
     const double speed = vec2_length(v->belt);
 
-    if (surroundings_is_guide(along, v->belt))
+    const bool turns = v->under != NULL && v->under->turn != 0.0;
+    const vec2 middle = vec2_add(g->piece.start, vec2_scale(along, 0.5 * g->piece.length));
+
+    if (surroundings_is_guide(along, turns ? belt_velocity(v->under, middle) : v->belt))
         return;
     const regions_region found = find_region(g, upstream, at);
     if (found <= v->region)

@@ -1,6 +1,7 @@
 /// The rules of the static velocity field at a point: regions A, B and C of velocity_field.h.
 ///
-/// A plate that runs along its belt, or has been turned into its direction, holds nothing back: it has neither B nor C.
+/// A plate that runs along its belt, or has been turned into its direction, holds nothing back: it has neither B nor C. On a belt
+/// that turns the direction in the middle of the piece counts, as it is a chord of a circle there.
 
 #pragma once
 
@@ -23,10 +24,11 @@ typedef enum regions_region {
 
 /// v_stat at a point for the segments considered so far.
 typedef struct regions_velocity {
-    regions_region region; ///< of these segments
-    size_t belt_index;     ///< of the belt under the point, n_belts off every belt
-    vec2 belt;             ///< v_T under the point, m/s
-    vec2 velocity;         ///< v_stat, m/s
+    regions_region region;   ///< of these segments
+    size_t belt_index;       ///< of the belt under the point, n_belts off every belt
+    const scene_belt *under; ///< that belt; NULL off every belt
+    vec2 belt;               ///< v_T under the point, m/s
+    vec2 velocity;           ///< v_stat, m/s
 } regions_velocity;
 
 /// Piece k of an obstacle with the widths of its regions.

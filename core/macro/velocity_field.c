@@ -8,6 +8,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/aperture.h"
+#include "core/macro/arc_faces.h"
 #include "core/macro/closed_lines.h"
 #include "core/macro/regions.h"
 #include "core/scene/belt_speeds.h"
@@ -24,6 +25,15 @@ enum { BORDERS_PER_SEGMENT = 8 };
 static bool is_congested(const scene *s)
 {
     return s->macro.closure == SCENE_CONGESTED;
+}
+
+static bool has_arcs(const scene *s)
+{
+    bool has = false;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        has = has || s->belts[k].arc.is_given;
+    return has;
 }
 
 vec2 velocity_field_at(const scene *s, vec2 at)
@@ -74,6 +84,7 @@ typedef struct velocity_field_sampler {
     border **active;
     double margin;  ///< faces as near as this to a border are evaluated one by one, m
     bool may_drop;  ///< there are places off every belt
+    bool has_arcs;  ///< a belt is an arc: no two faces need have the same velocity
     uint8_t *marks; ///< of the faces of a row: nonzero, the face is near a border
 } sampler;
 
@@ -177,6 +188,7 @@ static void sampler_prepare(sampler *k, const scene *s)
 
     k->around = surroundings_of(s);
     k->may_drop = s->may_drop;
+    k->has_arcs = has_arcs(s);
     // Beside a belt's border a gap may be bridged, and faces have the velocity of a cell's centre.
     k->margin = MARGIN + (k->may_drop ? k->around.bridge + fmax(grid.d1, grid.d2) : 0.0);
     k->n_segments = k->n_borders = 0;
@@ -211,7 +223,9 @@ static void choose_near(sampler *k, double y)
 /// Mark the faces of the row at y that are near a border. Rows come upwards.
 static void mark_row(sampler *k, const lattice *l, double y)
 {
-    memset(k->marks, 0, l->n_columns);
+    memset(k->marks, k->has_arcs, l->n_columns);
+    if (k->has_arcs)
+        return;
     const double margin = k->margin;
 
     for (; k->n_begun < k->n_borders && k->borders[k->n_begun].low.y <= y + margin; k->n_begun++)
@@ -297,10 +311,28 @@ static regions_velocity evaluate_any(const sampler *k, const lattice *l, vec2 at
     return k->may_drop && is_off(k, &e) ? evaluate_off(k, l, at, component, &e) : e;
 }
 
-/// Fill a component of the velocity on all faces of a lattice and, unless NULL, the belts and the other component.
-static void fill_faces(sampler *k, const lattice *l, int component, double *ret_v,
-                       uint16_t *ret_belt, double *ret_transverse)
+/// The arc whose velocity a face of row j has: where the face is off every belt, that of a cell beside it; n_belts: it has none.
+static size_t arc_of(const sampler *k, const lattice *l, vec2 at, int component,
+                     const regions_velocity *e)
 {
+    const surroundings *around = &k->around;
+    const vec2 half = half_cell(l->grid, component);
+    size_t belt = e->region == REGIONS_FREE ? e->belt_index : around->n_belts;
+
+    if (is_off(k, e))
+        belt = surroundings_belt_at(around, vec2_sub(at, half));
+    if (is_off(k, e) && belt == around->n_belts)
+        belt = surroundings_belt_at(around, vec2_add(at, half));
+    return belt < around->n_belts && around->belts[belt].arc.is_given ? belt : around->n_belts;
+}
+
+/// Fill a component of the velocity on all faces of a lattice and, unless NULL, the belts and the other component. The closed
+/// faces are known.
+static void fill_faces(const velocity_field *f, const scene *s, const lattice *l, int component,
+                       double *ret_v, uint16_t *ret_belt, double *ret_transverse)
+{
+    sampler *k = f->sampler;
+
     k->n_begun = k->n_active = 0;
     for (size_t j = 0; j < l->n_rows; j++) {
         const size_t base = j * l->n_columns;
@@ -310,15 +342,19 @@ static void fill_faces(sampler *k, const lattice *l, int component, double *ret_
         for (size_t i = 0; i < l->n_columns;) {
             const vec2 at = { face_x(l, i), y };
             const regions_velocity e = evaluate_any(k, l, at, component, ret_belt != NULL);
+            const size_t arc = k->has_arcs ? arc_of(k, l, at, component, &e) : s->n_belts;
+            const bool is_arc = arc < s->n_belts;
+            const double v = is_arc ? arc_faces_velocity(f, s, &k->around, arc, component, i, j)
+                                    : component_of(&e, component);
             const uint8_t *next =
                 k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, l->n_columns - i);
             size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;
             for (size_t m = i; ret_belt != NULL && m < end; m++)
-                ret_belt[base + m] = (uint16_t)e.belt_index;
+                ret_belt[base + m] = (uint16_t)(is_arc ? arc : e.belt_index);
             for (size_t m = i; ret_transverse != NULL && m < end; m++)
                 ret_transverse[base + m] = component == 0 ? e.velocity.y : e.velocity.x;
             for (; i < end; i++)
-                ret_v[base + i] = component_of(&e, component);
+                ret_v[base + i] = v;
         }
     }
 }
@@ -467,7 +503,8 @@ static velocity_field *field_alloc(const scene *s)
     f->closed2 = memory_alloc(n_faces2, sizeof *f->closed2);
     f->sampler = sampler_alloc(s);
     bool is_whole = f->v1 && f->v2 && f->closed1 && f->closed2 && f->sampler;
-    if (is_whole && (is_congested(s) || !belt_speeds_are_constant(s->n_belts, s->belts))) {
+    if (is_whole &&
+        (is_congested(s) || has_arcs(s) || !belt_speeds_are_constant(s->n_belts, s->belts))) {
         f->belt1 = memory_alloc(n_faces1, sizeof *f->belt1);
         f->belt2 = memory_alloc(n_faces2, sizeof *f->belt2);
         is_whole = f->belt1 && f->belt2;
@@ -490,12 +527,12 @@ void velocity_field_update(velocity_field *f, const scene *s)
     const lattice faces2 = { &f->grid, n1, n2 + 1, 0.5, 0.0 };
 
     sampler_prepare(f->sampler, s);
-    fill_faces(f->sampler, &faces1, 0, f->v1, f->belt1, f->transverse1);
-    fill_faces(f->sampler, &faces2, 1, f->v2, f->belt2, f->transverse2);
     memset(f->closed1, 0, n_faces1);
     memset(f->closed2, 0, n_faces2);
     (void)closed_lines_visit(s, close_line, f);
     close_edges(s, f);
+    fill_faces(f, s, &faces1, 0, f->v1, f->belt1, f->transverse1);
+    fill_faces(f, s, &faces2, 1, f->v2, f->belt2, f->transverse2);
     if (f->off != NULL && !is_congested(s))
         close_off_sides(f);
     if (is_congested(s)) {

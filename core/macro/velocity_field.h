@@ -24,6 +24,8 @@
 /// between two centres, what crosses it falls in the cell behind it. With the dispersive closure the faces beside cells off
 /// every belt are closed where no belt moves over them: else saturated cargo would disperse off the sides of belts.
 ///
+/// Faces of arcs without an obstacle's region have the velocities of arc_faces.h, which differ from v_T beside borders and guides.
+///
 /// Walls of the domain are closed lines, and so are sides with a feed, whose density enters in the cells beside them
 /// (core/feed/density_entry.h).
 ///

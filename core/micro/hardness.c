@@ -40,7 +40,7 @@ static double length_along(const scene_rect *d, vec2 velocity)
 static bool has_stop(const micro_def *def)
 {
     const surroundings around = { .domain = def->domain };
-    bool stops = def->n_obstacles > 0 || def->n_belts != 1 ||
+    bool stops = def->n_obstacles > 0 || def->n_belts != 1 || def->belts[0].turn != 0.0 ||
                  def->belts[0].speed_schedule.n_times > 0 || def->n_actions > 0;
 
     for (int side = 0; side < SCENE_SIDE_COUNT && !stops; side++)
@@ -61,7 +61,9 @@ static load find_load(const micro_def *def)
 
     for (size_t k = 0; k < def->n_belts; k++) {
         const scene_belt *belt = &def->belts[k];
-        length += has_stop(def) ? length_along(d, belt->velocity) : 0.0;
+        const double own = belt->arc.is_given ? belt->arc.outer_radius * belt_arc_angle(&belt->arc)
+                                              : length_along(d, belt->velocity);
+        length += has_stop(def) ? own : 0.0;
         speed = fmax(speed, belt_largest_speed(belt) * belt_speeds_largest(belt));
     }
     // Belts follow each other, across a domain or along it.

@@ -482,9 +482,15 @@ static void tell_row(const macro_run *run, const double *speeds, size_t j, figur
     for (size_t i = 0; i < g->n1; i++) {
         if (densities[i] <= least_density || belts[i] == run->n_belts)
             continue;
-        const figures_cargo cargo = { .at = { grid_x1(g, i), grid_x2(g, j) },
+        const scene_belt *belt = &run->belts[belts[i]];
+        const vec2 at = { grid_x1(g, i), grid_x2(g, j) };
+        const figures_cargo cargo = { .at = at,
                                       .speed = run->speeds[i],
-                                      .belt_speed = speeds[belts[i]],
+                                      .belt_speed =
+                                          belt->turn == 0.0
+                                              ? speeds[belts[i]]
+                                              : vec2_length(belt_velocity(belt, at)) *
+                                                    macro_belt_factor(run->solver, belts[i]),
                                       .parts = parts * densities[i],
                                       .age = (double)NAN };
         figures_add_cargo(to, &cargo);

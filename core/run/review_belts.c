@@ -101,8 +101,8 @@ static bool review_side(borders *b, size_t belt, size_t corner, double turn,
     const vec2 start = of->polygon[corner], end = of->polygon[(corner + 1) % of->n_points];
     const vec2 along = vec2_sub(end, start);
     const vec2 out = vec2_scale(vec2_turn_left(along), -turn / vec2_length(along));
-    const double speed = vec2_length(of->velocity);
-    const vec2 way = vec2_scale(of->velocity, 1.0 / speed);
+    const vec2 velocity = belt_velocity(of, vec2_scale(vec2_add(start, end), 0.5));
+    const vec2 way = vec2_scale(velocity, 1.0 / vec2_length(velocity));
 
     if (!(vec2_dot(way, out) > TOWARDS_SINE))
         return false;

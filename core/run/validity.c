@@ -220,9 +220,19 @@ static size_t count_velocities(const scene *s)
     for (size_t k = 0; k < s->n_belts; k++) {
         bool is_new = true;
         for (size_t i = 0; i < k && is_new; i++)
-            is_new = vec2_length(vec2_sub(s->belts[k].velocity, s->belts[i].velocity)) > 0.0;
+            is_new = s->belts[k].arc.is_given || s->belts[i].arc.is_given ||
+                     vec2_length(vec2_sub(s->belts[k].velocity, s->belts[i].velocity)) > 0.0;
         n += is_new;
     }
+    return n;
+}
+
+static double count_arcs(const scene *s)
+{
+    double n = 0.0;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        n += s->belts[k].arc.is_given;
     return n;
 }
 
@@ -271,7 +281,7 @@ static void note_turns(findings *f)
             const double ratio = vec2_length(a) / vec2_length(b);
             if (vec2_length(a) == 0.0 || vec2_length(b) == 0.0)
                 continue;
-            if (turn > ROUNDING)
+            if (turn > ROUNDING && !f->s->belts[k].arc.is_given && !f->s->belts[i].arc.is_given)
                 note(f, VALIDITY_TURN, turn, "/belts/%zu/velocity_m_s", k);
             if (fabs(ratio - 1.0) > ROUNDING)
                 note(f, VALIDITY_RATIO, fmax(ratio, 1.0 / ratio), "/belts/%zu/velocity_m_s", k);
@@ -291,6 +301,10 @@ static double belt_capacity(const scene *s, const scene_belt *belt)
     const size_t n = belt->n_points > 0 ? belt->n_points : sizeof corners / sizeof *corners;
     double low = INFINITY, high = -INFINITY; // speed times place across the belt
 
+    if (belt->arc.is_given)
+        return scene_packing_density(s) * 0.5 * fabs(belt->turn) *
+               (belt->arc.outer_radius * belt->arc.outer_radius -
+                belt->arc.inner_radius * belt->arc.inner_radius);
     for (size_t k = 0; k < n; k++) {
         const double across = vec2_cross(belt->velocity, points[k]);
         low = fmin(low, across);
@@ -645,8 +659,9 @@ static void note_grid(findings *f)
 static void note_figures(findings *f, const layout *of)
 {
     const size_t n_velocities = count_velocities(f->s);
+    const double n_arcs = count_arcs(f->s);
     const bool is_free = of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 &&
-                         n_velocities == 1 && !f->is_turning;
+                         n_velocities == 1 && n_arcs == 0.0 && !f->is_turning;
 
     note_motions(f);
     note_batches(f);
@@ -654,6 +669,8 @@ static void note_figures(findings *f, const layout *of)
         return;
     note_plates(f, of);
     note(f, VALIDITY_BELTS, (double)n_velocities, "/belts");
+    if (n_arcs > 0.0)
+        note(f, VALIDITY_ARCS, n_arcs, "/belts");
     note_turns(f);
     if (n_velocities > 1)
         note_transfers(f);

@@ -6,11 +6,24 @@
 /// Either is affine in x, v_T(x) = v_T(0) + turn e_z x x, which loops over many places evaluate. At a time the belt moves at
 /// f(t) v_T(x): belt_speeds.h.
 ///
+/// An arc has for its borders a polygon with corners on both circles, BELT_ARC_STEP apart at most: chords are off by 1.5e-4 of the
+/// radius. What lies on it is exact.
+///
 /// Units    SI.
 
 #pragma once
 
+#include "core/base/status.h"
 #include "core/scene/types.h"
+
+/// Angle between two corners of an arc's polygon, rad: 2 degrees.
+#define BELT_ARC_STEP (M_PI / 90.0)
+
+/// Least angle of an arc, rad: 1 degree.
+#define BELT_ARC_LEAST (M_PI / 180.0)
+
+/// Greatest angle of an arc, rad: a whole turn, and what rounding adds to it.
+#define BELT_ARC_MOST (2.0 * M_PI + 1e-9)
 
 /// v_T of a belt at a place, m/s.
 static inline vec2 belt_velocity(const scene_belt *belt, vec2 at)
@@ -21,3 +34,27 @@ static inline vec2 belt_velocity(const scene_belt *belt, vec2 at)
 
 /// The largest |v_T| on a belt, m/s: that at a corner, as it is convex in x; of one without corners that of `velocity`.
 double belt_largest_speed(const scene_belt *belt);
+
+/// True if a place is on a belt, with SCENE_TOLERANCE.
+bool belt_holds(const scene_belt *belt, vec2 at);
+
+/// Distance from a place to the nearest border of a belt, of an arc to its circles and ends, m; DBL_MAX if it has none.
+double belt_border_distance(const scene_belt *belt, vec2 at);
+
+/// True if no border of an arc's polygon is as near to a place as a distance, m; false of other belts.
+bool belt_arc_is_far(const scene_belt *belt, vec2 at, double distance);
+
+/// The angle over which an arc extends, rad.
+static inline double belt_arc_angle(const scene_arc *arc)
+{
+    return fabs(arc->to - arc->from);
+}
+
+/// True if the members of an arc are within their limits.
+bool belt_arc_is_sound(const scene_belt *belt);
+
+/// True if a place, seen from the centre of a resolved arc, is between its ends, those included.
+bool belt_arc_spans(const scene_arc *arc, vec2 from_centre);
+
+/// Derive of an arc that is sound: reference radius, angular velocity, rays, polygon. Nothing of other belts. BF_ENOMEM.
+BF_MUST_CHECK bf_status belt_resolve_arc(scene_belt *belt, bf_error *err);

@@ -16,6 +16,17 @@
 static const bf_range turn_range = { -ANGLE_MAX, ANGLE_MAX, false, false, 0.0 };
 static const bf_range flag_range = { 0.0, 1.0, false, false, 0.0 };
 
+enum {
+    ARC_SAMPLES = 181, ///< angles of an arc at which other belts are looked for
+    ARC_SAMPLES_ACROSS =
+        9, ///< radii, from just inside the inner border to just outside the outer one
+};
+
+static const number_rule arc_rules[] = {
+    RULE("/arc/inner_radius_m", scene_belt, arc.inner_radius, scene_range_length),
+    RULE("/arc/outer_radius_m", scene_belt, arc.outer_radius, scene_range_length),
+};
+
 static void check_polygon(const scene_belt *belt, const char *pointer, bf_faults *faults)
 {
     size_t n = belt->n_points;
@@ -35,6 +46,74 @@ static void check_polygon(const scene_belt *belt, const char *pointer, bf_faults
     }
 }
 
+/// Note what is wrong with an arc; pointer is that of the belt.
+static void check_arc(const scene_belt *belt, const char *pointer, bf_faults *faults)
+{
+    const scene_arc *arc = &belt->arc;
+    const double angle = belt_arc_angle(arc);
+    const size_t n_before = faults->n;
+    char at[BF_POINTER_SIZE + 2 * ROOM_FOR_INDEX];
+
+    scene__check_numbers(belt, pointer, arc_rules, sizeof arc_rules / sizeof *arc_rules, faults);
+    snprintf(at, sizeof at, "%s/arc/centre_m", pointer);
+    if (!scene__is_place(belt->centre))
+        faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
+    snprintf(at, sizeof at, "%s/arc/outer_radius_m", pointer);
+    if (faults->n == n_before && !(arc->outer_radius - arc->inner_radius >= SCENE_LENGTH_MIN))
+        faults_add(faults, at, "must be greater than inner_radius_m");
+    snprintf(at, sizeof at, "%s/arc/reference_radius_m", pointer);
+    if (faults->n == n_before &&
+        !(arc->reference_radius >= arc->inner_radius && arc->reference_radius <= arc->outer_radius))
+        faults_add(faults, at, "must be between inner_radius_m and outer_radius_m");
+    snprintf(at, sizeof at, "%s/arc/to_deg", pointer);
+    if (!(angle >= BELT_ARC_LEAST))
+        faults_add(faults, at, "must differ from from_deg by at least 1 degree");
+    else if (!(angle <= BELT_ARC_MOST))
+        faults_add(faults, at,
+                   "is more than a whole turn from from_deg: the arc would lie on itself");
+}
+
+/// A belt that covers a place on an arc, or beside one of its curved borders, as well; SCENE_BELTS_MAX: there is none.
+static size_t find_overlapped(const scene *s, size_t belt, vec2 *ret_at)
+{
+    const scene_belt *of = &s->belts[belt];
+    const scene_arc *arc = &of->arc;
+    const double width = arc->outer_radius - arc->inner_radius, margin = 0.01 * width;
+    const double low = fmin(arc->from, arc->to), end = margin / arc->inner_radius;
+    const double angle = belt_arc_angle(arc) - 2.0 * end;
+
+    for (int i = 0; i < ARC_SAMPLES && angle > 0.0; i++) {
+        const double phi = low + end + angle * i / (ARC_SAMPLES - 1.0);
+        for (int k = 0; k < ARC_SAMPLES_ACROSS; k++) {
+            const double r = arc->inner_radius - margin +
+                             (width + 2.0 * margin) * k / (ARC_SAMPLES_ACROSS - 1.0);
+            *ret_at = vec2_add(of->centre, (vec2){ r * cos(phi), r * sin(phi) });
+            for (size_t m = 0; m < s->n_belts; m++)
+                if (m != belt && belt_holds(&s->belts[m], *ret_at))
+                    return m;
+        }
+    }
+    return SCENE_BELTS_MAX;
+}
+
+/// Note arcs that another belt overlaps, or lies along: only at its ends cargo comes to an arc and leaves it.
+static void check_overlaps(const scene *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < s->n_belts; k++) {
+        vec2 at = { 0.0, 0.0 };
+        const size_t other =
+            s->belts[k].arc.is_given ? find_overlapped(s, k, &at) : SCENE_BELTS_MAX;
+        snprintf(pointer, sizeof pointer, "/belts/%zu/arc", k);
+        if (other < SCENE_BELTS_MAX)
+            faults_add(faults, pointer,
+                       "the belt '%s' overlaps it or lies along it at (%.4g, %.4g) m: belts must "
+                       "meet an arc at its ends",
+                       s->belts[other].id, at.x, at.y);
+    }
+}
+
 void scene__check_belts(const scene *s, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE];
@@ -44,8 +123,10 @@ void scene__check_belts(const scene *s, bf_faults *faults)
                          SCENE_BELTS_MAX);
         return;
     }
+    bool are_sound = true;
     for (size_t k = 0; k < s->n_belts; k++) {
         const scene_belt *belt = &s->belts[k];
+        const size_t n_before = faults->n;
         scene__check_id(s->belts, sizeof *s->belts, "belts", k, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/velocity_m_s", k);
         if (!(belt_largest_speed(belt) <= SCENE_SPEED_MAX))
@@ -53,9 +134,15 @@ void scene__check_belts(const scene *s, bf_faults *faults)
         snprintf(pointer, sizeof pointer, "/belts/%zu", k);
         belt_speeds_check(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
-        if (belt->n_points != 0)
+        if (belt->n_points != 0 && !belt->arc.is_given)
             check_polygon(belt, pointer, faults);
+        snprintf(pointer, sizeof pointer, "/belts/%zu", k);
+        if (belt->arc.is_given)
+            check_arc(belt, pointer, faults);
+        are_sound = are_sound && faults->n == n_before;
     }
+    if (are_sound)
+        check_overlaps(s, faults);
 }
 
 static const number_rule obstacle_rules[] = {

@@ -261,6 +261,12 @@ static void check_belts(const scene *s, const surroundings *around, size_t feed,
             faults_add(faults, pointer, "lies off every belt at (%g, %g) m", at.x, at.y);
             return;
         }
+        if (s->belts[belt].arc.is_given) {
+            faults_add(faults, pointer,
+                       "lies on the arc '%s' at (%g, %g) m: parts must enter on a straight belt",
+                       s->belts[belt].id, at.x, at.y);
+            return;
+        }
         if (f->is_edge && !(vec2_dot(surroundings_side(around, f->edge).inward,
                                      belt_velocity(&s->belts[belt], at)) > 0.0)) {
             faults_add(faults, pointer, "the belt '%s' does not move inward at (%g, %g) m",

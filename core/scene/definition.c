@@ -36,7 +36,7 @@ static uint64_t add_belts(uint64_t digest, size_t n, const scene_belt *belts)
 {
     for (size_t k = 0; k < n; k++) {
         digest = ADD_NUMBERS(digest, belts[k].velocity.x, belts[k].velocity.y);
-        if (belts[k].turn != 0.0)
+        if (belts[k].turn != 0.0 || belts[k].arc.is_given)
             digest = ADD_NUMBERS(digest, belts[k].turn, belts[k].centre.x, belts[k].centre.y);
         digest = add_speed(digest, &belts[k]);
         digest = ADD_ITEMS(digest, belts[k].polygon, belts[k].n_points);

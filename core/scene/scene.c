@@ -96,6 +96,7 @@ void scene_cargo_init(scene_cargo *k)
 void scene_belt_init(scene_belt *b)
 {
     *b = (scene_belt){ .velocity = { paper_speed, 0.0 },
+                       .arc = { .reference_radius = NAN },
                        .acceleration = INFINITY,
                        .deceleration = INFINITY };
 }
@@ -372,6 +373,9 @@ bf_status scene_resolve(scene *s, bf_error *err)
         s->counters = counter;
         s->n_counters = 1;
     }
+    for (size_t k = 0; k < s->n_belts; k++)
+        if (belt_resolve_arc(&s->belts[k], err) != BF_OK)
+            return BF_ENOMEM;
     resolve_derived(s);
     surroundings around = { .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts };
     memcpy(around.edges, s->edges, sizeof around.edges);
@@ -512,7 +516,10 @@ double scene_fit_step(const scene *s, double most, bool is_below)
     return fmin(step, s->duration);
 }
 
-// No component of v_stat exceeds the speed of the fastest belt in any region. The dispersion speed has the
+// Beside the borders of arcs the density is faster on the grid: ARC_FACES_SPEEDUP of core/macro/arc_faces.h.
+static const double arc_speedup = 1.71;
+
+// No component of v_stat exceeds the speed of the fastest belt in any other region. The dispersion speed has the
 // factor of the belt under it, and 1 off every belt.
 static void find_speeds(const scene *s, double *ret_speed, double *ret_dispersion)
 {
@@ -520,7 +527,8 @@ static void find_speeds(const scene *s, double *ret_speed, double *ret_dispersio
 
     for (size_t k = 0; k < s->n_belts; k++) {
         const double largest = belt_speeds_largest(&s->belts[k]);
-        speed = fmax(speed, belt_largest_speed(&s->belts[k]) * largest);
+        const double beside = s->belts[k].arc.is_given ? arc_speedup : 1.0;
+        speed = fmax(speed, beside * belt_largest_speed(&s->belts[k]) * largest);
         factor = fmax(factor, largest);
     }
     *ret_speed = speed;

@@ -65,12 +65,9 @@ void surroundings_fini(surroundings *copy)
 
 size_t surroundings_belt_below(const surroundings *around, vec2 at)
 {
-    for (size_t k = around->n_belts; k-- > 0;) {
-        const scene_belt *belt = &around->belts[k];
-        if (belt->n_points == 0 ||
-            polygon_holds(belt->polygon, belt->n_points, at, SCENE_TOLERANCE))
+    for (size_t k = around->n_belts; k-- > 0;)
+        if (belt_holds(&around->belts[k], at))
             return k;
-    }
     return around->n_belts;
 }
 
@@ -147,7 +144,8 @@ static bool is_held(const surroundings *around, vec2 at, double radius)
 
     for (size_t k = 0; k < around->n_belts && !c.is_hull; k++) {
         const vec2 *polygon = around->belts[k].polygon;
-        const size_t n = around->belts[k].n_points;
+        const bool is_far = belt_arc_is_far(&around->belts[k], at, radius);
+        const size_t n = is_far ? 0 : around->belts[k].n_points;
         for (size_t m = 0, last = n - 1; m < n; last = m++)
             if (polygon_segment_distance(at, polygon[last], polygon[m]) < radius)
                 cone_add_border(&c, around, at, radius, polygon[last], polygon[m]);
@@ -163,7 +161,8 @@ static size_t find_nearest(const surroundings *around, vec2 at, double radius, v
 
     for (size_t k = 0; k < around->n_belts; k++) {
         const vec2 *polygon = around->belts[k].polygon;
-        const size_t n = around->belts[k].n_points;
+        const bool is_far = belt_arc_is_far(&around->belts[k], at, radius);
+        const size_t n = is_far ? 0 : around->belts[k].n_points;
         for (size_t m = 0, last = n - 1; m < n; last = m++) {
             const vec2 foot = polygon_segment_nearest(at, polygon[last], polygon[m]);
             const double distance = vec2_length(vec2_sub(at, foot));
@@ -214,13 +213,8 @@ double surroundings_border_distance(const surroundings *around, vec2 at)
 {
     double nearest = DBL_MAX;
 
-    for (size_t k = 0; k < around->n_belts; k++) {
-        const scene_belt *belt = &around->belts[k];
-        for (size_t m = 0; m < belt->n_points; m++)
-            nearest =
-                fmin(nearest, polygon_segment_distance(at, belt->polygon[m],
-                                                       belt->polygon[(m + 1) % belt->n_points]));
-    }
+    for (size_t k = 0; k < around->n_belts; k++)
+        nearest = fmin(nearest, belt_border_distance(&around->belts[k], at));
     return nearest;
 }
 

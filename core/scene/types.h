@@ -40,12 +40,29 @@ typedef struct scene_speed_schedule {
     double *factors;  ///< the targets, >= 0
 } scene_speed_schedule;
 
+/// The outline of a belt that turns about its centre, a curve: a sector of a ring. It moves from `from` to `to`.
+typedef struct scene_arc {
+    bool is_given;       ///< the belt is one (default false)
+    double inner_radius; ///< m, > 0
+    double outer_radius; ///< m, > inner_radius
+    double from;         ///< angle from the x axis, counter-clockwise, rad
+    double to;           ///< same; by at most a whole turn from `from`: above it the belt turns
+                         ///< counter-clockwise, below it clockwise
+    double
+        reference_radius; ///< at which it moves at the size of its velocity, m (default: the mean
+                          ///< of both radii)
+    vec2 rays[2]; ///< unit vectors from the centre to both ends, counter-clockwise from the first
+                  ///< one to the second; set by scene_resolve()
+} scene_arc;
+
 /// A conveyor: a polygon that carries what lies on it. Where belts overlap the later one applies.
 typedef struct scene_belt {
     char id[SCENE_ID_SIZE]; ///< unique among belts (default "main", then "belt-<n>", n from 2)
     vec2 velocity;          ///< v_T, m/s (default 0.395, 0); of one that turns only its size counts
-    double turn; ///< angular velocity about the centre, rad/s; 0: it is straight (default 0)
+    double turn; ///< angular velocity about the centre, rad/s; 0: it is straight (default 0); of an
+                 ///< arc set by scene_resolve()
     vec2 centre; ///< see turn, m
+    scene_arc arc;       ///< see there
     double acceleration; ///< with which its speed rises, m/s2, > 0 (default INFINITY: at once)
     double deceleration; ///< with which it falls, m/s2, > 0 (default INFINITY: at once)
     scene_speed_schedule speed_schedule; ///< see there
@@ -54,7 +71,7 @@ typedef struct scene_belt {
     bool
         is_outlet; ///< it lies along some of a side over which cargo leaves; set by scene_resolve()
     size_t n_points; ///< 0: the belt covers the domain
-    vec2 *polygon;   ///< simple polygon, n_points >= 3 corners, m
+    vec2 *polygon;   ///< simple polygon, n_points >= 3 corners, m; of an arc set by scene_resolve()
 } scene_belt;
 
 /// How the macroscopic model holds cargo back at an obstacle.

@@ -39,6 +39,7 @@ export function goodScenario() {
   };
 }
 
+const arc = (changes) => ({ centre_m: [0.5, 0.3], inner_radius_m: 0.1, outer_radius_m: 0.3, from_deg: 0, to_deg: 90, ...changes });
 const polygon = (n) => Array.from({ length: n }, (_, k) => [
   0.5 + 0.3 * Math.cos((2 * Math.PI * k) / n),
   0.3 + 0.2 * Math.sin((2 * Math.PI * k) / n),
@@ -122,6 +123,14 @@ export const badScenarios = [
   ["a belt of two corners", (s) => (s.belts[0].polygon_m = polygon(2)), "/belts/0/polygon_m"],
   ["a belt that crosses itself",
     (s) => (s.belts[0].polygon_m = [[0, 0], [1, 0.6], [1, 0], [0, 0.6]]), "/belts/0/polygon_m"],
+  ["an arc without an inner radius", (s) => (s.belts[0].arc = arc({ inner_radius_m: 0 })), "/belts/0/arc/inner_radius_m"],
+  ["an arc of no angle", (s) => (s.belts[0].arc = arc({ to_deg: 0 })), "/belts/0/arc/to_deg"],
+  ["an arc that lies on itself", (s) => (s.belts[0].arc = arc({ to_deg: 361 })), "/belts/0/arc/to_deg"],
+  ["an arc without an end", (s) => (s.belts[0].arc = arc({ to_deg: undefined })), "/belts/0/arc/to_deg"],
+  ["an arc with corners",
+    (s) => Object.assign(s.belts[0], { arc: arc(), polygon_m: polygon(4) }), "/belts/0/arc"],
+  ["an arc below another belt",
+    (s) => s.belts.unshift({ id: "curve", velocity_m_s: [0.4, 0], arc: arc() }), "/belts/0/arc"],
   ["a belt that never gets faster", (s) => (s.belts[0].acceleration_m_s2 = 0), "/belts/0/acceleration_m_s2"],
   ["a belt that gets slower backwards", (s) => (s.belts[0].deceleration_m_s2 = -1), "/belts/0/deceleration_m_s2"],
   ["a speed schedule without factors", (s) => (s.belts[0].speed_schedule = { t_s: [1] }),

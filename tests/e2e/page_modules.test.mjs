@@ -7,7 +7,7 @@ import { cargoOf } from "../../web/src/cargo.js";
 import { chipsOf, differences, nameOfVariant } from "../../web/src/differences.js";
 import { Equipment, isPresentAt, turnAt } from "../../web/src/equipment.js";
 import { fileNameOf, fixed, parts, quantity, readable } from "../../web/src/format.js";
-import { areaOf, convexHull, hullCentre } from "../../web/src/geometry.js";
+import { areaOf, beltOutline, beltVelocity, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson } from "../../web/src/json_text.js";
 import { residenceOf } from "../../web/src/key_figures.js";
 import { parameterAt } from "../../web/src/parameters.js";
@@ -68,6 +68,18 @@ test("differences and rates of curves are those of lines", () => {
   const rates = ({ v }) => rateOf({ t: [0, 1, 2, 3], v }).v.map((rate) => Math.round(rate * 1e9) / 1e9);
   assert.deepEqual([rates(a), rates({ v: [2, 4, 6, 8] }), rates({ v: [5, 5, 5, 5] })], [[2, 2], [2, 2], [0, 0]]);
   near(valueAt([0, 2], [0, 10], 0.5), 2.5);
+});
+
+test("an arc moves along its circle, at its speed in the middle, and nowhere else", () => {
+  const arc = { centre_m: [1, 2], inner_radius_m: 0.4, outer_radius_m: 0.6, from_deg: 90, to_deg: 0 };
+  const scenario = { belts: [{ velocity_m_s: [0.3, 0.4], arc }] };
+  const [vx, vy] = beltVelocity(scenario, [1.3, 2.4]);
+  near(vx, 0.4);
+  near(vy, -0.3);
+  near(Math.hypot(...beltVelocity(scenario, [1.33, 2.44])), 0.55);
+  for (const place of [[1.3, 1.9], [1, 2.7], [1.2, 2.2]]) assert.deepEqual(beltVelocity(scenario, place), [0, 0]);
+  // Its area is that of the sector but for the chords, 1 - sin(2 deg)/(2 deg) of it.
+  near(areaOf(beltOutline(scenario.belts[0])).area / (0.25 * Math.PI * (0.36 - 0.16)), -Math.sin(Math.PI / 90) / (Math.PI / 90));
 });
 
 test("numbers and places of messages are written for people", () => {

@@ -43,10 +43,32 @@ export function isInside(polygon, [x, y]) {
   return inside;
 }
 
+// A point of an arc at a radius, a share of the way from its beginning to its end.
+export function arcPlace({ centre_m: [x, y], from_deg: from, to_deg: to }, radius, share) {
+  const angle = ((from + share * (to - from)) * Math.PI) / 180;
+  return [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
+}
+
+// The corners of a belt; undefined of one that covers the domain.
+export function beltOutline({ polygon_m: polygon, arc }) {
+  if (!arc) return polygon;
+  const n = Math.ceil(Math.abs(arc.to_deg - arc.from_deg) / 2);
+  const side = (radius) => Array.from({ length: n + 1 }, (_, k) => arcPlace(arc, radius, k / n));
+  return [...side(arc.outer_radius_m), ...side(arc.inner_radius_m).reverse()];
+}
+
+// The size of an arc's velocity is its speed at the reference radius.
+function arcVelocity({ velocity_m_s: velocity, arc }, [x, y]) {
+  const radius = arc.reference_radius_m ?? (arc.inner_radius_m + arc.outer_radius_m) / 2;
+  const turn = (Math.sign(arc.to_deg - arc.from_deg) * Math.hypot(...velocity)) / radius;
+  return [-turn * (y - arc.centre_m[1]), turn * (x - arc.centre_m[0])];
+}
+
 // Velocity of the belt under a point; the later of overlapping belts wins.
 export function beltVelocity(scenario, at) {
   for (const belt of [...scenario.belts].reverse()) {
-    if (!belt.polygon_m || isInside(belt.polygon_m, at)) return belt.velocity_m_s;
+    const outline = beltOutline(belt);
+    if (!outline || isInside(outline, at)) return belt.arc ? arcVelocity(belt, at) : belt.velocity_m_s;
   }
   return [0, 0];
 }

@@ -90,7 +90,7 @@ export function handlesOf(written, resolved, chosen = null) {
 export function asWritten(written, resolved) {
   const put = (name, change) => (resolved[name] ?? []).map((item, k) => ({ ...item, ...(written[name]?.[k] ? change(written[name][k]) : {}) }));
   const sides = ({ x_m: xs, y_m: ys }) => ({ ...(xs ? { x_m: xs } : {}), ...(ys ? { y_m: ys } : {}) });
-  const line = ({ line_m: ends, polygon_m: corners }) => ({ ...(ends ? { line_m: ends } : {}), ...(corners ? { polygon_m: corners } : {}) });
+  const line = ({ line_m: ends, polygon_m: corners, arc }) => ({ ...(ends ? { line_m: ends } : {}), ...(corners ? { polygon_m: corners } : {}), ...(arc ? { arc } : {}) });
   return { ...resolved, belts: put("belts", line), photo_eyes: put("photo_eyes", line), counters: put("counters", sides),
     feeds: put("feeds", (feed) => ({ ...sides(feed), ...line(feed) })), obstacles: put("obstacles", (obstacle) => {
     const plate = plateOf(obstacle);

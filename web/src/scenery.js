@@ -1,7 +1,7 @@
 // What stands still: axes, walls, belts with their direction, counters, feeds. Drawn once for each size,
 // above the cargo.
 
-import { beltVelocity } from "./geometry.js";
+import { arcPlace, beltOutline, beltVelocity, isInside } from "./geometry.js";
 
 const FONT = "11px system-ui, sans-serif";
 const RIM = 3; // CSS pixels that walls stand outside of the belt
@@ -100,20 +100,35 @@ function drawEdges(context, view, edges, colors) {
   context.setLineDash([]);
 }
 
-// Chevrons on a lattice, each in the direction of the belt below it.
+// The outlines of arcs, and chevrons, each in the direction of the belt below it: on a lattice, and along the middle of arcs.
 function drawBelts(context, view, scenario, colors) {
   const { inner, ratio } = view;
   const path = new Path2D();
+  const outlines = new Path2D();
   const gap = 120 * ratio;
+  const put = (at) => {
+    const [vx, vy] = beltVelocity(scenario, at);
+    if (vx !== 0 || vy !== 0) addChevron(path, view.x(at[0]), view.y(at[1]), Math.atan2(-vy, vx), 6 * ratio);
+  };
+  for (const belt of scenario.belts.filter(({ arc }) => arc)) {
+    beltOutline(belt).forEach(([x, y], k) => outlines[k === 0 ? "moveTo" : "lineTo"](view.x(x), view.y(y)));
+    outlines.closePath();
+    const { inner_radius_m: r, outer_radius_m: R, from_deg: from, to_deg: to } = belt.arc;
+    const length = (((r + R) / 2) * Math.abs(to - from) * Math.PI * view.scale) / 180;
+    const n = Math.max(1, Math.round(length / gap));
+    for (let k = 0; k < n; k++) put(arcPlace(belt.arc, (r + R) / 2, (k + 0.5) / n));
+  }
   const n = [Math.max(2, Math.round(inner.width / gap)), Math.max(2, Math.round(inner.height / gap))];
   for (let i = 0; i < n[0]; i++) {
     for (let j = 0; j < n[1]; j++) {
       const px = inner.x + ((i + 0.5) * inner.width) / n[0];
       const py = inner.y + ((j + 0.5) * inner.height) / n[1];
-      const [vx, vy] = beltVelocity(scenario, view.place(px / ratio, py / ratio));
-      if (vx !== 0 || vy !== 0) addChevron(path, px, py, Math.atan2(-vy, vx), 6 * ratio);
+      const at = view.place(px / ratio, py / ratio);
+      if (!scenario.belts.some((belt) => belt.arc && isInside(beltOutline(belt), at))) put(at);
     }
   }
+  context.globalAlpha = 0.4;
+  strokeTwice(context, outlines, { width: 1, color: colors.light, halo: colors.dark }, ratio);
   context.globalAlpha = 0.65;
   strokeTwice(context, path, { width: 1.5, color: colors.light, halo: colors.dark }, ratio);
   context.globalAlpha = 1;

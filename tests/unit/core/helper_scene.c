@@ -71,6 +71,19 @@ scene_belt *helper_scene_add_belt(scene *s, vec2 velocity, const vec2 *polygon, 
     return b;
 }
 
+scene_belt *helper_scene_add_arc(scene *s, double speed, double inner, double outer, double from,
+                                 double to)
+{
+    scene_belt *belt = helper_scene_add_belt(s, (vec2){ speed, 0.0 }, NULL, 0);
+
+    belt->arc.is_given = true;
+    belt->arc.inner_radius = inner;
+    belt->arc.outer_radius = outer;
+    belt->arc.from = from * M_PI / 180.0;
+    belt->arc.to = to * M_PI / 180.0;
+    return belt;
+}
+
 scene_feed *helper_scene_add_feed(scene *s, scene_side edge, scene_arrivals arrivals, double rate)
 {
     scene_feed *all = memory_alloc(s->n_feeds + 1, sizeof *all);

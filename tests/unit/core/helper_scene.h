@@ -25,6 +25,10 @@ scene_obstacle *helper_scene_add_obstacle(scene *s, const vec2 *path, size_t n,
 /// Append a belt over a polygon of n corners, 0 for the whole domain; borrowed until the next one.
 scene_belt *helper_scene_add_belt(scene *s, vec2 velocity, const vec2 *polygon, size_t n);
 
+/// Append an arc about the origin between two radii, m, and two angles, degrees, with this speed in its middle.
+scene_belt *helper_scene_add_arc(scene *s, double speed, double inner, double outer, double from,
+                                 double to);
+
 /// Append a feed over all of a side of the domain at a steady rate, 1/s; borrowed until the next one.
 scene_feed *helper_scene_add_feed(scene *s, scene_side edge, scene_arrivals arrivals, double rate);
 

@@ -101,7 +101,8 @@ export function rename(scenario, list, from, to) {
   }
 }
 
-const POINTS = ["end_m", "from_m", "to_m", "pivot_m"];
+const POINTS = ["end_m", "from_m", "to_m", "pivot_m", "centre_m"];
+const ANGLES = ["angle_deg", "from_deg", "to_deg"];
 const LISTS = ["path_m", "polygon_m", "line_m"];
 
 // The same thing with all its places and directions changed: point([x, y]), vector([x, y]), angle(degrees) and turn(degrees) of
@@ -113,9 +114,10 @@ function changed(item, { point, vector = (v) => v, angle = (a) => a, turn = (a) 
     if (LISTS.includes(name)) return [name, value.map((pair) => round(point(pair)))];
     if (name === "x_m" || name === "y_m") return [name, round(interval(name, value))];
     if (name === "velocity_m_s") return [name, round(vector(value))];
-    if (name === "angle_deg") return [name, tidy(angle(value))];
+    if (ANGLES.includes(name)) return [name, tidy(angle(value))];
     if (name === "turn_deg" && Array.isArray(value)) return [name, value.map(turn)];
     if (name === "motion") return [name, changed(value, { point, turn })];
+    if (name === "arc") return [name, changed(value, { point, angle })];
     return [name, value];
   }));
 }
@@ -123,7 +125,7 @@ function changed(item, { point, vector = (v) => v, angle = (a) => a, turn = (a) 
 function placesOf(item) {
   const plate = plateOf(item);
   const pairs = plate ? [plate.from, plate.to] : [...POINTS, ...LISTS].flatMap((name) => (LISTS.includes(name) ? item[name] ?? [] : item[name] ? [item[name]] : []));
-  return [...pairs, ...(item.x_m && item.y_m ? [[item.x_m[0], item.y_m[0]], [item.x_m[1], item.y_m[1]]] : [])];
+  return [...pairs, ...(item.arc ? [item.arc.centre_m] : []), ...(item.x_m && item.y_m ? [[item.x_m[0], item.y_m[0]], [item.x_m[1], item.y_m[1]]] : [])];
 }
 
 // The middle of what it covers, or null where it has no place.

@@ -127,6 +127,76 @@ SPOIL(bad_end, s->until = SCENE_UNTIL_COUNT)
 SPOIL(bad_precision, s->steady_precision = 1.5)
 SPOIL(bad_cargo, strcpy(s->cargo[0].id, "a b"))
 
+// The plate, the eyes and the feed lie on straight belts on either side.
+static void make_curve(scene *s)
+{
+    const vec2 before[] = { { -1.0, -0.6 }, { 0.0, -0.6 }, { 0.0, -0.2 }, { -1.0, -0.2 } };
+
+    helper_scene_belt(s, 1.0, 0.6, 0.005, (scene_pose[]){ { -0.5, -0.4, 0.0 } }, 1);
+    s->domain = (scene_rect){ -1.0, 1.0, -1.0, 1.0 };
+    helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, before, 4);
+    helper_scene_add_arc(s, 0.4, 0.2, 0.6, -90.0, 0.0);
+}
+
+#define SPOIL_ARC(name, code)                                                                      \
+    static void name(scene *s)                                                                     \
+    {                                                                                              \
+        scene_belt *belt = &s->belts[1];                                                           \
+        scene_arc *arc = &belt->arc;                                                               \
+        (void)belt, (void)arc;                                                                     \
+        code;                                                                                      \
+    }
+SPOIL_ARC(no_inner_radius, arc->inner_radius = 0.0)
+SPOIL_ARC(negative_radius, arc->inner_radius = -0.1)
+SPOIL_ARC(inverted, arc->outer_radius = 0.2)
+SPOIL_ARC(far_centre, belt->centre.x = INFINITY)
+SPOIL_ARC(no_angle, arc->to = arc->from)
+SPOIL_ARC(more_than_a_turn, arc->to = arc->from - 2.1 * M_PI)
+SPOIL_ARC(reference_outside, arc->reference_radius = 0.61)
+SPOIL_ARC(fast_outside, belt->velocity.x = 0.9 * SCENE_SPEED_MAX)
+SPOIL_ARC(over_the_belt, arc->from = -0.6 * M_PI)
+SPOIL_ARC(over_the_domain, helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, NULL, 0))
+
+static void beside_it(scene *s)
+{
+    const vec2 beside[] = { { 0.0, -1.0 }, { 0.4, -1.0 }, { 0.4, -0.6 }, { 0.0, -0.6 } };
+
+    helper_scene_add_belt(s, (vec2){ 0.0, 0.4 }, beside, 4);
+}
+
+static void fed_on_an_arc(scene *s)
+{
+    scene_feed *feed = helper_scene_add_feed(s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 1.0);
+
+    feed->is_edge = false;
+    feed->line[0] = (vec2){ 0.3, -0.2 };
+    feed->line[1] = (vec2){ 0.4, -0.2 };
+}
+
+static void what_is_wrong_with_an_arc_is_pointed_at(void **unused)
+{
+    static const helper_faults_case bad[] = {
+        { no_inner_radius, "/belts/1/arc/inner_radius_m", "must be above 0" },
+        { negative_radius, "/belts/1/arc/inner_radius_m", "must be above 0" },
+        { inverted, "/belts/1/arc/outer_radius_m", "greater than inner_radius_m" },
+        { far_centre, "/belts/1/arc/centre_m", "within" },
+        { no_angle, "/belts/1/arc/to_deg", "at least 1 degree" },
+        { more_than_a_turn, "/belts/1/arc/to_deg", "more than a whole turn" },
+        { reference_outside, "/belts/1/arc/reference_radius_m", "between" },
+        { fast_outside, "/belts/1/velocity_m_s", "at most" },
+        { over_the_belt, "/belts/1/arc", "the belt 'main' overlaps it" },
+        { over_the_domain, "/belts/1/arc", "the belt 'belt-3' overlaps it" },
+        { beside_it, "/belts/1/arc", "the belt 'belt-3' overlaps it" },
+        { fed_on_an_arc, "/feeds/0/line_m", "must enter on a straight belt" },
+    };
+    scene s;
+
+    (void)unused;
+    make_curve(&s);
+    helper_faults_none(&s);
+    helper_faults_each(make_curve, bad, sizeof bad / sizeof *bad);
+}
+
 static void what_is_wrong_is_pointed_at(void **unused)
 {
     static const helper_faults_case bad[] = {
@@ -230,6 +300,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equipment_in_order_is_accepted),
         cmocka_unit_test(what_is_wrong_is_pointed_at),
+        cmocka_unit_test(what_is_wrong_with_an_arc_is_pointed_at),
         cmocka_unit_test(nothing_becomes_steady_without_a_feed),
         cmocka_unit_test(kinds_have_ids_of_their_own),
         cmocka_unit_test(parts_keep_clear_of_plates_as_they_stand_at_the_start),

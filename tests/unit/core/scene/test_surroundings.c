@@ -46,6 +46,29 @@ static void the_later_belt_wins_and_nothing_moves_off_the_belts(void **state)
     scene_fini(&s);
 }
 
+// A curve to the right from the east to the south, 0.8 rad/s about the origin.
+static void an_arc_carries_between_its_circles_and_ends_and_turns(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_belt(&s, 1.0, 1.0, 0.01, &somewhere, 1);
+    helper_scene_add_arc(&s, 0.4, 0.4, 0.6, 90.0, 0.0);
+    helper_scene_resolve(&s);
+    const surroundings around = surroundings_of(&s);
+    assert_near(s.belts[0].turn, -0.8, 1e-15);
+    assert_belt(&around, 0.5, 0.0, 0, (vec2){ 0.0, -0.4 });
+    assert_belt(&around, 0.3, 0.4, 0, (vec2){ 0.8 * 0.4, 0.8 * -0.3 });
+    assert_belt(&around, 0.6, 0.0, 0, (vec2){ 0.0, 0.8 * -0.6 });
+    assert_belt(&around, 0.6 + 2e-9, 0.0, 1, (vec2){ 0.0, 0.0 });
+    assert_belt(&around, 0.5, -2e-9, 1, (vec2){ 0.0, 0.0 });
+    assert_belt(&around, 0.2, 0.3, 1, (vec2){ 0.0, 0.0 });
+    assert_near(surroundings_border_distance(&around, (vec2){ 0.33, 0.44 }), 0.05, 1e-12);
+    assert_near(surroundings_border_distance(&around, (vec2){ 0.5, 0.02 }), 0.02, 1e-12);
+    assert_near(surroundings_border_distance(&around, (vec2){ 0.5, -0.03 }), 0.03, 1e-12);
+    scene_fini(&s);
+}
+
 static void the_distance_to_a_border_is_that_of_the_nearest_belt(void **state)
 {
     scene s;
@@ -207,6 +230,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_later_belt_wins_and_nothing_moves_off_the_belts),
+        cmocka_unit_test(an_arc_carries_between_its_circles_and_ends_and_turns),
         cmocka_unit_test(the_distance_to_a_border_is_that_of_the_nearest_belt),
         cmocka_unit_test(a_copy_outlives_the_scene_and_is_whole_or_not_there),
         cmocka_unit_test(a_piece_faces_against_the_belt_whichever_way_its_path_runs),

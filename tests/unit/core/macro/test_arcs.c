@@ -1,0 +1,338 @@
+// The macroscopic model on arcs. Exact solutions are those of a solid rotation; on straight belts of the same length the
+// scheme is the same, test_muscl.c.
+
+#include "core/base/memory.h"
+#include "core/macro/macro.h"
+#include "tests/unit/core/helper_macro.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#define INNER     0.2
+#define OUTER     0.6
+#define SPEED     0.4
+#define DEVIATION 0.06 // of a heap, m
+
+// A solver of a scene with its field and its density. Do not move it once it was made.
+typedef struct world {
+    scene s;
+    velocity_field *f;
+    double *rho;
+    macro_solver *solver;
+} world;
+
+// An arc in a domain of 1.4 m x 1.4 m about the origin; cells of `cell`, the closure and the scheme as given.
+static void make_scene(scene *s, double from, double to, double cell, scene_closure closure,
+                       scene_scheme scheme)
+{
+    helper_scene_belt(s, 1.4, 1.4, cell, (scene_pose[]){ { 0.4, 0.0, 0.0 } }, 1);
+    s->domain = (scene_rect){ -0.7, 0.7, -0.7, 0.7 };
+    s->macro.closure = closure;
+    s->macro.scheme = scheme;
+    helper_scene_add_arc(s, SPEED, INNER, OUTER, from, to);
+}
+
+// A rail on the whole circle of this radius.
+static void add_rail(scene *s, double radius)
+{
+    enum { PIECES = 90 };
+    vec2 rail[PIECES + 1];
+
+    for (int k = 0; k <= PIECES; k++) {
+        const double at = 2.0 * M_PI * k / PIECES;
+        rail[k] = (vec2){ radius * cos(at), radius * sin(at) };
+    }
+    (void)helper_scene_add_obstacle(s, rail, PIECES + 1, SCENE_SEALED);
+}
+
+static void start(world *w, double (*density)(vec2 at), int n_threads)
+{
+    helper_scene_resolve(&w->s);
+    w->f = helper_macro_field(&w->s);
+    macro_def def = helper_macro_def(&w->s, w->f);
+    def.off = w->f->off;
+    def.n_threads = n_threads;
+    w->rho = memory_alloc(grid_cells(&def.grid), sizeof *w->rho);
+    for (size_t k = 0; k < grid_cells(&def.grid); k++)
+        w->rho[k] = density(
+            (vec2){ grid_x1(&def.grid, k % def.grid.n1), grid_x2(&def.grid, k / def.grid.n1) });
+    w->solver = helper_macro_start_with(&def, w->rho);
+}
+
+static void finish(world *w)
+{
+    macro_destroy(w->solver);
+    velocity_field_destroy(w->f);
+    memory_free(w->rho);
+    scene_fini(&w->s);
+}
+
+static bool is_on_ring(vec2 at)
+{
+    return vec2_length(at) >= INNER && vec2_length(at) <= OUTER;
+}
+
+static double half_full(vec2 at)
+{
+    return is_on_ring(at) ? 0.5 : 0.0;
+}
+
+static double full(vec2 at)
+{
+    return is_on_ring(at) ? 0.95 : 0.0;
+}
+
+static int steps_of_a_turn(const world *w)
+{
+    return (int)lround(2.0 * M_PI / fabs(w->s.belts[0].turn) / scene_macro_step(&w->s));
+}
+
+// The largest change of a density since the start.
+static double largest_change(const world *w)
+{
+    const bf_grid *g = &w->f->grid;
+    double largest = 0.0;
+
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++)
+            largest = fmax(largest, fabs(macro_row(w->solver, j)[i] - w->rho[j * g->n1 + i]));
+    return largest;
+}
+
+// The flux out of a cell is the field's divergence times its area.
+static void the_field_of_an_arc_is_free_of_divergence_and_crosses_no_border_and_no_guide(
+    void **state)
+{
+    world w;
+
+    (void)state;
+    make_scene(&w.s, 0.0, 360.0, 0.013, SCENE_CONGESTED, SCENE_SCHEME_ROE);
+    add_rail(&w.s, 0.47);
+    start(&w, half_full, 1);
+    const bf_grid *g = &w.f->grid;
+    double passing = 0.0, fastest = 0.0, worst = 0.0;
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++) {
+            const double *v1 = &w.f->v1[j * (g->n1 + 1) + i], *v2 = &w.f->v2[j * g->n1 + i];
+            const bool is_on = is_on_ring((vec2){ grid_x1(g, i), grid_x2(g, j) });
+            const double out = (v1[1] - v1[0]) * g->d2 + (v2[g->n1] - v2[0]) * g->d1;
+            worst = fmax(worst, fabs(out));
+            assert_true(is_on || (v1[0] == 0.0 && v1[1] == 0.0));
+            assert_true(is_on || (v2[0] == 0.0 && v2[g->n1] == 0.0));
+            fastest = fmax(fastest, fmax(fabs(v1[0]), fabs(v2[0])));
+            if (j == g->n2 / 2 && grid_x1(g, i) > 0.0)
+                passing += v2[0] * g->d1;
+        }
+    assert_true(worst <= 2e-15);
+    // What goes through a radius is the integral of turn r.
+    assert_near(passing, 0.5 * w.s.belts[0].turn * (OUTER * OUTER - INNER * INNER), 1e-14);
+    assert_true(fastest <= 1.71 * w.s.belts[0].turn * OUTER);
+    finish(&w);
+}
+
+static void check_uniform(scene_closure closure, scene_scheme scheme, double to, double most)
+{
+    world w;
+
+    make_scene(&w.s, 0.0, to, 0.04, closure, scheme);
+    start(&w, half_full, 1);
+    const double mass = macro_measure(w.solver).mass;
+    helper_macro_advance(w.solver, steps_of_a_turn(&w));
+    assert_true(largest_change(&w) <= most);
+    assert_near(macro_measure(w.solver).mass, mass, 1e-13);
+    assert_true(macro_measure(w.solver).fallen == 0.0);
+    finish(&w);
+}
+
+// The sweeps of `roe` with the closure `dispersive` take one axis after the other, each with a divergence of its own
+// beside the borders.
+static void a_uniform_density_stays_uniform_on_a_ring(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double to = k == 0 ? 360.0 : -360.0;
+        check_uniform(SCENE_CONGESTED, SCENE_SCHEME_ROE, to, 1e-12);
+        check_uniform(SCENE_CONGESTED, SCENE_SCHEME_MUSCL, to, 1e-12);
+        check_uniform(SCENE_DISPERSIVE, SCENE_SCHEME_MUSCL, to, 1e-12);
+        check_uniform(SCENE_DISPERSIVE, SCENE_SCHEME_ROE, to, 0.1);
+    }
+}
+
+static void a_packed_ring_turns_with_its_belt(void **state)
+{
+    world w;
+
+    (void)state;
+    make_scene(&w.s, 0.0, 360.0, 0.02, SCENE_CONGESTED, SCENE_SCHEME_ROE);
+    add_rail(&w.s, INNER);
+    add_rail(&w.s, OUTER);
+    start(&w, full, 1);
+    const double mass = macro_measure(w.solver).mass;
+    helper_macro_advance(w.solver, steps_of_a_turn(&w) / 4);
+    assert_near(macro_measure(w.solver).mass, mass, 1e-12);
+    assert_true(macro_measure(w.solver).peak < 1.0);
+    finish(&w);
+}
+
+static double heap(vec2 at)
+{
+    return helper_macro_bump(at.x - 0.4, at.y, DEVIATION);
+}
+
+static double heap_on_belt(vec2 at)
+{
+    return helper_macro_bump(at.x + 0.4, at.y, DEVIATION);
+}
+
+// Relative L1 error of a heap, where it should be.
+static double error_of(const world *w, double x)
+{
+    const bf_grid *g = &w->f->grid;
+    double error = 0.0, sum = 0.0;
+
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++) {
+            const double exact = helper_macro_bump(grid_x1(g, i) - x, grid_x2(g, j), DEVIATION);
+            error += fabs(macro_row(w->solver, j)[i] - exact);
+            sum += exact;
+        }
+    return error / sum;
+}
+
+// After a turn of a ring.
+static double error_on_ring(double cell)
+{
+    world w;
+
+    make_scene(&w.s, 0.0, 360.0, cell, SCENE_CONGESTED, SCENE_SCHEME_MUSCL);
+    w.s.macro.step = 0.09 * cell / SPEED;
+    start(&w, heap, 1);
+    helper_macro_advance(w.solver, steps_of_a_turn(&w));
+    const double error = error_of(&w, 0.4);
+    finish(&w);
+    return error;
+}
+
+// After the same way, the circumference of the circle through the heap's middle, on a straight belt.
+static double error_on_belt(double cell)
+{
+    const double way = 2.0 * M_PI * 0.4;
+    world w;
+
+    helper_scene_belt(&w.s, 1.0, 1.0, cell, (scene_pose[]){ { 0.0, 0.0, 0.0 } }, 1);
+    w.s.domain = (scene_rect){ -0.7, 2.464, -0.28, 0.28 };
+    w.s.macro.closure = SCENE_CONGESTED;
+    w.s.macro.scheme = SCENE_SCHEME_MUSCL;
+    w.s.macro.step = 0.09 * cell / SPEED;
+    helper_scene_add_belt(&w.s, (vec2){ SPEED, 0.0 }, NULL, 0);
+    start(&w, heap_on_belt, 1);
+    helper_macro_advance(w.solver, (int)lround(way / SPEED / w.s.macro.step));
+    const double error = error_of(&w, way - 0.4);
+    finish(&w);
+    return error;
+}
+
+static void a_heap_comes_back_after_a_turn_as_precisely_as_it_moves_on_a_straight_belt(void **state)
+{
+    (void)state;
+    const double ring = error_on_ring(0.028), finer = error_on_ring(0.014);
+    const double belt = error_on_belt(0.028), finer_belt = error_on_belt(0.014);
+
+    assert_true(finer < 1.1 * finer_belt);
+    assert_true(log2(ring / finer) > log2(belt / finer_belt) - 0.1);
+}
+
+static double half_full_in_quarter(vec2 at)
+{
+    return at.x > 0.0 && at.y > 0.0 ? half_full(at) : 0.0;
+}
+
+// The area of cells of a jam.
+static double jammed_area(const world *w)
+{
+    const bf_grid *g = &w->f->grid;
+    double area = 0.0;
+
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++)
+            area += macro_row(w->solver, j)[i] > 0.5 * (0.5 + 0.93) ? g->d1 * g->d2 : 0.0;
+    return area;
+}
+
+// A quarter that ends at a wall, the west side of the domain. The shock turns against the belt with the angular velocity
+// turn rho_0/(rho_j - rho_0), at all radii, and the area behind it grows by half of that times R^2 - r^2.
+static void a_queue_on_an_arc_grows_with_the_speed_of_its_shock(void **state)
+{
+    world w;
+
+    (void)state;
+    make_scene(&w.s, 0.0, 90.0, 0.01, SCENE_CONGESTED, SCENE_SCHEME_ROE);
+    w.s.domain = (scene_rect){ 0.0, 0.7, 0.0, 0.7 };
+    w.s.edges[SCENE_WEST] = SCENE_EDGE_WALL;
+    w.s.edges[SCENE_SOUTH] = SCENE_EDGE_INFLOW;
+    add_rail(&w.s, INNER);
+    add_rail(&w.s, OUTER);
+    start(&w, half_full_in_quarter, 1);
+    const double dt = scene_macro_step(&w.s);
+    helper_macro_advance(w.solver, (int)lround(0.2 / dt));
+    const double before = jammed_area(&w), t = macro_time(w.solver);
+    helper_macro_advance(w.solver, (int)lround(0.4 / dt));
+    const double growth = (jammed_area(&w) - before) / (macro_time(w.solver) - t);
+    const double expected = w.s.belts[0].turn * 0.5 / (w.s.macro.jam_density - 0.5) * 0.5 *
+                            (OUTER * OUTER - INNER * INNER);
+    assert_near(growth / expected, 1.0, 0.02);
+    finish(&w);
+}
+
+static uint64_t digest_of_run(int n_threads, int n_first)
+{
+    enum { STEPS = 60 };
+    bf_buffer saved = { 0 };
+    world w, next;
+
+    make_scene(&w.s, 0.0, 90.0, 0.01, SCENE_CONGESTED, SCENE_SCHEME_ROE);
+    make_scene(&next.s, 0.0, 90.0, 0.01, SCENE_CONGESTED, SCENE_SCHEME_ROE);
+    w.s.edges[SCENE_WEST] = next.s.edges[SCENE_WEST] = SCENE_EDGE_WALL;
+    w.s.domain.x_min = next.s.domain.x_min = 0.0;
+    start(&w, full, n_threads);
+    start(&next, full, n_threads);
+    helper_macro_advance(w.solver, n_first);
+    assert_int_equal(macro_save(w.solver, &saved, NULL), BF_OK);
+    assert_int_equal(macro_load(next.solver, saved.bytes, saved.n, NULL), BF_OK);
+    helper_macro_advance(next.solver, STEPS - n_first);
+    const uint64_t digest = macro_digest(next.solver);
+    buffer_fini(&saved);
+    finish(&next);
+    finish(&w);
+    return digest;
+}
+
+static void threads_and_resumes_change_no_bit_on_an_arc(void **state)
+{
+    (void)state;
+    const uint64_t digest = digest_of_run(1, 0);
+
+    assert_true(digest_of_run(2, 20) == digest);
+    assert_true(digest_of_run(3, 47) == digest);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(
+            the_field_of_an_arc_is_free_of_divergence_and_crosses_no_border_and_no_guide),
+        cmocka_unit_test(a_uniform_density_stays_uniform_on_a_ring),
+        cmocka_unit_test(a_packed_ring_turns_with_its_belt),
+        cmocka_unit_test(
+            a_heap_comes_back_after_a_turn_as_precisely_as_it_moves_on_a_straight_belt),
+        cmocka_unit_test(a_queue_on_an_arc_grows_with_the_speed_of_its_shock),
+        cmocka_unit_test(threads_and_resumes_change_no_bit_on_an_arc),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
