@@ -138,21 +138,12 @@ typedef struct api_services {
                             api_curve *ret_curve, bf_error *err);
     bf_status (*list_snapshots)(api_store *store, const char *id, api_snapshot_list *ret_list,
                                 bf_error *err);
-    /// Append a snapshot's float32 grid, n2 rows of n1, to *out. BF_ENOTFOUND: no such snapshot.
-    bf_status (*read_snapshot)(api_store *store, const char *id, uint64_t index,
-                               api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
-                               bf_error *err);
-    /// Append a snapshot's rows of parts to *out. BF_ENOTFOUND: no such snapshot, or no parts.
-    bf_status (*read_parts)(api_store *store, const char *id, uint64_t index,
-                            api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
-                            bf_error *err);
-    /// Begin to read what read_snapshot() or read_parts() would append, piece by piece. *ret_slices is the caller's.
-    bf_status (*open_snapshot)(api_store *store, const char *id, uint64_t index,
-                               api_snapshot *ret_snapshot, bf_grid *ret_grid,
-                               api_slices *ret_slices, bf_error *err);
-    bf_status (*open_parts)(api_store *store, const char *id, uint64_t index,
-                            api_snapshot *ret_snapshot, api_parts *ret_parts,
-                            api_slices *ret_slices, bf_error *err);
+    /// Append an array of a snapshot to *out. BF_ENOTFOUND: no such snapshot, or the run has no parts.
+    bf_status (*read_array)(api_store *store, const char *id, uint64_t index, api_array_kind kind,
+                            api_array *ret_array, bf_buffer *out, bf_error *err);
+    /// Begin to read what read_array() would append, piece by piece. *ret_slices is the caller's.
+    bf_status (*open_array)(api_store *store, const char *id, uint64_t index, api_array_kind kind,
+                            api_array *ret_array, api_slices *ret_slices, bf_error *err);
     /// Append bytes of an array from number `at` on to *out, limit_bytes at most, and at least one unless `at` is its
     /// end. It is fast where `at` is the end of the read before. On failure *out is as before. BF_ENOTFOUND: the run
     /// was removed meanwhile; BF_ECORRUPT: damaged.

@@ -22,6 +22,16 @@ typedef struct api_snapshot {
     double mass;    ///< parts in the domain
 } api_snapshot;
 
+/// Which array of a snapshot: its density, n2 rows of n1 float32, or its rows of parts.
+typedef enum api_array_kind { API_ARRAY_DENSITY, API_ARRAY_PARTS } api_array_kind;
+
+/// What is known of an array.
+typedef struct api_array {
+    api_snapshot snapshot; ///< whose it is
+    bf_grid grid;          ///< of the density
+    api_parts parts;       ///< how many there are
+} api_array;
+
 /// The stored snapshots of a run. Zero-initialise; free with buffer_fini(&items).
 typedef struct api_snapshot_list {
     bf_grid grid;    ///< of all of them

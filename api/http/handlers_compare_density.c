@@ -31,11 +31,10 @@ static compare_times times_of(const side *s)
 
 static bf_status read_grid(exchange *x, const side *s, size_t i, bf_buffer *out, bf_error *err)
 {
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array of;
 
-    bf_status status = x->services->read_snapshot(
-        x->services->store, s->id, snapshot_at(s, i)->index, &snapshot, &grid, out, err);
+    bf_status status = x->services->read_array(x->services->store, s->id, snapshot_at(s, i)->index,
+                                               API_ARRAY_DENSITY, &of, out, err);
     if (status == BF_OK && out->n != grid_cells(&s->list.grid) * sizeof(float))
         return bf_fail(err, BF_ECORRUPT, "", "a snapshot does not have the size of its grid");
     return status;

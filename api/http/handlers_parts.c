@@ -36,7 +36,7 @@ static bf_status send_parts(exchange *x, const char *id, uint64_t index, bf_erro
 {
     array_file file = { .item_size = 0 };
 
-    bf_status status = array_file_open_parts_npy(x->services, id, index, &file, err);
+    bf_status status = array_file_open(x->services, id, index, ARRAY_FILE_PARTS_NPY, &file, err);
     if (status == BF_OK && !has_parts_already(x, id, index))
         status = exchange__send_array(x, &file, err);
     array_file_fini(&file);
@@ -44,14 +44,13 @@ static bf_status send_parts(exchange *x, const char *id, uint64_t index, bf_erro
 }
 
 // How many parts there are, which with feeds the snapshot alone knows.
-static bf_status count_parts(exchange *x, const char *id, uint64_t index, api_parts *ret_parts,
+static bf_status count_parts(exchange *x, const char *id, uint64_t index, api_array *ret_array,
                              bf_error *err)
 {
     api_slices slices = { .n = 0 };
-    api_snapshot snapshot;
 
-    bf_status status =
-        x->services->open_parts(x->services->store, id, index, &snapshot, ret_parts, &slices, err);
+    bf_status status = x->services->open_array(x->services->store, id, index, API_ARRAY_PARTS,
+                                               ret_array, &slices, err);
     api_slices_fini(&slices);
     return status;
 }
@@ -59,12 +58,12 @@ static bf_status count_parts(exchange *x, const char *id, uint64_t index, api_pa
 // VTK points are made of all columns at once, and as a whole.
 static bf_status reserve_parts(exchange *x, const char *id, uint64_t index, bf_error *err)
 {
-    api_parts parts;
+    api_array of;
 
-    bf_status status = count_parts(x, id, index, &parts, err);
+    bf_status status = count_parts(x, id, index, &of, err);
     if (status != BF_OK)
         return status;
-    const uint64_t n = parts.n_parts * parts.n_values;
+    const uint64_t n = of.parts.n_parts * of.parts.n_values;
     if (x->media->format == MEDIA_VTP)
         return exchange__reserve(x, 2.0 * sizeof(double) * (double)n, err);
     return exchange__reserve_whole(x, n, sizeof(double), "npy or vtp", err);
@@ -73,13 +72,13 @@ static bf_status reserve_parts(exchange *x, const char *id, uint64_t index, bf_e
 static bf_status write_parts(exchange *x, const char *id, uint64_t index, bf_error *err)
 {
     bf_buffer rows = { 0 };
-    api_snapshot snapshot;
-    api_parts parts;
+    api_array of;
 
     bf_status status =
-        x->services->read_parts(x->services->store, id, index, &snapshot, &parts, &rows, err);
+        x->services->read_array(x->services->store, id, index, API_ARRAY_PARTS, &of, &rows, err);
     if (status == BF_OK)
-        status = write_rows(x, &parts, &snapshot, (const double *)(const void *)rows.bytes, err);
+        status =
+            write_rows(x, &of.parts, &of.snapshot, (const double *)(const void *)rows.bytes, err);
     buffer_fini(&rows);
     return status;
 }

@@ -83,7 +83,7 @@ static bf_status draw(exchange *x, const picture *p, const char *id, uint64_t in
     bf_status status = grid_rows_open(x->services, id, index, &rows, err);
     if (status != BF_OK)
         return status;
-    *ret_t = rows.snapshot.t;
+    *ret_t = rows.of.snapshot.t;
     status = picture_draw(p, grid_rows_next, &rows, levels, err);
     grid_rows_fini(&rows);
     return status;
@@ -124,10 +124,9 @@ static bf_status write_picture(exchange *x, const api_run *of, uint64_t index,
 static bf_status send_snapshot(exchange *x, const char *id, uint64_t index, bf_error *err)
 {
     array_file file = { .item_size = 0 };
+    const array_file_form form = x->media->format == MEDIA_NPY ? ARRAY_FILE_NPY : ARRAY_FILE_VTI;
 
-    bf_status status = x->media->format == MEDIA_NPY
-                           ? array_file_open_npy(x->services, id, index, &file, err)
-                           : array_file_open_vti(x->services, id, index, &file, err);
+    bf_status status = array_file_open(x->services, id, index, form, &file, err);
     return status == BF_OK ? exchange__send_array(x, &file, err) : status;
 }
 
@@ -136,22 +135,21 @@ static bf_status write_snapshot(exchange *x, const char *id, uint64_t index, bf_
 {
     bf_buffer *body = &x->response->body;
     bf_buffer bytes = { 0 };
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array of;
 
     bf_status status =
-        x->services->read_snapshot(x->services->store, id, index, &snapshot, &grid, &bytes, err);
+        x->services->read_array(x->services->store, id, index, API_ARRAY_DENSITY, &of, &bytes, err);
     if (status != BF_OK)
         return status;
     const float *rho = (const float *)(const void *)bytes.bytes;
     if (x->media->format == MEDIA_NPY)
-        status = results_npy(rho, grid.n1, grid.n2, body, err);
+        status = results_npy(rho, of.grid.n1, of.grid.n2, body, err);
     else if (x->media->format == MEDIA_VTI)
-        status = results_snapshot_vti(rho, &grid, snapshot.t, body, err);
+        status = results_snapshot_vti(rho, &of.grid, of.snapshot.t, body, err);
     else if (x->media->format == MEDIA_CSV)
-        status = results_snapshot_csv(rho, &grid, body, err);
+        status = results_snapshot_csv(rho, &of.grid, body, err);
     else
-        status = results_snapshot_json(rho, &grid, &snapshot, body, err);
+        status = results_snapshot_json(rho, &of.grid, &of.snapshot, body, err);
     buffer_fini(&bytes);
     return status;
 }

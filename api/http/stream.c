@@ -123,12 +123,11 @@ static bf_status append_base64(const unsigned char *bytes, size_t n, bf_buffer *
 static bf_status append_grid(batch *b, const api_services *services, bf_error *err)
 {
     bf_buffer grid_bytes = { 0 };
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array of;
     bool is_written = false;
 
-    bf_status status = services->read_snapshot(services->store, b->run, b->snapshot, &snapshot,
-                                               &grid, &grid_bytes, err);
+    bf_status status = services->read_array(services->store, b->run, b->snapshot, API_ARRAY_DENSITY,
+                                            &of, &grid_bytes, err);
     bool is_missing = status == BF_ENOTFOUND || // the run was removed meanwhile
                       (status == BF_OK && grid_bytes.n > STREAM_INLINE_MAX);
     if (is_missing) {

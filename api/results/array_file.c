@@ -6,69 +6,35 @@
 
 #include <string.h>
 
-static bf_status finish(bf_status status, array_file *file, array_file *ret_file, bf_error *err)
+// What the form has before and behind the numbers.
+static bf_status enclose(array_file_form form, const api_array *of, array_file *file)
 {
-    if (status == BF_OK)
-        *ret_file = *file;
-    else
-        array_file_fini(file);
-    // What is appended to buffers says no more than that there is no memory.
-    return status == BF_ENOMEM ? bf_fail(err, BF_ENOMEM, "", "out of memory") : status;
-}
-
-typedef bf_status enclose_fn(const api_snapshot *snapshot, const bf_grid *grid, array_file *file);
-
-static bf_status enclose_as_npy(const api_snapshot *snapshot, const bf_grid *grid, array_file *file)
-{
-    (void)snapshot;
-    return results__npy_head("<f4", grid->n1, grid->n2, &file->head);
-}
-
-static bf_status enclose_as_vti(const api_snapshot *snapshot, const bf_grid *grid, array_file *file)
-{
-    bf_status status = results__vti_head(grid, snapshot->t, &file->head);
+    if (form == ARRAY_FILE_PARTS_NPY)
+        return results__npy_head("<f8", of->parts.n_values, (size_t)of->parts.n_parts, &file->head);
+    if (form == ARRAY_FILE_NPY)
+        return results__npy_head("<f4", of->grid.n1, of->grid.n2, &file->head);
+    bf_status status = results__vti_head(&of->grid, of->snapshot.t, &file->head);
     return status == BF_OK ? results__vti_tail(&file->tail) : status;
 }
 
-// A density with what its format has before and behind it.
-static bf_status open_density(const api_services *services, const char *id, uint64_t index,
-                              enclose_fn *enclose, array_file *ret_file, bf_error *err)
+bf_status array_file_open(const api_services *services, const char *id, uint64_t index,
+                          array_file_form form, array_file *ret_file, bf_error *err)
 {
-    array_file file = { .item_size = sizeof(float) };
-    api_snapshot snapshot;
-    bf_grid grid;
+    const bool is_parts = form == ARRAY_FILE_PARTS_NPY;
+    array_file file = { .item_size = is_parts ? sizeof(double) : sizeof(float) };
+    api_array of;
 
-    bf_status status =
-        services->open_snapshot(services->store, id, index, &snapshot, &grid, &file.slices, err);
+    bf_status status = services->open_array(services->store, id, index,
+                                            is_parts ? API_ARRAY_PARTS : API_ARRAY_DENSITY, &of,
+                                            &file.slices, err);
     if (status == BF_OK)
-        status = enclose(&snapshot, &grid, &file);
-    return finish(status, &file, ret_file, err);
-}
-
-bf_status array_file_open_npy(const api_services *services, const char *id, uint64_t index,
-                              array_file *ret_file, bf_error *err)
-{
-    return open_density(services, id, index, enclose_as_npy, ret_file, err);
-}
-
-bf_status array_file_open_vti(const api_services *services, const char *id, uint64_t index,
-                              array_file *ret_file, bf_error *err)
-{
-    return open_density(services, id, index, enclose_as_vti, ret_file, err);
-}
-
-bf_status array_file_open_parts_npy(const api_services *services, const char *id, uint64_t index,
-                                    array_file *ret_file, bf_error *err)
-{
-    array_file file = { .item_size = sizeof(double) };
-    api_snapshot snapshot;
-    api_parts parts;
-
-    bf_status status =
-        services->open_parts(services->store, id, index, &snapshot, &parts, &file.slices, err);
+        status = enclose(form, &of, &file);
     if (status == BF_OK)
-        status = results__npy_head("<f8", parts.n_values, (size_t)parts.n_parts, &file.head);
-    return finish(status, &file, ret_file, err);
+        *ret_file = file;
+    else
+        array_file_fini(&file);
+    // What is appended to buffers says no more than that there is no memory.
+    return status == BF_ENOMEM ? bf_fail(err, BF_ENOMEM, "", "out of memory") : status;
 }
 
 uint64_t array_file_size(const array_file *file)

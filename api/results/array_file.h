@@ -18,15 +18,17 @@ typedef struct array_file {
     bf_buffer tail;    ///< behind them
 } array_file;
 
-/// Begin to read a snapshot as a NumPy file or a VTK image, or a snapshot's parts as a NumPy file. Errors are those of
-/// the services' read_snapshot() and read_parts(). *ret_file is the caller's.
-BF_MUST_CHECK bf_status array_file_open_npy(const api_services *services, const char *id,
-                                            uint64_t index, array_file *ret_file, bf_error *err);
-BF_MUST_CHECK bf_status array_file_open_vti(const api_services *services, const char *id,
-                                            uint64_t index, array_file *ret_file, bf_error *err);
-BF_MUST_CHECK bf_status array_file_open_parts_npy(const api_services *services, const char *id,
-                                                  uint64_t index, array_file *ret_file,
-                                                  bf_error *err);
+/// As what a snapshot is read: its density as a NumPy file or a VTK image, its parts as a NumPy file.
+typedef enum array_file_form {
+    ARRAY_FILE_NPY,
+    ARRAY_FILE_VTI,
+    ARRAY_FILE_PARTS_NPY
+} array_file_form;
+
+/// Begin to read a snapshot. Errors are those of api_services.read_array(). *ret_file is the caller's.
+BF_MUST_CHECK bf_status array_file_open(const api_services *services, const char *id,
+                                        uint64_t index, array_file_form form, array_file *ret_file,
+                                        bf_error *err);
 
 /// Bytes of the file.
 uint64_t array_file_size(const array_file *file);

@@ -6,15 +6,15 @@ bf_status grid_rows_open(const api_services *services, const char *id, uint64_t 
                          grid_rows *ret_rows, bf_error *err)
 {
     *ret_rows = (grid_rows){ .services = services };
-    return services->open_snapshot(services->store, id, index, &ret_rows->snapshot, &ret_rows->grid,
-                                   &ret_rows->slices, err);
+    return services->open_array(services->store, id, index, API_ARRAY_DENSITY, &ret_rows->of,
+                                &ret_rows->slices, err);
 }
 
 // Reads rows from j on, as many as fit into a block.
 static bf_status read_block(grid_rows *rows, size_t j, bf_error *err)
 {
     const api_services *services = rows->services;
-    const size_t row = rows->grid.n1 * sizeof(float), n_left = rows->grid.n2 - j;
+    const size_t row = rows->of.grid.n1 * sizeof(float), n_left = rows->of.grid.n2 - j;
     size_t n = GRID_ROWS_BYTES / row;
     bf_status status = BF_OK;
 
@@ -35,13 +35,14 @@ bf_status grid_rows_next(void *context, size_t j, const float **ret_cells, bf_er
 {
     grid_rows *rows = context;
 
-    BF_CHECK(j < rows->grid.n2);
+    BF_CHECK(j < rows->of.grid.n2);
     if (j < rows->first || j >= rows->first + rows->n) {
         bf_status status = read_block(rows, j, err);
         if (status != BF_OK)
             return status;
     }
-    *ret_cells = (const float *)(const void *)rows->block.bytes + (j - rows->first) * rows->grid.n1;
+    *ret_cells =
+        (const float *)(const void *)rows->block.bytes + (j - rows->first) * rows->of.grid.n1;
     return BF_OK;
 }
 

@@ -12,15 +12,14 @@ enum { GRID_ROWS_BYTES = 131072 }; ///< of rows that are read at once, or one ro
 /// A density that is being read. grid_rows_open(); grid_rows_fini().
 typedef struct grid_rows {
     const api_services *services; ///< borrowed
-    api_snapshot snapshot;        ///< which it is
-    bf_grid grid;                 ///< its grid
+    api_array of;                 ///< what it is of
     api_slices slices;            ///< the numbers
     bf_buffer block;              ///< rows that were read
     size_t first;                 ///< the first one of them
     size_t n;                     ///< how many
 } grid_rows;
 
-/// Begin to read a snapshot. Errors are those of api_services.open_snapshot(). *ret_rows is the caller's.
+/// Begin to read a snapshot. Errors are those of api_services.open_array(). *ret_rows is the caller's.
 BF_MUST_CHECK bf_status grid_rows_open(const api_services *services, const char *id, uint64_t index,
                                        grid_rows *ret_rows, bf_error *err);
 

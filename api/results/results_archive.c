@@ -39,9 +39,6 @@ typedef struct archive {
 typedef bf_status content_writer(const archive *a, const api_services *services, uint64_t index,
                                  bf_buffer *out, bf_error *err);
 
-typedef bf_status array_opener(const api_services *services, const char *id, uint64_t index,
-                               array_file *ret_file, bf_error *err);
-
 static bf_status write_scenario(const archive *a, const api_services *services, uint64_t index,
                                 bf_buffer *out, bf_error *err)
 {
@@ -117,15 +114,14 @@ static bf_status write_parts_series(const archive *a, const api_services *servic
 static bf_status write_parts_vtk(const archive *a, const api_services *services, uint64_t index,
                                  bf_buffer *out, bf_error *err)
 {
-    api_snapshot snapshot;
-    api_parts parts;
+    api_array of;
     bf_buffer rows = { 0 };
 
     bf_status status =
-        services->read_parts(services->store, a->id, index, &snapshot, &parts, &rows, err);
+        services->read_array(services->store, a->id, index, API_ARRAY_PARTS, &of, &rows, err);
     if (status == BF_OK)
-        status = results_parts_vtp((const double *)(const void *)rows.bytes, &parts, snapshot.t,
-                                   out, err);
+        status = results_parts_vtp((const double *)(const void *)rows.bytes, &of.parts,
+                                   of.snapshot.t, out, err);
     buffer_fini(&rows);
     return status;
 }
@@ -139,20 +135,20 @@ static const struct {
     results_files file;
     number_of number;
     int needs;
-    content_writer *write;
-    array_opener *open; // of an array, which has no writer
+    content_writer *write; // NULL: it is an array
+    array_file_form form;  // of an array
 } kinds[] = {
-    { RESULTS_FILES_SCENARIO, ONE, 0, write_scenario, NULL },
-    { RESULTS_FILES_CURVE, ONE, 0, write_curve, NULL },
-    { RESULTS_FILES_PHOTO_EYES, ONE, NEEDS_EYES, write_photo_eyes, NULL },
-    { RESULTS_FILES_SNAPSHOTS, ONE, 0, write_list, NULL },
-    { RESULTS_FILES_SNAPSHOT, ONE_A_SNAPSHOT, 0, NULL, array_file_open_npy },
-    { RESULTS_FILES_PARTS, ONE_A_SNAPSHOT, NEEDS_PARTS, NULL, array_file_open_parts_npy },
-    { RESULTS_FILES_SNAPSHOTS_SERIES, ONE, NEEDS_VTK, write_snapshots_series, NULL },
-    { RESULTS_FILES_SNAPSHOT_VTK, ONE_A_SNAPSHOT, NEEDS_VTK, NULL, array_file_open_vti },
-    { RESULTS_FILES_PARTS_SERIES, ONE, NEEDS_VTK | NEEDS_PARTS, write_parts_series, NULL },
-    { RESULTS_FILES_PARTS_VTK, ONE_A_SNAPSHOT, NEEDS_VTK | NEEDS_PARTS, write_parts_vtk, NULL },
-    { RESULTS_FILES_SUMMARY, ONE, NEEDS_SUMMARY, write_summary, NULL },
+    { RESULTS_FILES_SCENARIO, ONE, 0, write_scenario, 0 },
+    { RESULTS_FILES_CURVE, ONE, 0, write_curve, 0 },
+    { RESULTS_FILES_PHOTO_EYES, ONE, NEEDS_EYES, write_photo_eyes, 0 },
+    { RESULTS_FILES_SNAPSHOTS, ONE, 0, write_list, 0 },
+    { RESULTS_FILES_SNAPSHOT, ONE_A_SNAPSHOT, 0, NULL, ARRAY_FILE_NPY },
+    { RESULTS_FILES_PARTS, ONE_A_SNAPSHOT, NEEDS_PARTS, NULL, ARRAY_FILE_PARTS_NPY },
+    { RESULTS_FILES_SNAPSHOTS_SERIES, ONE, NEEDS_VTK, write_snapshots_series, 0 },
+    { RESULTS_FILES_SNAPSHOT_VTK, ONE_A_SNAPSHOT, NEEDS_VTK, NULL, ARRAY_FILE_VTI },
+    { RESULTS_FILES_PARTS_SERIES, ONE, NEEDS_VTK | NEEDS_PARTS, write_parts_series, 0 },
+    { RESULTS_FILES_PARTS_VTK, ONE_A_SNAPSHOT, NEEDS_VTK | NEEDS_PARTS, write_parts_vtk, 0 },
+    { RESULTS_FILES_SUMMARY, ONE, NEEDS_SUMMARY, write_summary, 0 },
 };
 
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
@@ -188,19 +184,19 @@ static bool find_file(archive *a)
 static bf_status begin_file(archive *a, const api_services *services, bf_buffer *out, bf_error *err)
 {
     char name[RESULTS_FILES_NAME_SIZE];
-    array_opener *begin = kinds[a->kind].open;
+    const bool is_array = kinds[a->kind].write == NULL;
 
     array_file_fini(&a->array);
     a->content.n = 0;
     a->n_appended = 0;
     bf_status status = BF_OK;
-    if (begin != NULL)
-        status = begin(services, a->id, a->index, &a->array, err);
+    if (is_array)
+        status = array_file_open(services, a->id, a->index, kinds[a->kind].form, &a->array, err);
     else if (!is_long_curve(a))
         status = kinds[a->kind].write(a, services, a->index, &a->content, err);
     if (status != BF_OK)
         return status;
-    a->n_content = begin != NULL      ? array_file_size(&a->array)
+    a->n_content = is_array           ? array_file_size(&a->array)
                    : is_long_curve(a) ? ZIP_OUT_ANY_SIZE
                                       : a->content.n;
     (void)results_files_name(kinds[a->kind].file, a->index++, name);

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "api/snapshots.h"
 #include "core/base/buffer.h"
 #include "core/base/status.h"
 #include "core/run/frame.h"
@@ -16,6 +17,12 @@ typedef enum store__blob {
     STORE__BLOB_CHECKPOINT, ///< item: 0
     STORE__BLOB_PARTS,      ///< item: index of the snapshot that they belong to
 } store__blob;
+
+/// The blob that is an array of a snapshot.
+static inline store__blob store__blob_of(api_array_kind kind)
+{
+    return kind == API_ARRAY_PARTS ? STORE__BLOB_PARTS : STORE__BLOB_SNAPSHOT;
+}
 
 /// Bytes of a blob that are compressed alone, as a frame of zstd in a row of its own, so that they can be read alone.
 /// Blobs of stores before this are one frame, cut into rows.

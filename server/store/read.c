@@ -257,28 +257,13 @@ static bf_status read_blob(store *s, const char *id, reading *r, bf_buffer *out,
     return status;
 }
 
-bf_status store_read_snapshot(store *s, const char *id, uint64_t index, api_snapshot *ret_snapshot,
-                              bf_grid *ret_grid, bf_buffer *out, bf_error *err)
+bf_status store_read_array(store *s, const char *id, uint64_t index, api_array_kind kind,
+                           api_array *ret_array, bf_buffer *out, bf_error *err)
 {
-    reading r = { .kind = STORE__BLOB_SNAPSHOT, .index = index };
+    reading r = { .kind = store__blob_of(kind), .index = index };
 
     bf_status status = read_blob(s, id, &r, out, err);
-    if (status == BF_OK) {
-        *ret_snapshot = r.snapshot;
-        *ret_grid = r.row.run.grid;
-    }
-    return status;
-}
-
-bf_status store_read_parts(store *s, const char *id, uint64_t index, api_snapshot *ret_snapshot,
-                           api_parts *ret_parts, bf_buffer *out, bf_error *err)
-{
-    reading r = { .kind = STORE__BLOB_PARTS, .index = index };
-
-    bf_status status = read_blob(s, id, &r, out, err);
-    if (status == BF_OK) {
-        *ret_snapshot = r.snapshot;
-        *ret_parts = r.row.run.parts;
-    }
+    if (status == BF_OK)
+        *ret_array = (api_array){ r.snapshot, r.row.run.grid, r.row.run.parts };
     return status;
 }

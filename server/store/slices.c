@@ -134,17 +134,15 @@ static bf_status open_blob(store *s, slices *r, const char *id, ends *e, bf_erro
     return status == BF_OK ? check_size(r, e, err) : status;
 }
 
-// Opens an array of a snapshot, and tells the snapshot and the run's sizes.
-static bf_status open_slices(store *s, const char *id, uint64_t index, store__blob kind,
-                             api_snapshot *ret_snapshot, api_run *ret_run, api_slices *ret_slices,
-                             bf_error *err)
+bf_status store_open_array(store *s, const char *id, uint64_t index, api_array_kind kind,
+                           api_array *ret_array, api_slices *ret_slices, bf_error *err)
 {
     slices *r = memory_alloc(1, sizeof *r);
     ends e = { .n_chunks = 0 };
 
     if (r == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    *r = (slices){ .kind = kind, .item = index };
+    *r = (slices){ .kind = store__blob_of(kind), .item = index };
     bf_status status = open_blob(s, r, id, &e, err);
     fini_ends(&e);
     if (status != BF_OK) {
@@ -152,37 +150,12 @@ static bf_status open_slices(store *s, const char *id, uint64_t index, store__bl
         return status;
     }
     memcpy(r->id, e.row.run.id, sizeof r->id);
-    *ret_snapshot = e.snapshot;
-    *ret_run = e.row.run;
+    *ret_array = (api_array){ e.snapshot, e.row.run.grid, e.row.run.parts };
     *ret_slices = (api_slices){ .n = r->n,
                                 .n_held = sizeof *r + (r->slice == 0 ? DECODER_BYTES : 0),
                                 .state = r,
                                 .destroy = destroy };
     return BF_OK;
-}
-
-bf_status store_open_snapshot(store *s, const char *id, uint64_t index, api_snapshot *ret_snapshot,
-                              bf_grid *ret_grid, api_slices *ret_slices, bf_error *err)
-{
-    api_run of;
-
-    bf_status status =
-        open_slices(s, id, index, STORE__BLOB_SNAPSHOT, ret_snapshot, &of, ret_slices, err);
-    if (status == BF_OK)
-        *ret_grid = of.grid;
-    return status;
-}
-
-bf_status store_open_parts(store *s, const char *id, uint64_t index, api_snapshot *ret_snapshot,
-                           api_parts *ret_parts, api_slices *ret_slices, bf_error *err)
-{
-    api_run of;
-
-    bf_status status =
-        open_slices(s, id, index, STORE__BLOB_PARTS, ret_snapshot, &of, ret_slices, err);
-    if (status == BF_OK)
-        *ret_parts = of.parts;
-    return status;
 }
 
 // Reads the row that comes next. The number of a set of results may be given to another set once it is removed, so

@@ -166,17 +166,11 @@ BF_MUST_CHECK bf_status store_read_curve(store *s, const char *id, uint64_t firs
                                          api_curve *ret_curve, bf_error *err);
 BF_MUST_CHECK bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_list,
                                              bf_error *err);
-BF_MUST_CHECK bf_status store_read_snapshot(store *s, const char *id, uint64_t index,
-                                            api_snapshot *ret_snapshot, bf_grid *ret_grid,
-                                            bf_buffer *out, bf_error *err);
-BF_MUST_CHECK bf_status store_read_parts(store *s, const char *id, uint64_t index,
-                                         api_snapshot *ret_snapshot, api_parts *ret_parts,
-                                         bf_buffer *out, bf_error *err);
-BF_MUST_CHECK bf_status store_open_snapshot(store *s, const char *id, uint64_t index,
-                                            api_snapshot *ret_snapshot, bf_grid *ret_grid,
-                                            api_slices *ret_slices, bf_error *err);
-BF_MUST_CHECK bf_status store_open_parts(store *s, const char *id, uint64_t index,
-                                         api_snapshot *ret_snapshot, api_parts *ret_parts,
+BF_MUST_CHECK bf_status store_read_array(store *s, const char *id, uint64_t index,
+                                         api_array_kind kind, api_array *ret_array, bf_buffer *out,
+                                         bf_error *err);
+BF_MUST_CHECK bf_status store_open_array(store *s, const char *id, uint64_t index,
+                                         api_array_kind kind, api_array *ret_array,
                                          api_slices *ret_slices, bf_error *err);
 BF_MUST_CHECK bf_status store_read_slice(store *s, api_slices *slices, uint64_t at,
                                          size_t limit_bytes, bf_buffer *out, bf_error *err);

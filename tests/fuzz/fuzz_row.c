@@ -251,18 +251,17 @@ static void read_lists(store *s)
 static void read_snapshots(store *s, const char *id)
 {
     api_snapshot_list list = { .items = { .n = 0 } };
-    api_snapshot snapshot;
-    api_parts parts;
-    bf_grid grid;
+    api_array got;
     bf_buffer out = { 0 };
 
     require_answer(store_list_snapshots(s, id, &list, NULL));
     buffer_fini(&list.items);
-    if (store_read_snapshot(s, id, 0, &snapshot, &grid, &out, NULL) == BF_OK)
-        fuzz_require(out.n == (size_t)grid_cells(&grid) * sizeof(float), "a density fits its grid");
+    if (store_read_array(s, id, 0, API_ARRAY_DENSITY, &got, &out, NULL) == BF_OK)
+        fuzz_require(out.n == (size_t)grid_cells(&got.grid) * sizeof(float),
+                     "a density fits its grid");
     out.n = 0;
-    if (store_read_parts(s, id, 0, &snapshot, &parts, &out, NULL) == BF_OK)
-        fuzz_require(out.n == parts.n_parts * parts.n_values * sizeof(double),
+    if (store_read_array(s, id, 0, API_ARRAY_PARTS, &got, &out, NULL) == BF_OK)
+        fuzz_require(out.n == got.parts.n_parts * got.parts.n_values * sizeof(double),
                      "parts fit their count");
     buffer_fini(&out);
 }

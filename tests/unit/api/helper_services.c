@@ -233,59 +233,34 @@ static bf_status do_list_snapshots(api_store *store, const char *id, api_snapsho
     return BF_OK;
 }
 
-static bf_status do_read_snapshot(api_store *store, const char *id, uint64_t index,
-                                  api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
-                                  bf_error *err)
-{
-    const helper_run *item = lookup((void *)store, id);
-
-    if (item == NULL || index >= item->record.n_snapshots)
-        return bf_fail(err, BF_ENOTFOUND, "", "there is no such snapshot");
-    if (buffer_append(out, item->rho[index], sizeof item->rho[index]) != BF_OK)
-        return no_memory(err);
-    *ret_snapshot = item->snapshots[index];
-    *ret_grid = item->grid;
-    return BF_OK;
-}
-
-static bf_status do_read_parts(api_store *store, const char *id, uint64_t index,
-                               api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
+static bf_status do_read_array(api_store *store, const char *id, uint64_t index,
+                               api_array_kind kind, api_array *ret_array, bf_buffer *out,
                                bf_error *err)
 {
     const helper_run *item = lookup((void *)store, id);
-    size_t n = item == NULL ? 0 : (size_t)item->parts.n_parts * item->parts.n_values;
+    const size_t n = item == NULL ? 0 : (size_t)item->parts.n_parts * item->parts.n_values;
+    const bool is_parts = kind == API_ARRAY_PARTS;
 
-    if (n == 0 || index >= item->record.n_snapshots)
-        return bf_fail(err, BF_ENOTFOUND, "", "there are no such parts");
-    if (n <= HELPER_VALUES && buffer_append(out, item->rows, n * sizeof *item->rows) != BF_OK)
+    if (item == NULL || index >= item->record.n_snapshots || (is_parts && n == 0))
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no such snapshot");
+    if ((!is_parts && buffer_append(out, item->rho[index], sizeof item->rho[index]) != BF_OK) ||
+        (is_parts && n <= HELPER_VALUES &&
+         buffer_append(out, item->rows, n * sizeof *item->rows) != BF_OK))
         return no_memory(err);
-    *ret_snapshot = item->snapshots[index];
-    *ret_parts = item->parts;
+    *ret_array = (api_array){ item->snapshots[index], item->grid, item->parts };
     return BF_OK;
 }
 
-static bf_status do_open_snapshot(api_store *store, const char *id, uint64_t index,
-                                  api_snapshot *ret_snapshot, bf_grid *ret_grid,
-                                  api_slices *ret_slices, bf_error *err)
+static bf_status do_open_array(api_store *store, const char *id, uint64_t index,
+                               api_array_kind kind, api_array *ret_array, api_slices *ret_slices,
+                               bf_error *err)
 {
     bf_buffer *bytes = memory_alloc(1, sizeof *bytes);
 
     if (bytes == NULL)
         return no_memory(err);
-    return helper_slices_open(
-        do_read_snapshot(store, id, index, ret_snapshot, ret_grid, bytes, err), bytes, ret_slices);
-}
-
-static bf_status do_open_parts(api_store *store, const char *id, uint64_t index,
-                               api_snapshot *ret_snapshot, api_parts *ret_parts,
-                               api_slices *ret_slices, bf_error *err)
-{
-    bf_buffer *bytes = memory_alloc(1, sizeof *bytes);
-
-    if (bytes == NULL)
-        return no_memory(err);
-    return helper_slices_open(do_read_parts(store, id, index, ret_snapshot, ret_parts, bytes, err),
-                              bytes, ret_slices);
+    return helper_slices_open(do_read_array(store, id, index, kind, ret_array, bytes, err), bytes,
+                              ret_slices);
 }
 
 static bool follows(const char (*runs)[API_ID_SIZE], size_t n_runs, const char *id)
@@ -394,10 +369,8 @@ api_services helper_services(helper_daemon *d)
                               .read_text = do_read_text,
                               .read_curve = do_read_curve,
                               .list_snapshots = do_list_snapshots,
-                              .read_snapshot = do_read_snapshot,
-                              .read_parts = do_read_parts,
-                              .open_snapshot = do_open_snapshot,
-                              .open_parts = do_open_parts,
+                              .read_array = do_read_array,
+                              .open_array = do_open_array,
                               .read_slice = helper_slices_read,
                               .read_events = do_read_events,
                               .read_changes = do_read_changes,

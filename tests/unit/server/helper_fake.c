@@ -164,9 +164,8 @@ static bf_status list_snapshots(api_store *store, const char *id, api_snapshot_l
 }
 
 // Noise does not deflate: an archive of it is as long as what is in it.
-static bf_status read_snapshot(api_store *store, const char *id, uint64_t index,
-                               api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
-                               bf_error *err)
+static bf_status read_array(api_store *store, const char *id, uint64_t index, api_array_kind kind,
+                            api_array *ret_array, bf_buffer *out, bf_error *err)
 {
     fake *f = (void *)store;
     uint32_t *cells = (uint32_t *)(void *)buffer_reserve(out, FAKE_CELLS * sizeof *cells);
@@ -183,20 +182,20 @@ static bf_status read_snapshot(api_store *store, const char *id, uint64_t index,
     for (size_t i = 0; i < FAKE_CELLS; i++)
         cells[i] = x = x * 1664525 + 1013904223;
     out->n += FAKE_CELLS * sizeof *cells;
-    *ret_snapshot = (api_snapshot){ .index = index, .t = (double)index };
-    *ret_grid = (bf_grid){ .n1 = FAKE_CELLS, .n2 = 1, .d1 = 1.0, .d2 = 1.0 };
+    assert_int_equal(kind, API_ARRAY_DENSITY);
+    *ret_array = (api_array){ .snapshot = { .index = index, .t = (double)index },
+                              .grid = { .n1 = FAKE_CELLS, .n2 = 1, .d1 = 1.0, .d2 = 1.0 } };
     return BF_OK;
 }
 
-static bf_status open_snapshot(api_store *store, const char *id, uint64_t index,
-                               api_snapshot *ret_snapshot, bf_grid *ret_grid,
-                               api_slices *ret_slices, bf_error *err)
+static bf_status open_array(api_store *store, const char *id, uint64_t index, api_array_kind kind,
+                            api_array *ret_array, api_slices *ret_slices, bf_error *err)
 {
     bf_buffer *bytes = memory_alloc(1, sizeof *bytes);
 
     assert_non_null(bytes);
-    return helper_slices_open(read_snapshot(store, id, index, ret_snapshot, ret_grid, bytes, err),
-                              bytes, ret_slices);
+    return helper_slices_open(read_array(store, id, index, kind, ret_array, bytes, err), bytes,
+                              ret_slices);
 }
 
 static bf_status metrics(api_service *service, bool with_owners, bf_buffer *out, bf_error *err)
@@ -260,8 +259,8 @@ api_services fake_services(fake *f)
                            .read_text = read_text,
                            .read_curve = read_curve,
                            .list_snapshots = list_snapshots,
-                           .read_snapshot = read_snapshot,
-                           .open_snapshot = open_snapshot,
+                           .read_array = read_array,
+                           .open_array = open_array,
                            .read_slice = helper_slices_read,
                            .read_events = read_events,
                            .ready = ready,

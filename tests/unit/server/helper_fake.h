@@ -30,11 +30,11 @@ typedef struct fake {
     lock_condition changed; ///< of n_waiting or held
     uint64_t n_events;      ///< events of the log, ids from 1
     bool has_ended;         ///< the last of them is `end`
-    fake_held held; ///< this one waits: ready(), list(), submit(), read_snapshot() or read_events()
-    bool is_broken; ///< read_events() and read_snapshot() fail
+    fake_held held; ///< this one waits: ready(), list(), submit(), read_array() or read_events()
+    bool is_broken; ///< read_events() and read_array() fail
     unsigned n_waiting;   ///< calls that wait because they are held
     unsigned n_finds;     ///< calls of find()
-    unsigned n_reads;     ///< calls of read_events() and read_snapshot()
+    unsigned n_reads;     ///< calls of read_events() and read_array()
     uint64_t n_snapshots; ///< of every run, of FAKE_CELLS noisy cells each
     void (*after_look)(
         void); ///< called by find() and read_events() when they have their answer; NULL: nothing

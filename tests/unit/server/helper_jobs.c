@@ -66,8 +66,7 @@ void helper_jobs_assert_data(helper_world *w, const char *id, uint64_t n, uint64
 {
     api_curve curve = { 0 };
     bf_buffer rho = { 0 };
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
     uint64_t n_published = 0;
 
     assert_int_equal(store_read_curve(w->store, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
@@ -84,10 +83,12 @@ void helper_jobs_assert_data(helper_world *w, const char *id, uint64_t n, uint64
     assert_int_equal(n_published, n);
     for (uint64_t i = 0; i < n_snapshots; i++) {
         rho.n = 0;
-        assert_int_equal(store_read_snapshot(w->store, id, i, &snapshot, &grid, &rho, NULL), BF_OK);
+        assert_int_equal(store_read_array(w->store, id, i, API_ARRAY_DENSITY, &got, &rho, NULL),
+                         BF_OK);
         assert_true(((const float *)(const void *)rho.bytes)[7] == (float)i);
     }
-    assert_int_equal(store_read_snapshot(w->store, id, n_snapshots, &snapshot, &grid, &rho, NULL),
-                     BF_ENOTFOUND);
+    assert_int_equal(
+        store_read_array(w->store, id, n_snapshots, API_ARRAY_DENSITY, &got, &rho, NULL),
+        BF_ENOTFOUND);
     buffer_fini(&rho);
 }

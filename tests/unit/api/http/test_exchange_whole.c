@@ -58,17 +58,16 @@ static helper_run *begin(void)
 }
 
 // A grid of 4,000 x 10,000 cells: 160 MB.
-static bf_status open_large(api_store *store, const char *id, uint64_t index,
-                            api_snapshot *ret_snapshot, bf_grid *ret_grid, api_slices *ret_slices,
-                            bf_error *err)
+static bf_status open_large(api_store *store, const char *id, uint64_t index, api_array_kind kind,
+                            api_array *ret_array, api_slices *ret_slices, bf_error *err)
 {
     (void)store;
     (void)id;
     (void)index;
     (void)err;
-    *ret_snapshot = (api_snapshot){ .index = 0 };
-    *ret_grid = ask_daemon.runs[0].grid;
-    *ret_slices = (api_slices){ .n = grid_cells(ret_grid) * sizeof(float) };
+    assert_int_equal(kind, API_ARRAY_DENSITY);
+    *ret_array = (api_array){ .grid = ask_daemon.runs[0].grid };
+    *ret_slices = (api_slices){ .n = grid_cells(&ret_array->grid) * sizeof(float) };
     return BF_OK;
 }
 
@@ -88,9 +87,9 @@ static void a_picture_takes_memory_for_its_pixels_and_some_rows(void **state)
     (void)state;
     helper_run *of = begin();
     of->grid = (bf_grid){ .n1 = 4000, .n2 = 10000, .d1 = 0.01, .d2 = 0.01 };
-    services.open_snapshot = open_large;
+    services.open_array = open_large;
     services.read_slice = read_zeros;
-    services.read_snapshot = NULL;
+    services.read_array = NULL;
     get(RUN_1 "/snapshots/0", "format=png&width=100", NULL, 200);
     assert_memory_equal(ask_response.body.bytes, "\x89PNG", 4);
     assert_true(n_reserved >= 2 * 100 * 250 && n_reserved < 1000000);
@@ -109,7 +108,7 @@ static void a_grid_too_large_for_a_whole_answer_is_not_read(void **state)
 
     (void)state;
     begin()->grid.n1 = 2000001; // two rows
-    services.read_snapshot = NULL;
+    services.read_array = NULL;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         get(RUN_1 "/snapshots/0", cases[i].query, cases[i].codings, 406);
         assert_true(ask_body_has("4000002 numbers are too many"));
@@ -120,14 +119,15 @@ static void a_grid_too_large_for_a_whole_answer_is_not_read(void **state)
 
 // With feeds each snapshot has its own number of parts: here 500,001.
 static bf_status open_many_parts(api_store *store, const char *id, uint64_t index,
-                                 api_snapshot *ret_snapshot, api_parts *ret_parts,
-                                 api_slices *ret_slices, bf_error *err)
+                                 api_array_kind kind, api_array *ret_array, api_slices *ret_slices,
+                                 bf_error *err)
 {
     (void)store;
     (void)id;
     (void)err;
-    *ret_snapshot = (api_snapshot){ .index = index };
-    *ret_parts = (api_parts){ .n_parts = 500001, .n_values = 8 };
+    assert_int_equal(kind, API_ARRAY_PARTS);
+    *ret_array = (api_array){ .snapshot = { .index = index },
+                              .parts = { .n_parts = 500001, .n_values = 8 } };
     *ret_slices = (api_slices){ .n = 500001 * 8 * sizeof(double) };
     return BF_OK;
 }
@@ -139,8 +139,8 @@ static void too_many_parts_of_a_snapshot_are_not_read(void **state)
     of->record.model = RUN_MICRO;
     of->parts = (api_parts){ .n_values = 8 };
     assert_true(frame_has_ids(of->parts.n_values));
-    services.open_parts = open_many_parts;
-    services.read_parts = NULL;
+    services.open_array = open_many_parts;
+    services.read_array = NULL;
     get(RUN_1 "/parts/0", "format=csv", NULL, 406);
     assert_true(ask_body_has("4000008 numbers are too many for text"));
     get(RUN_1 "/parts/0", "format=json", NULL, 406);

@@ -259,14 +259,14 @@ static void an_inline_snapshot_carries_its_grid(void **state)
 static size_t n_grid_bytes;
 
 static bf_status read_odd_snapshot(api_store *store, const char *run_id, uint64_t index,
-                                   api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
+                                   api_array_kind kind, api_array *ret_array, bf_buffer *out,
                                    bf_error *err)
 {
     (void)store;
     (void)run_id;
     (void)index;
-    *ret_snapshot = (api_snapshot){ 0 };
-    *ret_grid = (bf_grid){ 0 };
+    assert_int_equal(kind, API_ARRAY_DENSITY);
+    *ret_array = (api_array){ 0 };
     char *bytes = buffer_reserve(out, n_grid_bytes);
     if (bytes == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
@@ -282,7 +282,7 @@ static void stream_odd_snapshot(size_t n, bf_buffer *out)
     body_state where;
 
     n_grid_bytes = n;
-    services.read_snapshot = read_odd_snapshot;
+    services.read_array = read_odd_snapshot;
     helper_add_event(&d, helper_add_run(&d, RUN_RUNNING), API_EVENT_SNAPSHOT, "{\"n\":0}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, true, 1, 0);
     assert_int_equal(stream_next(&cursor, &services, LIMIT, out, &where, NULL), BF_OK);

@@ -76,8 +76,7 @@ static void assert_same_results(helper_world *w, const char *id, const char *jso
 {
     solution s = solve_here(json, w->model);
     api_curve curve = { 0 };
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
     bf_buffer rho = { 0 };
 
     assert_int_equal(store_read_curve(w->store, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
@@ -86,14 +85,14 @@ static void assert_same_results(helper_world *w, const char *id, const char *jso
     assert_int_equal(curve.values.n, s.values.n);
     assert_memory_equal(curve.values.bytes, s.values.bytes, s.values.n);
     assert_int_equal(
-        store_read_snapshot(w->store, id, s.n_snapshots - 1, &snapshot, &grid, &rho, NULL), BF_OK);
+        store_read_array(w->store, id, s.n_snapshots - 1, API_ARRAY_DENSITY, &got, &rho, NULL),
+        BF_OK);
     assert_int_equal(rho.n, s.last_rho.n);
     assert_memory_equal(rho.bytes, s.last_rho.bytes, rho.n);
     rho.n = 0;
     if (w->model == RUN_MICRO) {
-        api_parts parts;
         assert_int_equal(
-            store_read_parts(w->store, id, s.n_snapshots - 1, &snapshot, &parts, &rho, NULL),
+            store_read_array(w->store, id, s.n_snapshots - 1, API_ARRAY_PARTS, &got, &rho, NULL),
             BF_OK);
         assert_int_equal(rho.n, s.last_parts.n);
         assert_memory_equal(rho.bytes, s.last_parts.bytes, rho.n);

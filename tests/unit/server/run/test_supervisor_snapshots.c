@@ -105,8 +105,7 @@ static void a_snapshot_of_any_size_takes_little_memory(void **state)
     const frame end = { .type = FRAME_SNAPSHOT, .snapshot = { .n1 = COLUMNS, .n2 = ROWS } };
     bf_buffer bytes = { 0 };
     fixture *f = *state;
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
     api_slices array;
 
     const api_run record = start_job(f, 0);
@@ -126,7 +125,8 @@ static void a_snapshot_of_any_size_takes_little_memory(void **state)
     helper_await_state(f->world, record.id, RUN_SUCCEEDED);
     assert_true(read_peak_kb() - before_kb < PEAK_KB);
     assert_int_equal(
-        store_open_snapshot(f->world->store, record.id, 0, &snapshot, &grid, &array, NULL), BF_OK);
+        store_open_array(f->world->store, record.id, 0, API_ARRAY_DENSITY, &got, &array, NULL),
+        BF_OK);
     assert_int_equal(array.n, n);
     api_slices_fini(&array);
 }
@@ -226,8 +226,7 @@ static void parts_may_come_in_a_later_batch_than_their_snapshot(void **state)
     const frame parts = { .type = FRAME_PARTS,
                           .parts = {
                               .n_parts = 2, .n_values = FRAME_VALUES_PLANAR, .rows = rows } };
-    api_snapshot told;
-    api_parts sizes;
+    api_array got;
     bf_buffer out = { 0 };
     fixture *f = *state;
 
@@ -239,8 +238,8 @@ static void parts_may_come_in_a_later_batch_than_their_snapshot(void **state)
     helper_executor_send(f->executor, 0, &parts);
     helper_executor_finish(f->executor, 0, false);
     assert_int_equal(helper_await_state(f->world, record.id, RUN_SUCCEEDED).n_snapshots, 1);
-    assert_int_equal(store_read_parts(f->world->store, record.id, 0, &told, &sizes, &out, NULL),
-                     BF_OK);
+    assert_int_equal(
+        store_read_array(f->world->store, record.id, 0, API_ARRAY_PARTS, &got, &out, NULL), BF_OK);
     assert_int_equal(out.n, sizeof rows);
     assert_memory_equal(out.bytes, rows, sizeof rows);
     buffer_fini(&out);

@@ -263,8 +263,7 @@ static void an_unknown_run_is_not_found(void **state)
     api_run record = { .priority = 77 };
     api_curve curve = { .n = 77 };
     api_snapshot_list list = { .n = 77 };
-    api_snapshot snapshot = { .index = 77 };
-    bf_grid grid = { .n1 = 77 };
+    api_array got = { .snapshot = { .index = 77 }, .grid = { .n1 = 77 } };
     bf_buffer out = { 0 };
     bf_error err = { 0 };
 
@@ -277,13 +276,13 @@ static void an_unknown_run_is_not_found(void **state)
     assert_int_equal(store_read_text(s, unknown, API_TEXT_SCENARIO, &out, NULL), BF_ENOTFOUND);
     assert_int_equal(store_read_curve(s, unknown, 0, UINT64_MAX, &curve, NULL), BF_ENOTFOUND);
     assert_int_equal(store_list_snapshots(s, unknown, &list, NULL), BF_ENOTFOUND);
-    assert_int_equal(store_read_snapshot(s, unknown, 0, &snapshot, &grid, &out, NULL),
+    assert_int_equal(store_read_array(s, unknown, 0, API_ARRAY_DENSITY, &got, &out, NULL),
                      BF_ENOTFOUND);
     assert_int_equal(record.priority, 77);
     assert_int_equal(curve.n, 77);
     assert_int_equal(list.n, 77);
-    assert_int_equal(snapshot.index, 77);
-    assert_int_equal(grid.n1, 77);
+    assert_int_equal(got.snapshot.index, 77);
+    assert_int_equal(got.grid.n1, 77);
     assert_null(out.bytes);
 }
 

@@ -45,16 +45,15 @@ static void snapshots_come_back_bit_by_bit(void **state)
     assert_int_equal(list.grid.n1, HELPER_N1);
     const api_snapshot *items = (const api_snapshot *)(const void *)list.items.bytes;
     for (uint64_t i = 0; i < 3; i++) {
-        api_snapshot snapshot = { 0 };
-        bf_grid grid = { 0 };
+        api_array got = { 0 };
         bf_buffer rho = { 0 };
         assert_int_equal(items[i].index, i);
         assert_true(items[i].t == 0.1 * (double)i && items[i].peak == 1.25);
-        assert_int_equal(store_read_snapshot(h->store, record.id, i, &snapshot, &grid, &rho, NULL),
-                         BF_OK);
+        assert_int_equal(
+            store_read_array(h->store, record.id, i, API_ARRAY_DENSITY, &got, &rho, NULL), BF_OK);
         assert_true(helper_snapshot_is(&rho, i));
-        assert_int_equal(grid.n2, HELPER_N2);
-        assert_true(snapshot.mass == 192.0);
+        assert_int_equal(got.grid.n2, HELPER_N2);
+        assert_true(got.snapshot.mass == 192.0);
         buffer_fini(&rho);
     }
     buffer_fini(&list.items);
@@ -80,11 +79,10 @@ static void the_log_stays_small_while_much_is_written(void **state)
 
 static bf_status read_first_snapshot(store *s, const char *id, bf_buffer *rho)
 {
-    api_snapshot snapshot = { .index = 77 };
-    bf_grid grid = { .n1 = 77 };
+    api_array got = { .snapshot = { .index = 77 }, .grid = { .n1 = 77 } };
 
-    bf_status status = store_read_snapshot(s, id, 0, &snapshot, &grid, rho, NULL);
-    assert_true(status == BF_OK || (snapshot.index == 77 && grid.n1 == 77 && rho->n == 0));
+    bf_status status = store_read_array(s, id, 0, API_ARRAY_DENSITY, &got, rho, NULL);
+    assert_true(status == BF_OK || (got.snapshot.index == 77 && got.grid.n1 == 77 && rho->n == 0));
     return status;
 }
 
@@ -134,17 +132,17 @@ static void a_snapshot_that_is_not_there_is_not_found(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     api_run record = helper_start(s);
-    api_snapshot snapshot = { .index = 77 };
-    bf_grid grid = { .n1 = 77 };
+    api_array got = { .snapshot = { .index = 77 }, .grid = { .n1 = 77 } };
     bf_buffer rho = { 0 };
     api_snapshot_list list = { .n = 77 };
 
-    assert_int_equal(store_read_snapshot(s, record.id, 0, &snapshot, &grid, &rho, NULL),
+    assert_int_equal(store_read_array(s, record.id, 0, API_ARRAY_DENSITY, &got, &rho, NULL),
                      BF_ENOTFOUND);
-    assert_int_equal(store_read_snapshot(s, record.id, UINT64_MAX, &snapshot, &grid, &rho, NULL),
-                     BF_ENOTFOUND);
-    assert_int_equal(snapshot.index, 77);
-    assert_int_equal(grid.n1, 77);
+    assert_int_equal(
+        store_read_array(s, record.id, UINT64_MAX, API_ARRAY_DENSITY, &got, &rho, NULL),
+        BF_ENOTFOUND);
+    assert_int_equal(got.snapshot.index, 77);
+    assert_int_equal(got.grid.n1, 77);
     assert_null(rho.bytes);
     assert_int_equal(store_list_snapshots(s, record.id, &list, NULL), BF_OK);
     assert_int_equal(list.n, 0);

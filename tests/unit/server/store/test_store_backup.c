@@ -102,8 +102,7 @@ static void expect_the_same(store *original, const char *copy, const api_run *re
     helper_store other = { .directory = "/tmp/beltflow-store-XXXXXX" };
     char path[128];
     api_curve curve = { 0 };
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
     bf_buffer rho = { 0 };
 
     assert_non_null(mkdtemp(other.directory));
@@ -118,8 +117,8 @@ static void expect_the_same(store *original, const char *copy, const api_run *re
     assert_int_equal(store_read_curve(other.store, record->id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_true(helper_curve_is(&curve, 0, wanted.n_samples));
     api_curve_fini(&curve);
-    assert_int_equal(store_read_snapshot(other.store, record->id, 0, &snapshot, &grid, &rho, NULL),
-                     BF_OK);
+    assert_int_equal(
+        store_read_array(other.store, record->id, 0, API_ARRAY_DENSITY, &got, &rho, NULL), BF_OK);
     assert_true(helper_snapshot_is(&rho, 0));
     buffer_fini(&rho);
     helper_store_close(&other);

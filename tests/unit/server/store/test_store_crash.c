@@ -199,10 +199,9 @@ static void check_results(store *s, const api_run *record)
     assert_int_equal(store_list_snapshots(s, record->id, &list, NULL), BF_OK);
     assert_int_equal(list.n, record->n_snapshots);
     for (uint64_t i = 0; i < record->n_snapshots; i++) {
-        api_snapshot snapshot;
-        bf_grid grid;
+        api_array got;
         bf_buffer rho = { 0 };
-        assert_int_equal(store_read_snapshot(s, record->id, i, &snapshot, &grid, &rho, NULL),
+        assert_int_equal(store_read_array(s, record->id, i, API_ARRAY_DENSITY, &got, &rho, NULL),
                          BF_OK);
         assert_true(helper_snapshot_is(&rho, i));
         buffer_fini(&rho);

@@ -74,8 +74,7 @@ static void tell_results(store *s, const char *id, telling *t)
 {
     api_curve curve = { 0 };
     api_snapshot_list list = { 0 };
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array about;
 
     for (int which = API_TEXT_SCENARIO; which <= API_TEXT_FIGURES; which++) {
         bf_buffer got = { 0 };
@@ -91,7 +90,7 @@ static void tell_results(store *s, const char *id, telling *t)
     buffer_fini(&list.items);
     for (uint64_t i = 0; i < 2; i++) {
         bf_buffer rho = { 0 };
-        text = next_text(t, store_read_snapshot(s, id, i, &snapshot, &grid, &rho, NULL));
+        text = next_text(t, store_read_array(s, id, i, API_ARRAY_DENSITY, &about, &rho, NULL));
         note(text, rho.bytes, rho.n);
         buffer_fini(&rho);
     }

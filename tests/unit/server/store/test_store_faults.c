@@ -105,12 +105,11 @@ static bf_status try_list_snapshots(store *s, const char *id, bf_error *err)
 
 static bf_status try_read_snapshot(store *s, const char *id, bf_error *err)
 {
-    api_snapshot snapshot = { .index = 77 };
-    bf_grid grid = { .n1 = 77 };
+    api_array got = { .snapshot = { .index = 77 }, .grid = { .n1 = 77 } };
     bf_buffer rho = { 0 };
 
-    bf_status status = store_read_snapshot(s, id, 0, &snapshot, &grid, &rho, err);
-    assert_int_equal(snapshot.index, status == BF_OK ? 0 : 77);
+    bf_status status = store_read_array(s, id, 0, API_ARRAY_DENSITY, &got, &rho, err);
+    assert_int_equal(got.snapshot.index, status == BF_OK ? 0 : 77);
     assert_int_equal(rho.n, status == BF_OK ? HELPER_N1 * HELPER_N2 * 4 : 0);
     buffer_fini(&rho);
     return status;

@@ -23,7 +23,7 @@ static void what_a_run_sent_last_is_stored_with_its_end(void **state)
     };
     const store_ending ending = { .run_id = record.id, .state = RUN_SUCCEEDED, .last = &last };
     api_curve curve = { 0 };
-    api_snapshot snapshot;
+    api_array got;
     bf_buffer rho = { 0 };
 
     helper_append_samples(s, record.id, 0, 2);
@@ -36,8 +36,7 @@ static void what_a_run_sent_last_is_stored_with_its_end(void **state)
     assert_int_equal(after.n_samples, 5);
     assert_int_equal(store_read_curve(s, record.id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_true(helper_curve_is(&curve, 0, 5));
-    bf_grid stored;
-    assert_int_equal(store_read_snapshot(s, record.id, 0, &snapshot, &stored, &rho, NULL), BF_OK);
+    assert_int_equal(store_read_array(s, record.id, 0, API_ARRAY_DENSITY, &got, &rho, NULL), BF_OK);
     assert_true(helper_snapshot_is(&rho, 0));
     // Two samples, the rest, the snapshot, the status and the end.
     helper_events events = helper_read_events(s, record.id, record.last_event);

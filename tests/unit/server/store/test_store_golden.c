@@ -119,14 +119,12 @@ static void take_results(digest *d, store *s, const char *id, const api_run *rec
     api_curve_fini(&curve);
     for (uint64_t k = 0; k < record->n_snapshots; k++) {
         bf_buffer bytes = { 0 };
-        api_snapshot snapshot;
-        api_parts parts;
-        bf_grid grid;
-        assert_int_equal(store_read_snapshot(s, id, k, &snapshot, &grid, &bytes, NULL), BF_OK);
+        api_array got;
+        assert_int_equal(store_read_array(s, id, k, API_ARRAY_DENSITY, &got, &bytes, NULL), BF_OK);
         take_buffer(d, &bytes);
         if (record->model != RUN_MICRO)
             continue;
-        assert_int_equal(store_read_parts(s, id, k, &snapshot, &parts, &bytes, NULL), BF_OK);
+        assert_int_equal(store_read_array(s, id, k, API_ARRAY_PARTS, &got, &bytes, NULL), BF_OK);
         take_buffer(d, &bytes);
     }
 }

@@ -125,16 +125,15 @@ static void check_curve_events(store *s)
 static void check_results(store *s, const char *id, size_t n_samples)
 {
     api_curve curve = { 0 };
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
     bf_buffer rho = { 0 };
 
     assert_int_equal(store_read_curve(s, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_int_equal(curve.n, n_samples);
     assert_int_equal(curve.n_columns, 2);
     api_curve_fini(&curve);
-    assert_int_equal(store_read_snapshot(s, id, 0, &snapshot, &grid, &rho, NULL), BF_OK);
-    assert_true(snapshot.peak == 1.5 && grid.n1 == 2 && grid.n2 == 1);
+    assert_int_equal(store_read_array(s, id, 0, API_ARRAY_DENSITY, &got, &rho, NULL), BF_OK);
+    assert_true(got.snapshot.peak == 1.5 && got.grid.n1 == 2 && got.grid.n2 == 1);
     assert_int_equal(rho.n, sizeof cells);
     assert_memory_equal(rho.bytes, cells, sizeof cells);
     buffer_fini(&rho);
@@ -294,14 +293,13 @@ static void check_peaks(store *s, const char *id, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
         bf_buffer rho = { 0 };
-        api_snapshot snapshot;
-        bf_grid grid;
+        api_array got;
         float peak = 0.0F;
-        assert_int_equal(store_read_snapshot(s, id, i, &snapshot, &grid, &rho, NULL), BF_OK);
+        assert_int_equal(store_read_array(s, id, i, API_ARRAY_DENSITY, &got, &rho, NULL), BF_OK);
         const float *cell = (const float *)(const void *)rho.bytes;
         for (size_t k = 0; k < rho.n / sizeof *cell; k++)
             peak = fmaxf(peak, cell[k]);
-        assert_true(fabs((double)peak - snapshot.peak) <= FLT_EPSILON * snapshot.peak);
+        assert_true(fabs((double)peak - got.snapshot.peak) <= FLT_EPSILON * got.snapshot.peak);
         buffer_fini(&rho);
     }
 }
@@ -309,12 +307,12 @@ static void check_peaks(store *s, const char *id, size_t n)
 static void check_part(store *s)
 {
     bf_buffer rows_of_parts = { 0 };
-    api_snapshot snapshot;
-    api_parts parts;
+    api_array got;
 
-    assert_int_equal(store_read_parts(s, micro, 2, &snapshot, &parts, &rows_of_parts, NULL), BF_OK);
-    assert_int_equal(parts.n_parts, 1);
-    assert_int_equal(parts.n_values, 6);
+    assert_int_equal(store_read_array(s, micro, 2, API_ARRAY_PARTS, &got, &rows_of_parts, NULL),
+                     BF_OK);
+    assert_int_equal(got.parts.n_parts, 1);
+    assert_int_equal(got.parts.n_values, 6);
     assert_true(at(&rows_of_parts, 1) == 0.06 && at(&rows_of_parts, 3) == 0.39459777928957507);
     buffer_fini(&rows_of_parts);
 }

@@ -57,16 +57,15 @@ static bf_status append(store *s, const char *id, uint64_t index, const api_part
 
 static bf_status read_back(store *s, const char *id, uint64_t index, bf_buffer *rows)
 {
-    api_snapshot snapshot = { .index = 77 };
-    api_parts parts = { .n_values = 77 };
+    api_array got = { .snapshot = { .index = 77 }, .parts = { .n_values = 77 } };
 
-    bf_status status = store_read_parts(s, id, index, &snapshot, &parts, rows, NULL);
+    bf_status status = store_read_array(s, id, index, API_ARRAY_PARTS, &got, rows, NULL);
     if (status == BF_OK) {
-        assert_int_equal(snapshot.index, index);
-        assert_int_equal(parts.n_parts, N_PARTS);
-        assert_int_equal(parts.n_values, FRAME_VALUES_PLANAR);
+        assert_int_equal(got.snapshot.index, index);
+        assert_int_equal(got.parts.n_parts, N_PARTS);
+        assert_int_equal(got.parts.n_values, FRAME_VALUES_PLANAR);
     } else {
-        assert_true(snapshot.index == 77 && parts.n_values == 77 && rows->n == 0);
+        assert_true(got.snapshot.index == 77 && got.parts.n_values == 77 && rows->n == 0);
     }
     return status;
 }
@@ -156,11 +155,10 @@ static void damage_in_parts_is_noticed(void **state)
 
 static bf_status open_parts(store *s, const char *id)
 {
-    api_snapshot snapshot;
-    api_parts parts;
+    api_array got;
     api_slices array = { .n = 0 };
 
-    bf_status status = store_open_parts(s, id, 0, &snapshot, &parts, &array, NULL);
+    bf_status status = store_open_array(s, id, 0, API_ARRAY_PARTS, &got, &array, NULL);
     api_slices_fini(&array);
     return status;
 }

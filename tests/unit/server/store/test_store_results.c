@@ -166,9 +166,7 @@ static void check_results(store *s, const char *id)
 {
     api_curve curve = { 0 };
     api_snapshot_list list = { 0 };
-    api_snapshot snapshot;
-    api_parts parts;
-    bf_grid grid;
+    api_array got;
 
     assert_int_equal(store_read_curve(s, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_true(helper_curve_is(&curve, 0, 15));
@@ -179,9 +177,9 @@ static void check_results(store *s, const char *id)
     buffer_fini(&list.items);
     for (uint64_t i = 0; i < 3; i++) {
         bf_buffer rho = { 0 }, rows = { 0 };
-        assert_int_equal(store_read_snapshot(s, id, i, &snapshot, &grid, &rho, NULL), BF_OK);
+        assert_int_equal(store_read_array(s, id, i, API_ARRAY_DENSITY, &got, &rho, NULL), BF_OK);
         assert_true(helper_snapshot_is(&rho, i));
-        assert_int_equal(store_read_parts(s, id, i, &snapshot, &parts, &rows, NULL), BF_OK);
+        assert_int_equal(store_read_array(s, id, i, API_ARRAY_PARTS, &got, &rows, NULL), BF_OK);
         assert_true(((const double *)(const void *)rows.bytes)[0] == (double)i);
         buffer_fini(&rho);
         buffer_fini(&rows);

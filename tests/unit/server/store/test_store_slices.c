@@ -16,23 +16,21 @@ enum {
 
 static api_slices open_first(store *s, const char *id)
 {
-    api_snapshot snapshot = { .index = 77 };
-    bf_grid grid = { .n1 = 77 };
+    api_array got = { .snapshot = { .index = 77 }, .grid = { .n1 = 77 } };
     api_slices array = { .n = 0 };
 
-    assert_int_equal(store_open_snapshot(s, id, 0, &snapshot, &grid, &array, NULL), BF_OK);
-    assert_int_equal(snapshot.index, 0);
-    assert_int_equal(grid.n1, HELPER_N1);
+    assert_int_equal(store_open_array(s, id, 0, API_ARRAY_DENSITY, &got, &array, NULL), BF_OK);
+    assert_int_equal(got.snapshot.index, 0);
+    assert_int_equal(got.grid.n1, HELPER_N1);
     assert_int_equal(array.n, N_BYTES);
     return array;
 }
 
 static void read_whole(store *s, const char *id, bf_buffer *out)
 {
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
 
-    assert_int_equal(store_read_snapshot(s, id, 0, &snapshot, &grid, out, NULL), BF_OK);
+    assert_int_equal(store_read_array(s, id, 0, API_ARRAY_DENSITY, &got, out, NULL), BF_OK);
     assert_int_equal(out->n, N_BYTES);
 }
 
@@ -223,13 +221,12 @@ static void an_id_that_is_too_long_is_of_no_run(void **state)
     store *s = ((helper_store *)*state)->store;
     api_run record = helper_start(s);
     char longer[API_ID_SIZE + 1];
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
     api_slices array;
 
     helper_append_snapshot(s, record.id, 0);
     (void)snprintf(longer, sizeof longer, "%sa", record.id);
-    assert_int_equal(store_open_snapshot(s, longer, 0, &snapshot, &grid, &array, NULL),
+    assert_int_equal(store_open_array(s, longer, 0, API_ARRAY_DENSITY, &got, &array, NULL),
                      BF_ENOTFOUND);
 }
 
@@ -237,19 +234,20 @@ static void a_snapshot_without_its_last_slice_is_not_opened(void **state)
 {
     helper_store *h = *state;
     api_run record = helper_start(h->store);
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
     api_slices array = { .n = 77 };
 
     helper_append_snapshot(h->store, record.id, 0);
     (void)helper_finish(h->store, record.id, RUN_SUCCEEDED);
-    assert_int_equal(store_open_snapshot(h->store, record.id, 1, &snapshot, &grid, &array, NULL),
-                     BF_ENOTFOUND);
+    assert_int_equal(
+        store_open_array(h->store, record.id, 1, API_ARRAY_DENSITY, &got, &array, NULL),
+        BF_ENOTFOUND);
     helper_store_close(h);
     helper_store_sql(h, "DELETE FROM chunks WHERE part = 3");
     helper_store_open(h);
-    assert_int_equal(store_open_snapshot(h->store, record.id, 0, &snapshot, &grid, &array, NULL),
-                     BF_ECORRUPT);
+    assert_int_equal(
+        store_open_array(h->store, record.id, 0, API_ARRAY_DENSITY, &got, &array, NULL),
+        BF_ECORRUPT);
     assert_int_equal(array.n, 77);
 }
 

@@ -29,11 +29,10 @@ static void assert_piece(store *s, const char *id, uint64_t index, size_t from, 
 
 static void assert_snapshot(store *s, const char *id, uint64_t index)
 {
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
     bf_buffer rho = { 0 };
 
-    assert_int_equal(store_read_snapshot(s, id, index, &snapshot, &grid, &rho, NULL), BF_OK);
+    assert_int_equal(store_read_array(s, id, index, API_ARRAY_DENSITY, &got, &rho, NULL), BF_OK);
     assert_true(helper_snapshot_is(&rho, index));
     buffer_fini(&rho);
 }
@@ -64,8 +63,7 @@ static void pieces_are_hidden_until_the_last(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     const api_run before = helper_start(s);
-    api_snapshot snapshot;
-    bf_grid grid;
+    api_array got;
     api_slices array;
 
     assert_piece(s, before.id, 0, 0, N_BYTES, false);
@@ -73,7 +71,7 @@ static void pieces_are_hidden_until_the_last(void **state)
     assert_int_equal(now.revision, before.revision);
     assert_int_equal(now.last_event, before.last_event);
     assert_int_equal(now.n_snapshots, 0);
-    assert_int_equal(store_open_snapshot(s, before.id, 0, &snapshot, &grid, &array, NULL),
+    assert_int_equal(store_open_array(s, before.id, 0, API_ARRAY_DENSITY, &got, &array, NULL),
                      BF_ENOTFOUND);
     assert_piece(s, before.id, 0, N_BYTES, N_BYTES, true);
     helper_events events = helper_read_events(s, before.id, before.last_event);
