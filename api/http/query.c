@@ -14,17 +14,23 @@ static int read_hex(char c)
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
+int query_read_escape(const char *text)
+{
+    const int high = read_hex(text[0]);
+    const int low = high < 0 ? -1 : read_hex(text[1]);
+
+    return low < 0 ? -1 : high * 16 + low;
+}
+
 // The byte at *text, decoded, with *text moved past it; -1 if it is broken or a control byte.
 static int read_byte(const char **text)
 {
     int c = (unsigned char)**text;
 
     if (c == '%') {
-        int high = read_hex((*text)[1]);
-        int low = high < 0 ? -1 : read_hex((*text)[2]);
-        if (low < 0)
+        c = query_read_escape(*text + 1);
+        if (c < 0)
             return -1;
-        c = high * 16 + low;
         *text += 2;
     } else if (c == '+') {
         c = ' ';

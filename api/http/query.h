@@ -33,6 +33,9 @@ typedef struct query {
 /// too many. The text names the parameter.
 BF_MUST_CHECK bf_status query_parse(const char *text, query *ret_query, bf_error *err);
 
+/// The byte that the two hexadecimal digits behind a '%' say; -1: they are none.
+int query_read_escape(const char *text);
+
 /// The value of a parameter, or NULL if it was not given.
 const char *query_value(const query *q, const char *name);
 

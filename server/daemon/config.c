@@ -1,5 +1,6 @@
 #include "server/daemon/config.h"
 
+#include "api/json/number.h"
 #include "api/json/text.h"
 #include "core/base/check.h"
 
@@ -58,32 +59,13 @@ static bf_status refuse_unknown(const char *name, const char *where, bf_error *e
                    meant);
 }
 
-// Reads decimal digits. False: it is no whole number, or beyond uint64_t.
-static bool read_number(const char *text, uint64_t *ret_number)
-{
-    uint64_t number = 0;
-
-    if (*text == '\0')
-        return false;
-    for (; *text != '\0'; text++) {
-        if (*text < '0' || *text > '9')
-            return false;
-        uint64_t digit = (uint64_t)(*text - '0');
-        if (number > (UINT64_MAX - digit) / 10)
-            return false;
-        number = number * 10 + digit;
-    }
-    *ret_number = number;
-    return true;
-}
-
 static bf_status set_number(config *c, size_t i, const char *value, const char *where,
                             bf_error *err)
 {
     const config_place *place = &places[i];
     uint64_t number = 0;
 
-    if (!read_number(value, &number) || number < place->least || number > place->most)
+    if (!number_read_digits(value, place->least, place->most, &number))
         return bf_fail(err, BF_EINPUT, "",
                        "%s: %s must be a whole number from %llu to %llu, not '%.40s'", where,
                        rows[i].name, (unsigned long long)place->least,

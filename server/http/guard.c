@@ -1,6 +1,7 @@
 #include "server/http/guard.h"
 
 #include "api/http/exchange.h"
+#include "api/http/query.h"
 
 #include <ctype.h>
 #include <string.h>
@@ -129,17 +130,6 @@ static const char *skip_authority(const char *target)
     return authority != NULL && authority[n] == '/' ? authority + n : target;
 }
 
-static int digit_of(char c)
-{
-    if (c >= '0' && c <= '9')
-        return c - '0';
-    if (c >= 'a' && c <= 'f')
-        return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F')
-        return c - 'A' + 10;
-    return -1;
-}
-
 // Decodes n bytes into *ret_path, which has room for them. NULL, or what is wrong.
 static const char *decode_path(const char *text, size_t n, char *ret_path)
 {
@@ -148,11 +138,9 @@ static const char *decode_path(const char *text, size_t n, char *ret_path)
     for (size_t i = 0; i < n; i++) {
         int byte = (unsigned char)text[i];
         if (byte == '%') {
-            int high = i + 2 < n ? digit_of(text[i + 1]) : -1;
-            int low = i + 2 < n ? digit_of(text[i + 2]) : -1;
-            if (high < 0 || low < 0)
+            byte = i + 2 < n ? query_read_escape(text + i + 1) : -1;
+            if (byte < 0)
                 return "a percent sign in the path is not followed by two hexadecimal digits";
-            byte = high * 16 + low;
             i += 2;
         }
         if (byte < 0x20 || byte == 0x7f)
@@ -177,11 +165,11 @@ int http_guard_target(const char *target, char *ret_path, char *ret_query, bf_er
 {
     const char *path = skip_authority(target);
     size_t n_path = strcspn(path, "?");
-    const char *query = path[n_path] == '?' ? path + n_path + 1 : "";
+    const char *query_text = path[n_path] == '?' ? path + n_path + 1 : "";
     char decoded[API_PATH_MAX];
     const char *fault = NULL;
 
-    if (n_path >= API_PATH_MAX || strlen(query) >= API_PATH_MAX) {
+    if (n_path >= API_PATH_MAX || strlen(query_text) >= API_PATH_MAX) {
         (void)bf_fail(err, BF_ELIMIT, "", "path and query are limited to %d bytes each",
                       API_PATH_MAX - 1);
         return 414;
@@ -197,6 +185,6 @@ int http_guard_target(const char *target, char *ret_path, char *ret_query, bf_er
         return 400;
     }
     memcpy(ret_path, decoded, strlen(decoded) + 1);
-    memcpy(ret_query, query, strlen(query) + 1);
+    memcpy(ret_query, query_text, strlen(query_text) + 1);
     return 0;
 }
