@@ -25,6 +25,7 @@ typedef struct api_annotations {
     char name[SCENE_NAME_SIZE]; ///< of a study fewer bytes: API_STUDY_NAME_SIZE
     char label[API_LABEL_SIZE]; ///< of runs
     char notes[API_NOTES_SIZE]; ///< of runs
+    bool is_starred;            ///< of runs
 } api_annotations;
 
 /// A run as the store knows it.
@@ -36,6 +37,7 @@ typedef struct api_run {
     char label[API_LABEL_SIZE]; ///< the client's, "" if none
     char name[SCENE_NAME_SIZE]; ///< at first that of the scenario
     char notes[API_NOTES_SIZE]; ///< of its users, "" if none
+    bool is_starred;            ///< its users want to find it again
     char closure
         [API_CLOSURE_SIZE]; ///< of the macroscopic model, its word; "": not known, or the other model
     uint64_t revision;      ///< from 1, rises with every change of the row: the ETag

@@ -51,6 +51,7 @@ typedef struct api_list_query {
         [API_LABEL_SIZE]; ///< what name or label contains, A to Z as small letters; "": anything
     int64_t from_ms;      ///< accepted at this Unix time or later
     int64_t before_ms;    ///< accepted before it; 0: at any time
+    bool is_starred;      ///< only starred ones
     api_sort sort;        ///< the order
     char before[API_ID_SIZE]; ///< only runs behind the one with this id; "": from the first
     char before_key[API_SORT_KEY_SIZE]; ///< its key, "" if it had none; none of API_SORT_CREATED

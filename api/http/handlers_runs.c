@@ -4,6 +4,7 @@
 #include "api/http/http_priv.h"
 #include "api/http/negotiation.h"
 #include "api/http/run_sort.h"
+#include "api/json/moment.h"
 #include "api/results/annotations_json.h"
 #include "api/results/run_json.h"
 #include "api/scenario/submission.h"
@@ -18,7 +19,10 @@
 #include <string.h>
 
 // Of the parameters of a list but for label, limit and cursor.
-enum { FILTERS_SIZE = 3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 200 };
+enum {
+    FILTERS_SIZE =
+        3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 2 * 3 * MOMENT_SIZE + 200
+};
 
 static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
 {
@@ -168,6 +172,7 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
         .counts = exchange__whole(x, "count") == 1,
         .from_ms = (int64_t)exchange__whole(x, "created_from"),
         .before_ms = (int64_t)exchange__whole(x, "created_before"),
+        .is_starred = exchange__whole(x, "starred") == 1,
     };
 
     snprintf(list.owner, sizeof list.owner, "%s", access_list_owner(x));
@@ -185,25 +190,25 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     return list;
 }
 
+// What the list is narrowed and ordered by goes on to the next page. None of these is longer than its kind of parameter allows.
 static void add_next_link(exchange *x, const exchange_page *page, const api_list_query *wanted,
                           api_run_list *list)
 {
-    const char *sort = exchange__text(x, "sort");
-    const char *from = exchange__text(x, "created_from");
-    const char *until = exchange__text(x, "created_before");
-    bool has_state = wanted->state >= 0, has_model = wanted->model >= 0;
-    char filters[FILTERS_SIZE], search[3 * API_LABEL_SIZE];
+    static const char *const texts[] = { "status", "model",        "study",         "search",
+                                         "sort",   "created_from", "created_before" };
+    char filters[FILTERS_SIZE], *end = filters;
 
-    exchange__encode(wanted->search, search);
-    int n = snprintf(
-        filters, sizeof filters, "%s%s%s%s%s%s%s%s%s%s%s%s%s%s%s", has_state ? "&status=" : "",
-        has_state ? run_state_word((run_state)wanted->state) : "", has_model ? "&model=" : "",
-        has_model ? run_model_words[wanted->model] : "", wanted->study[0] != '\0' ? "&study=" : "",
-        wanted->study, search[0] != '\0' ? "&search=" : "", search, sort != NULL ? "&sort=" : "",
-        sort != NULL ? sort : "", from != NULL ? "&created_from=" : "", from != NULL ? from : "",
-        until != NULL ? "&created_before=" : "", until != NULL ? until : "",
-        wanted->counts ? "&count=1" : "");
-    BF_CHECK(n >= 0 && (size_t)n < sizeof filters);
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+        const char *value = exchange__text(x, texts[k]);
+        if (value == NULL)
+            continue;
+        end += sprintf(end, "&%s=", texts[k]);
+        exchange__encode(value, end);
+        end += strlen(end);
+    }
+    end += sprintf(end, "%s%s", wanted->is_starred ? "&starred=1" : "",
+                   wanted->counts ? "&count=1" : "");
+    BF_CHECK(end < filters + sizeof filters);
     run_sort_write_cursor(list->last_id, list->last_key, list->next_cursor);
     exchange__link_next(x, page, filters, list->next_cursor);
 }
@@ -307,6 +312,7 @@ static bf_status annotate(exchange *x, const char *id, uint64_t revision, api_ru
     memcpy(annotations.name, record->name, sizeof annotations.name);
     memcpy(annotations.label, record->label, sizeof annotations.label);
     memcpy(annotations.notes, record->notes, sizeof annotations.notes);
+    annotations.is_starred = record->is_starred;
     bf_status status = annotations_json_read(exchange__body(x), x->request->n_body,
                                              &annotations_json_run, &annotations, &x->faults, err);
     return status == BF_OK ? x->services->annotate(x->services->store, id, record->revision,

@@ -203,6 +203,13 @@ const param routes__run_created_before = { .name = "created_before",
                                            .kind = &param_time,
                                            .help = "Only runs that were accepted earlier" };
 
+const param routes__run_starred = { .name = "starred",
+                                    .in = "query",
+                                    .kind = &param_flag,
+                                    .default_text = "0",
+                                    .most = 1,
+                                    .help = "1: only starred runs" };
+
 const param routes__run_count = { .name = "count",
                                   .in = "query",
                                   .kind = &param_flag,

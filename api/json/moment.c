@@ -19,10 +19,8 @@ bool moment_write(int64_t unix_ms, char ret_text[MOMENT_SIZE])
 
 bool moment_read(const char *text, int64_t *ret_unix_ms)
 {
-    enum {
-        WHOLE = sizeof "2026-11-24T09:00:00" - 1,
-        FRACTION = 3
-    }; // characters; digits that count
+    // Characters; digits that count; digits that there may be.
+    enum { WHOLE = sizeof "2026-11-24T09:00:00" - 1, FRACTION = 3, FRACTION_MAX = 9 };
     struct tm tm = { 0 };
     const bool has_seconds = strptime(text, "%Y-%m-%dT%H:%M:%S", &tm) == text + WHOLE;
     const char *rest = has_seconds ? text + WHOLE : "";
@@ -34,7 +32,7 @@ bool moment_read(const char *text, int64_t *ret_unix_ms)
         ms += (int64_t)unit * (rest[i] - '0');
     rest += n_digits == 0 ? 0 : n_digits + 1;
     // The 30th of February became another day.
-    if (strcmp(rest, "Z") != 0 || tm.tm_mday != day || ms < 0)
+    if (strcmp(rest, "Z") != 0 || n_digits > FRACTION_MAX || tm.tm_mday != day || ms < 0)
         return false;
     *ret_unix_ms = ms;
     return true;

@@ -14,6 +14,18 @@ static const member_kind member_patched_text = { .text = "string or null",
                                                  .type = "string?",
                                                  .read = read_text_or_null };
 
+static void read_flag_or_null(json_in *in, const json_t *value, const member *m, void *item)
+{
+    if (json_is_null(value))
+        *(bool *)((char *)item + m->offset) = false;
+    else
+        member_bool.read(in, value, m, item);
+}
+
+static const member_kind member_patched_flag = { .text = "boolean or null",
+                                                 .type = "boolean?",
+                                                 .read = read_flag_or_null };
+
 #define TEXT(name_, place, size, help_)                                                            \
     MEMBER(name_, patched_text, offsetof(api_annotations, place), help_, .limit = (size),          \
            .default_text = "as it is")
@@ -21,6 +33,8 @@ static const member run_members[] = {
     TEXT("name", name, SCENE_NAME_SIZE, "what it is called; the scenario keeps its own name"),
     TEXT("label", label, API_LABEL_SIZE, "what it is found by"),
     TEXT("notes", notes, API_NOTES_SIZE, "what is worth knowing of it"),
+    MEMBER("starred", patched_flag, offsetof(api_annotations, is_starred),
+           "whether it is to be found again by `?starred=1`", .default_text = "as it is"),
 };
 static const member study_members[] = {
     TEXT("name", name, API_STUDY_NAME_SIZE, "what it is called; the document keeps its own name"),

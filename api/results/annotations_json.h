@@ -6,7 +6,7 @@
 #include "api/json/members.h"
 #include "api/services.h"
 
-extern const member_table annotations_json_run;   ///< name, label and notes
+extern const member_table annotations_json_run;   ///< name, label, notes and starred
 extern const member_table annotations_json_study; ///< name
 
 /// Change *annotations by n bytes of a patch. BF_EINPUT: faults tell the places, and *annotations is as before.

@@ -91,6 +91,13 @@ static bool has_notes(const void *item)
     return record->notes[0] != '\0';
 }
 
+static bool is_starred(const void *item)
+{
+    const api_run *record = item;
+
+    return record->is_starred;
+}
+
 static bool has_study(const void *item)
 {
     const api_run *record = item;
@@ -133,6 +140,8 @@ static const member run_members[] = {
     MEMBER("priority", int, AT(priority), "Runs of higher priority are solved first"),
     MEMBER("name", text, AT(name), "Name of the scenario, unless it was renamed"),
     MEMBER("notes", text, AT(notes), "What its users noted of it", .applies = has_notes),
+    MEMBER("starred", bool, AT(is_starred), "Its users want to find it again: true, or missing",
+           .applies = is_starred),
     MEMBER("created_at", time, AT(created_ms), "When it was accepted"),
     MEMBER("started_at", time, AT(started_ms), "When it was last started", .null = "never"),
     MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not yet"),

@@ -293,8 +293,9 @@ static bf_status apply_annotate(store__connection *writer, store__operation *ope
     memcpy(row->run.name, to->name, sizeof row->run.name);
     memcpy(row->run.label, to->label, sizeof row->run.label);
     memcpy(row->run.notes, to->notes, sizeof row->run.notes);
+    row->run.is_starred = to->is_starred;
     status = store__exec(writer, STORE__SQL_ANNOTATE_RUN, err, TEXT(to->name), TEXT(to->label),
-                         TEXT(to->notes), INTEGER(row->rowid));
+                         TEXT(to->notes), INTEGER(to->is_starred), INTEGER(row->rowid));
     return status == BF_OK ? store__save_row(writer, row, err) : status;
 }
 

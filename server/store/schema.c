@@ -405,12 +405,15 @@ static const char schema_21[] =
 // What users noted of runs.
 static const char schema_22[] = "ALTER TABLE runs ADD COLUMN notes TEXT NOT NULL DEFAULT '';";
 
+// Which runs users want to find again.
+static const char schema_23[] = "ALTER TABLE runs ADD COLUMN starred INTEGER NOT NULL DEFAULT 0;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
 const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
                                           schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
                                           schema_11, schema_12, schema_13, schema_14, schema_15,
                                           schema_16, schema_17, schema_18, schema_19, schema_20,
-                                          schema_21, schema_22 };
+                                          schema_21, schema_22, schema_23 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

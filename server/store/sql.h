@@ -17,6 +17,7 @@
     X(TEXT, label, run.label)                                                                      \
     X(TEXT, name, run.name)                                                                        \
     X(TEXT, notes, run.notes)                                                                      \
+    X(INTEGER, starred, run.is_starred)                                                            \
     X(TEXT, closure, run.closure)                                                                  \
     X(INTEGER, created_ms, run.created_ms)                                                         \
     X(INTEGER, results, results)                                                                   \
@@ -92,7 +93,8 @@
     X(MOVE_RUN, "UPDATE runs SET state = ?1, finished_ms = ?2 WHERE number = ?3")                  \
     X(UPDATE_RUN,                                                                                  \
       "UPDATE runs SET revision = ?" STORE__RUN_CHANGING(STORE__ASSIGN) " WHERE number = ?")       \
-    X(ANNOTATE_RUN, "UPDATE runs SET name = ?1, label = ?2, notes = ?3 WHERE number = ?4")         \
+    X(ANNOTATE_RUN,                                                                                \
+      "UPDATE runs SET name = ?1, label = ?2, notes = ?3, starred = ?4 WHERE number = ?5")         \
     X(DELETE_RUN, "DELETE FROM runs WHERE number = ?1")                                            \
     X(FIND_RUN, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id = ?1")                           \
     X(NEXT_RUNNING, "SELECT " STORE__RUN_COLUMNS                                                   \

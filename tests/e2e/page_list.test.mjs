@@ -73,7 +73,7 @@ test("a first visit says what this is, and shows it at a press of a button", asy
   for (const { id } of runs) assert.ok(page.url().includes(id));
 });
 
-test("runs are found by the day on which they were accepted", async (t) => {
+test("runs are found by the day on which they were accepted, and by their star", async (t) => {
   const d = await daemon(t);
   await d.submit(tiny({ name: "run of today" }));
   const page = await openPage(t, d);
@@ -93,6 +93,17 @@ test("runs are found by the day on which they were accepted", async (t) => {
   await page.getByLabel("to", { exact: true }).fill(await dayOf(1));
   await rowOf(page, "run of today").waitFor();
   assert.match(page.url(), /from=\d{4}-\d\d-\d\d&to=\d{4}-\d\d-\d\d/);
+
+  // Or by its star.
+  await visit(page, "#/?starred=1");
+  await page.getByText("No run matches.").waitFor();
+  await page.getByRole("combobox", { name: "Show", exact: true }).selectOption("all");
+  await page.getByRole("button", { name: "Star run of today" }).click();
+  await page.getByRole("button", { name: "Star run of today", pressed: true }).waitFor();
+  await page.getByRole("combobox", { name: "Show", exact: true }).selectOption("starred");
+  await page.getByRole("link", { name: "run of today" }).click();
+  await page.getByRole("button", { name: "Star", pressed: true }).click();
+  await page.getByRole("button", { name: "Star", pressed: false }).waitFor();
 });
 
 test("filters stand in the address, and pages follow the cursor there and back", async (t) => {

@@ -238,6 +238,12 @@ test("a run and a study are renamed, found by their new names, and keep their re
   assert.deepEqual((await d.get("/v1/runs?search=monday")).json.runs.map(({ id }) => id), [run.id]);
   assert.equal((await d.get(`/v1/runs/${run.id}/scenario`)).json.name, "before");
   assert.equal((await d.get(`/v1/runs/${run.id}/curve`)).text, curve);
+  assert.equal((await patch(`/v1/runs/${run.id}`, { starred: true })).json.starred, true);
+  await d.submit(tiny());
+  const starred = (await d.get("/v1/runs?starred=1&count=1")).json;
+  assert.deepEqual([starred.runs.map(({ id }) => id), starred.total], [[run.id], 1]);
+  assert.equal((await patch(`/v1/runs/${run.id}`, { starred: null })).json.starred, undefined);
+  assert.deepEqual((await d.get("/v1/runs?starred=1")).json.runs, []);
   const refused = await patch(`/v1/runs/${run.id}`, { name: "x".repeat(201) });
   assert.deepEqual([refused.status, refused.json.errors[0].pointer], [422, "/name"]);
 

@@ -41,6 +41,7 @@ const paths = {
   close: "M3 4.4 4.4 3 8 6.6 11.6 3 13 4.4 9.4 8l3.6 3.6-1.4 1.4L8 9.4 4.4 13 3 11.6 6.6 8z",
   minus: "M2 7h12v2H2z",
   film: "M1 3h10v10H1zM12 7l3-2.5v7L12 9z",
+  star: "M8 1l2.1 4.6 5 .5-3.8 3.3 1.1 4.9L8 11.8l-4.4 2.5 1.1-4.9L.9 6.1l5-.5z",
   add: "M7 2h2v5h5v2H9v5H7V9H2V7h5z",
   download: "M7 1h2v7h3l-4 4.5L4 8h3zM2 13h12v2H2z",
 };

@@ -81,6 +81,7 @@ export class RunView {
       go("#/");
     }, { shown: true });
     [this.nameText, this.labelText, this.notesText] = [h("h1", {}), h("span", { class: "label" }), h("p", { class: "hint" })];
+    this.starButton = iconButton("star", "Star", () => this.annotate({ starred: this.data.run.starred !== true }), { class: "star" });
     this.showNames();
     return h("div", { class: "view-head" },
       h("div", { class: "heading" }, this.nameText,
@@ -88,7 +89,7 @@ export class RunView {
           h("span", { class: "model", data: { model: run.model } }, modelOf(run)), this.labelText,
           h("time", { datetime: run.created_at }, age(run.created_at))), this.notesText),
       h("div", { class: "actions" },
-        h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"),
+        this.starButton, h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"),
         iconButton("download", "Save report", () => this.report(), { shown: true }),
         link(address("compare", "", { runs: run.id }), "Compare", { class: "button" }), this.cancelButton, remove));
   }
@@ -101,15 +102,19 @@ export class RunView {
       setText(element, text ?? "");
       element.hidden = !text;
     }
+    this.starButton.setAttribute("aria-pressed", String(run.starred === true));
+  }
+
+  // What is missing in the answer is not there any more.
+  async annotate(changes) {
+    const { notes = "", starred = false, ...run } = await patch(paths.run(this.data.run.id), changes);
+    Object.assign(this.data.run, run, { notes, starred });
+    this.showNames();
   }
 
   rename() {
-    const { name, label, notes = "", id } = this.data.run;
-    annotate({ name, label, notes }, async (changes) => {
-      const { notes: noted = "", ...run } = await patch(paths.run(id), changes);
-      Object.assign(this.data.run, run, { notes: noted });
-      this.showNames();
-    });
+    const { name, label, notes = "" } = this.data.run;
+    annotate({ name, label, notes }, (changes) => this.annotate(changes));
   }
 
   // The picture is the one that is seen.

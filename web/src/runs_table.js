@@ -19,7 +19,7 @@ export function statePill(run) {
 }
 
 export class RunRow {
-  // actions: { onCancel, onRemove, onSelect }.
+  // actions: { onStar, onCancel, onRemove, onSelect }.
   constructor(run, actions) {
     this.id = run.id;
     this.title = link(address("runs", run.id), "");
@@ -30,6 +30,7 @@ export class RunRow {
     this.fault = h("small", { class: "fault" });
     this.age = h("time");
     this.check = h("input", { type: "checkbox", on: { change: () => actions.onSelect(run, this.check.checked) } });
+    this.star = iconButton("star", "Star", () => actions.onStar(this.run), { class: "bare star" });
     this.cancel = iconButton("stop", "Cancel", () => actions.onCancel(this.run), { class: "bare" });
     this.remove = iconButton("trash", "Delete", () => actions.onRemove(this.run), { class: "bare" });
     this.texts = new Map(columns.filter(({ text }) => text).map(({ name, title }) => [name, h("span", { class: "figures", title })]));
@@ -39,7 +40,7 @@ export class RunRow {
     this.element = h("tr", { role: "row" },
       h("td", { role: "cell", class: "pick" }, h("label", {}, this.check, h("span", { class: "hidden" }, "Compare"))), this.name,
       columns.slice(1).map(({ name, kind }) => h("td", { role: "cell", "data-label": name, class: kind }, inside[name] ?? this.texts.get(name))),
-      h("td", { role: "cell", class: "actions" }, this.cancel, this.remove));
+      h("td", { role: "cell", class: "actions" }, this.star, this.cancel, this.remove));
     this.show(run);
   }
 
@@ -60,7 +61,8 @@ export class RunRow {
     this.age.title = moment(run.created_at);
     setText(this.age, age(run.created_at));
     this.cancel.classList.toggle("absent", isOver(run));
-    for (const button of [this.cancel, this.remove]) button.setAttribute("aria-label", `${button.title} ${name}`);
+    this.star.setAttribute("aria-pressed", String(run.starred === true));
+    for (const button of [this.star, this.cancel, this.remove]) button.setAttribute("aria-label", `${button.title} ${name}`);
     this.check.setAttribute("aria-label", `Select ${name} (${run.model}) to compare`);
   }
 

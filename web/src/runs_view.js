@@ -1,6 +1,6 @@
 // The list of runs: updated by events, filtered, paged by the API's cursor, with studies between them.
 
-import { getJson, isOver, listRuns } from "./api.js";
+import { getJson, isOver, listRuns, patch, paths } from "./api.js";
 import { onConnection } from "./connection.js";
 import { h, link, setText } from "./dom.js";
 import { applyToRun, follow } from "./events.js";
@@ -14,6 +14,7 @@ import { RunRow, states } from "./runs_table.js";
 import { Tray } from "./runs_tray.js";
 import { selected } from "./selection.js";
 import { nameOfStudy } from "./study_words.js";
+import { tellFault } from "./toast.js";
 import { Variants } from "./variants.js";
 
 const PERIOD_MS = 2000;
@@ -84,12 +85,12 @@ export class RunsView {
       on: { submit: (event) => event.preventDefault() } },
     h("label", { class: "field inline" }, h("span", {}, "Search"), this.searchBox),
     this.folded(this.choice("status", "State", plain(states)), this.choice("model", "Model", plain(["macro", "micro"])),
-    this.day("from", "From"), this.day("to", "to"), this.sorting(), this.studies));
+    this.choice("starred", "Show", [["1", "starred"]]), this.day("from", "From"), this.day("to", "to"), this.sorting(), this.studies));
   }
 
   // On small screens, unless one of them is set.
   folded(...filters) {
-    const isSet = ["status", "model", "from", "to", "sort", "study"].some((name) => this.query.get(name));
+    const isSet = ["status", "model", "starred", "from", "to", "sort", "study"].some((name) => this.query.get(name));
     return h("details", { open: isSet || matchMedia("(width > 640px)").matches }, h("summary", {}, "Filters and order"),
       h("div", { class: "filters" }, filters));
   }
@@ -197,7 +198,7 @@ export class RunsView {
     const query = { ...rest, created_from: midnight(from), created_before: midnight(to, 1) };
     const order = parameterOf(sort) === null ? sort : "";
     const page = await listRuns({ limit: LIMIT, count: 1, ...query, search, sort: order, cursor }, options);
-    const isGrouped = !["study", "status", "model", "label", "sort", "from", "to"].some((name) => this.query.get(name));
+    const isGrouped = !["study", "status", "model", "label", "sort", "starred", "from", "to"].some((name) => this.query.get(name));
     const entries = isGrouped ? await grouped(page, { after: cursor, open: open.split(","), search }, options)
       : page.runs.map((run) => ({ run }));
     return { ...page, entries };
@@ -281,6 +282,7 @@ export class RunsView {
     let row = this.rows.get(run.id);
     if (!row) {
       row = new RunRow(run, {
+        onStar: (current) => this.star(current),
         onCancel: (current) => cancel(current).then(() => this.refresh()),
         onRemove: (current) => this.remove(current),
         onSelect: (current, isChosen) => this.select(current, isChosen),
@@ -292,6 +294,16 @@ export class RunsView {
     row.showVariant(this.labels, this.known.get(run.id) ?? { texts: this.labels.map(() => "–"), chips: [] });
     if (selected.has(run.id)) selected.set(run.id, run);
     return row;
+  }
+
+  async star(run) {
+    try {
+      const { starred = false } = await patch(paths.run(run.id), { starred: run.starred !== true });
+      this.rows.get(run.id)?.show({ ...run, starred });
+      if (this.query.get("starred")) await this.refresh();
+    } catch (error) {
+      tellFault(error);
+    }
   }
 
   // The focus goes on to the next run, and back with the run that comes back.
@@ -315,7 +327,7 @@ export class RunsView {
   showEmpty(n) {
     this.state.hidden = n > 0;
     this.list.hidden = n === 0;
-    const isFiltered = ["status", "model", "label", "search", "study", "from", "to", "cursor"].some((name) => this.query.get(name));
+    const isFiltered = ["status", "model", "label", "search", "study", "starred", "from", "to", "cursor"].some((name) => this.query.get(name));
     const what = n > 0 ? "" : isFiltered ? "filtered" : "first";
     if (what === this.emptyShown) return; // so that its button keeps the focus
     this.emptyShown = what;

@@ -233,7 +233,7 @@ static void search_order_and_count_reach_the_store(void **state)
     assert_string_equal(ask_daemon.last_query.sort.figure, "residence_s.p95");
     assert_true(ask_body_has("\"total\":2"));
     ask_assert_header("Link",
-                      "</v1/runs?limit=1&search=at%2060&sort=-residence_s.p95&count=1&cursor=" ID_2
+                      "</v1/runs?limit=1&search=At%2060&sort=-residence_s.p95&count=1&cursor=" ID_2
                       ".322e35>; rel=\"next\"");
     ask_get("/v1/runs", "sort=-residence_s.p95&cursor=" ID_2 ".322e35", NULL, 200);
     assert_string_equal(ask_daemon.last_query.before, ID_2);
@@ -257,8 +257,8 @@ static void times_of_acceptance_reach_the_store_and_the_next_page(void **state)
     assert_int_equal(ask_daemon.last_query.before_ms,
                      1795510800500); // date -ud 2026-11-24T09:00:00Z +%s
     ask_assert_header("Link",
-                      "</v1/runs?limit=1&created_from=1970-01-02T00:00:00Z&"
-                      "created_before=2026-11-24T09:00:00.5Z&cursor=" ID_2 ">; rel=\"next\"");
+                      "</v1/runs?limit=1&created_from=1970-01-02T00%3A00%3A00Z&"
+                      "created_before=2026-11-24T09%3A00%3A00.5Z&cursor=" ID_2 ">; rel=\"next\"");
     ask_get("/v1/runs", NULL, NULL, 200);
     assert_int_equal(ask_daemon.last_query.from_ms, 0);
     assert_int_equal(ask_daemon.last_query.before_ms, 0);
@@ -285,7 +285,9 @@ static void a_cursor_of_another_order_is_refused(void **state)
 // The longest label, search, order and key there are, of bytes that need three each, still fit into the header.
 static void the_longest_link_fits(void **state)
 {
-    char query[API_PATH_MAX] = "limit=200&status=cancelled&model=macro&count=1&"
+    char query[API_PATH_MAX] = "limit=200&status=cancelled&model=macro&count=1&starred=00001&"
+                               "created_from=2026-11-24T09:00:00.123456789Z&"
+                               "created_before=2026-11-24T09:00:00.123456789Z&study=" ID_1 "&"
                                "sort=-throughput_error_per_h&search=";
     char key[API_SORT_KEY_SIZE] = "";
 
@@ -297,8 +299,11 @@ static void the_longest_link_fits(void **state)
         strcat(query, "%ff");
     memset(key, 0xff, sizeof key - 1);
     ask_daemon.last_key = key;
-    for (int i = 0; i < 2; i++)
-        memset(ask_add_run(RUN_CANCELLED)->record.label, 0xff, API_LABEL_SIZE - 1);
+    for (int i = 0; i < 2; i++) {
+        api_run *one = &ask_add_run(RUN_CANCELLED)->record;
+        memset(one->label, 0xff, API_LABEL_SIZE - 1);
+        memcpy(one->study, ID_1, sizeof ID_1);
+    }
     ask_get("/v1/runs", query, NULL, 200);
     assert_null(helper_header(&ask_response, "Link"));
     memcpy(query, "limit=001", 9);
@@ -389,9 +394,10 @@ static void a_patch_changes_what_it_names(void **state)
     (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask("PATCH", RUN_1, NULL, "Content-Type: application/merge-patch+json\n",
-        "{\"name\": \"Monday\", \"notes\": \"as built\"}", 200);
+        "{\"name\": \"Monday\", \"notes\": \"as built\", \"starred\": true}", 200);
     assert_true(ask_body_has("\"name\":\"Monday\""));
     assert_true(ask_body_has("\"notes\":\"as built\""));
+    assert_true(ask_body_has("\"starred\":true"));
     assert_string_equal(helper_header(&ask_response, "ETag"), "\"r2\"");
     // Another client changes the run between the look at it and the change.
     ask_daemon.n_changes_between = 1;
@@ -400,6 +406,9 @@ static void a_patch_changes_what_it_names(void **state)
     assert_string_equal(record->label, "new");
     assert_string_equal(record->notes, "");
     assert_false(ask_body_has("\"notes\""));
+    assert_true(record->is_starred);
+    ask("PATCH", RUN_1, NULL, JSON_TYPE, "{\"starred\": null}", 200);
+    assert_false(ask_body_has("\"starred\""));
     ask("PATCH", RUN_1, NULL, JSON_TYPE "If-Match: \"r2\"\n", "{}", 412);
 }
 

@@ -239,7 +239,9 @@ static void annotations_change_at_any_time_and_nothing_else_does(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     const api_run before = helper_start(s);
-    const api_annotations to = { .name = "Monday", .label = "hall 2", .notes = "as built" };
+    const api_annotations to = {
+        .name = "Monday", .label = "hall 2", .notes = "as built", .is_starred = true
+    };
     api_run record = { 0 };
 
     assert_int_equal(store_annotate(s, before.id, before.revision + 1, &to, &record, NULL),
@@ -249,6 +251,7 @@ static void annotations_change_at_any_time_and_nothing_else_does(void **state)
     assert_string_equal(record.name, "Monday");
     assert_string_equal(record.label, "hall 2");
     assert_string_equal(record.notes, "as built");
+    assert_true(record.is_starred);
     assert_int_equal(record.revision, before.revision + 1);
     assert_int_equal(record.last_event, before.last_event);
     assert_int_equal(record.state, RUN_RUNNING);

@@ -291,6 +291,7 @@ static void runs_are_listed_by_the_time_of_their_acceptance(void **state)
         { .state = -1, .model = -1, .label = "many" },
         { .state = -1, .model = 0, .owner = "ada" },
         { .state = -1, .model = -1, .search = "any" },
+        { .state = -1, .model = -1, .is_starred = true },
         { .state = -1, .model = -1, .sort = { .by = API_SORT_NAME, .is_rising = true } },
     };
     helper_store *h = *state;
@@ -298,8 +299,9 @@ static void runs_are_listed_by_the_time_of_their_acceptance(void **state)
     helper_store_close(h);
     helper_store_sql(h, "WITH RECURSIVE number (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM number "
                         "WHERE i < 6) INSERT INTO runs (id, state, model, priority, label, name, "
-                        "created_ms, owner) SELECT printf('00000000-%04x-7000-8000-000000000000', "
-                        "i), 2, 0, 0, 'many', 'run', i, 'ada' FROM number");
+                        "created_ms, owner, starred) SELECT printf("
+                        "'00000000-%04x-7000-8000-000000000000', i), 2, 0, 0, 'many', 'run', i, "
+                        "'ada', 1 FROM number");
     helper_store_open(h);
     for (size_t k = 0; k < sizeof queries / sizeof *queries; k++) {
         api_list_query query = queries[k];
