@@ -86,7 +86,7 @@ export const fields = [
     ...ofPlate(({ from }) => from[0], ({ from, to }, x) => ({ from: [x, from[1]], to })) },
   { id: "domain-length", label: "Line, along x", unit: "m", at: ["/domain/x_m"], above: 0, step: 0.1, hint: "what is looked at; what stands there stays", ...sizeOf("x_m") },
   { id: "domain-width", label: "Line, along y", unit: "m", at: ["/domain/y_m"], above: 0, step: 0.05, hint: "the belt’s width, where it fills it", ...sizeOf("y_m") },
-  { id: "speed", label: "Belt speed", unit: "m/s", at: ["/belts"], least: 0, step: 0.005, hint: "of the first belt; others in proportion",
+  { id: "speed", label: "Belt speed", unit: "m/s", at: ["/belts/0/velocity_m_s"], least: 0, step: 0.005, hint: "of the first belt; others in proportion",
     get: speedOf, set: setSpeed },
   { id: "rate", label: "Feed", unit: "parts/s", at: ["/feeds/0/rate_per_s"], above: 0, step: 1, hint: "how many parts arrive, of the first feed",
     get: (scenario) => scenario.feeds?.[0]?.rate_per_s, set: (scenario, value) => (scenario.feeds[0].rate_per_s = value) },

@@ -28,11 +28,18 @@ function middleThird({ x_m: xs, y_m: ys }) {
   return [[left, ys[0]], [right, ys[0]], [right, ys[1]], [left, ys[1]]];
 }
 
+// A quarter of a ring to the left, in the middle of the line.
+function curve({ x_m: xs, y_m: ys }) {
+  const room = Math.min(xs[1] - xs[0], ys[1] - ys[0]);
+  return { velocity_m_s: [0.4, 0], arc: { centre_m: [at(xs, 0.5), at(ys, 0.9)], inner_radius_m: tidy(0.2 * room, 4), outer_radius_m: tidy(0.45 * room, 4),
+    from_deg: -90, to_deg: 0 } };
+}
+
 // stem: of the ids of new ones; first: what the list has where nothing is written; makes: [title, make(domain, ids)], where ids(list)
 // are those that can be named; needs: a list that must have something.
 const known = {
   belts: { one: "Belt", stem: "belt", first: [{ id: "main", velocity_m_s: [0.395, 0] }],
-    makes: [["Belt", (domain) => ({ velocity_m_s: [0.4, 0], polygon_m: middleThird(domain) })]] },
+    makes: [["Belt", (domain) => ({ velocity_m_s: [0.4, 0], polygon_m: middleThird(domain) })], ["Curve", curve]] },
   obstacles: { one: "Plate", stem: "plate", makes: [["Deflector", deflector], ["Guide", guide],
     ["Gate", (domain) => ({ ...plateAcross(domain), present: GATE })], ["Flap", (domain) => ({ ...deflector(domain), motion: FLAP })]] },
   feeds: { one: "Feed", stem: "feed", makes: [["Feed", () => ({ edge: "west", rate_per_s: 5, arrivals: "poisson" })],
