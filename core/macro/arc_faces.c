@@ -33,8 +33,8 @@ static double border_radius(const arc_grid *a, double radius)
     return radius > arc->outer_radius - a->edge ? arc->outer_radius : radius;
 }
 
-/// The radius of the nearest guide on the arc to a place; 0: the nearest piece of a plate is none.
-static double guide_radius(const arc_grid *a, vec2 at)
+/// The radius of the nearest guide on the arc to a place, and how far that is, m; 0: the nearest piece of a plate is none.
+static double guide_radius(const arc_grid *a, vec2 at, double *ret_distance)
 {
     double nearest = INFINITY, radius = 0.0;
 
@@ -52,6 +52,7 @@ static double guide_radius(const arc_grid *a, vec2 at)
             radius = is_guide ? vec2_length(vec2_sub(piece.start, a->belt->centre)) : 0.0;
         }
     }
+    *ret_distance = nearest;
     return radius;
 }
 
@@ -66,6 +67,14 @@ static bool meets_closed(const velocity_field *f, size_t i, size_t j)
            f->closed2[j * n1 + i - 1] || f->closed2[j * n1 + i];
 }
 
+/// True if a cell, seen from the centre of the arc, is beyond one of its circles, between its ends.
+static bool is_beyond(const scene_arc *arc, vec2 cell)
+{
+    const double radius = vec2_length(cell);
+
+    return (radius < arc->inner_radius || radius > arc->outer_radius) && belt_arc_spans(arc, cell);
+}
+
 /// The radius of which psi is taken at a corner; *ret_is_own: it is the corner's.
 static double radius_at(const arc_grid *a, size_t i, size_t j, bool *ret_is_own)
 {
@@ -76,19 +85,33 @@ static double radius_at(const arc_grid *a, size_t i, size_t j, bool *ret_is_own)
     *ret_is_own = false;
     for (int k = 0; k < 4; k++) {
         const vec2 cell = way_to(a, i, j, (k & 1) - 0.5, (k >> 1) - 0.5);
-        const double radius = vec2_length(cell);
-        const bool is_beyond = radius < arc->inner_radius || radius > arc->outer_radius;
-        if (is_beyond && belt_arc_spans(arc, cell))
-            return radius < arc->inner_radius ? arc->inner_radius : arc->outer_radius;
+        if (is_beyond(arc, cell))
+            return vec2_length(cell) < arc->inner_radius ? arc->inner_radius : arc->outer_radius;
     }
     if (meets_closed(a->f, i, j)) {
-        const double radius = guide_radius(a, vec2_add(a->belt->centre, way));
+        double distance;
+        const double radius = guide_radius(a, vec2_add(a->belt->centre, way), &distance);
         if (radius > 0.0)
             return border_radius(a, radius);
     }
     const double between = fmin(fmax(own, arc->inner_radius), arc->outer_radius);
     *ret_is_own = between == own;
     return between;
+}
+
+bool arc_faces_is_held(const velocity_field *f, const scene *s, const surroundings *around,
+                       size_t arc, int axis, size_t i, size_t j)
+{
+    const bf_grid *g = &f->grid;
+    const arc_grid a = { f, s, around, &around->belts[arc], fmax(g->d1, g->d2) };
+    const vec2 after = way_to(&a, i, j, 0.5, 0.5);
+    const vec2 before = way_to(&a, i, j, axis == 0 ? -0.5 : 0.5, axis == 0 ? 0.5 : -0.5);
+    double distance;
+
+    if (is_beyond(&a.belt->arc, before) == is_beyond(&a.belt->arc, after))
+        return false;
+    const vec2 middle = vec2_scale(vec2_add(before, after), 0.5);
+    return guide_radius(&a, vec2_add(a.belt->centre, middle), &distance) > 0.0 && distance < a.edge;
 }
 
 double arc_faces_velocity(const velocity_field *f, const scene *s, const surroundings *around,

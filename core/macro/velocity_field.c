@@ -326,12 +326,13 @@ static size_t arc_of(const sampler *k, const lattice *l, vec2 at, int component,
     return belt < around->n_belts && around->belts[belt].arc.is_given ? belt : around->n_belts;
 }
 
-/// Fill a component of the velocity on all faces of a lattice and, unless NULL, the belts and the other component. The closed
-/// faces are known.
-static void fill_faces(const velocity_field *f, const scene *s, const lattice *l, int component,
+/// Fill a component of the velocity on all faces of a lattice and, unless NULL, the belts and the other component. Closed faces
+/// are known but for those of arcs.
+static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int component,
                        double *ret_v, uint16_t *ret_belt, double *ret_transverse)
 {
     sampler *k = f->sampler;
+    uint8_t *closed = component == 0 ? f->closed1 : f->closed2;
 
     k->n_begun = k->n_active = 0;
     for (size_t j = 0; j < l->n_rows; j++) {
@@ -346,6 +347,8 @@ static void fill_faces(const velocity_field *f, const scene *s, const lattice *l
             const bool is_arc = arc < s->n_belts;
             const double v = is_arc ? arc_faces_velocity(f, s, &k->around, arc, component, i, j)
                                     : component_of(&e, component);
+            if (is_arc && arc_faces_is_held(f, s, &k->around, arc, component, i, j))
+                closed[base + i] = 1;
             const uint8_t *next =
                 k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, l->n_columns - i);
             size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;

@@ -95,11 +95,13 @@ bf_status belt_resolve_arc(scene_belt *belt, bf_error *err)
     vec2 *polygon = memory_alloc(2 * (n + 1), sizeof *polygon);
     if (polygon == NULL)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the outline of an arc");
+    // Chords lie within the arc: the inner ones touch its circle in their middle.
+    const double inner = arc->inner_radius / cos(0.5 * angle / (double)n);
     for (size_t k = 0; k <= n; k++) {
         const double at = low + angle * (double)k / (double)n;
         const vec2 ray = { cos(at), sin(at) };
         polygon[k] = vec2_add(belt->centre, vec2_scale(ray, arc->outer_radius));
-        polygon[2 * n + 1 - k] = vec2_add(belt->centre, vec2_scale(ray, arc->inner_radius));
+        polygon[2 * n + 1 - k] = vec2_add(belt->centre, vec2_scale(ray, inner));
     }
     arc->rays[0] = (vec2){ cos(low), sin(low) };
     arc->rays[1] = (vec2){ cos(low + angle), sin(low + angle) };

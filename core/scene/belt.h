@@ -6,8 +6,8 @@
 /// Either is affine in x, v_T(x) = v_T(0) + turn e_z x x, which loops over many places evaluate. At a time the belt moves at
 /// f(t) v_T(x): belt_speeds.h.
 ///
-/// An arc has for its borders a polygon with corners on both circles, BELT_ARC_STEP apart at most: chords are off by 1.5e-4 of the
-/// radius. What lies on it is exact.
+/// An arc has for its borders a polygon within it, with corners BELT_ARC_STEP apart at most, which is off by 1.5e-4 of the radius.
+/// What lies on it is exact.
 ///
 /// Units    SI.
 

@@ -124,6 +124,18 @@ static void mixed_cargo_is_cylinders_and_boxes(void **unused)
     scene_fini(&s);
 }
 
+static void the_curve_turns_left_between_two_straight_belts(void **unused)
+{
+    scene s = read_example("curve");
+
+    (void)unused;
+    assert_int_equal(s.n_belts, 3);
+    assert_true(!s.belts[0].arc.is_given && s.belts[1].arc.is_given && !s.belts[2].arc.is_given);
+    // 0.5 m/s in the middle between 0.4 and 0.9 m.
+    assert_true(fabs(s.belts[1].turn - 0.5 / 0.65) < 1e-15);
+    scene_fini(&s);
+}
+
 // With them parts overlap by less than 5 % of a radius, see core/README.md.
 static void fed_examples_have_soft_parts_and_the_congested_closure(void **unused)
 {
@@ -178,6 +190,7 @@ int main(void)
         cmocka_unit_test(the_free_belt_has_no_obstacle),
         cmocka_unit_test(one_example_chooses_its_own_step),
         cmocka_unit_test(mixed_cargo_is_cylinders_and_boxes),
+        cmocka_unit_test(the_curve_turns_left_between_two_straight_belts),
         cmocka_unit_test(fed_examples_have_soft_parts_and_the_congested_closure),
         cmocka_unit_test(every_example_can_be_solved_by_both_models),
     };

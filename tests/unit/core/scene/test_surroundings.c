@@ -63,6 +63,11 @@ static void an_arc_carries_between_its_circles_and_ends_and_turns(void **state)
     assert_belt(&around, 0.6 + 2e-9, 0.0, 1, (vec2){ 0.0, 0.0 });
     assert_belt(&around, 0.5, -2e-9, 1, (vec2){ 0.0, 0.0 });
     assert_belt(&around, 0.2, 0.3, 1, (vec2){ 0.0, 0.0 });
+    // A part that rests on the inner border rests on both sides of its centre.
+    for (int k = 1; k < 900; k++) {
+        const double at = k * M_PI / 1800.0, r = 0.4 - 2e-5;
+        assert_int_equal(surroundings_belt_at(&around, (vec2){ r * cos(at), r * sin(at) }), 0);
+    }
     assert_near(surroundings_border_distance(&around, (vec2){ 0.33, 0.44 }), 0.05, 1e-12);
     assert_near(surroundings_border_distance(&around, (vec2){ 0.5, 0.02 }), 0.02, 1e-12);
     assert_near(surroundings_border_distance(&around, (vec2){ 0.5, -0.03 }), 0.03, 1e-12);
