@@ -53,7 +53,7 @@ async function begin(d, n) {
 }
 
 // Solved in some seconds: while Slurm's programs are asked and obey, there is work left.
-const longJam = () => jam(600, { curve_every_s: 3, snapshot_every_s: 12 });
+const longJam = () => jam(300, { curve_every_s: 1.5, snapshot_every_s: 6 });
 
 async function assertSameTrials(t, d, { study, id }) {
   const folder = temporaryFolder(t);
