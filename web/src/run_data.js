@@ -100,19 +100,19 @@ export class RunData {
     if (kind === "drive") this.drives.push(event);
     if (kind === "snapshot") await this.takeSnapshot(event);
     if (kind === "figures") this.figures = event.key_figures;
-    if (kind === "gap") await this.loadResults();
+    if (kind === "gap") await this.refresh({ isGap: true });
     this.onChange({ curve: "curve", snapshot: "snapshots", figures: "figures" }[kind] ?? "run");
     if (kind === "end") await this.loadSummary();
   }
 
-  // After a lost connection: the run may have ended, or be waiting again. Events bring the rest.
-  async refresh() {
+  // After a lost connection: the run may have ended, or be waiting again. Events bring the rest, but for those that a gap has lost.
+  async refresh({ isGap = false } = {}) {
     try {
       Object.assign(this.run, await getJson(paths.run(this.id)));
       this.onChange("run");
-      if (isOver(this.run)) await this.loadResults();
+      if (isGap || isOver(this.run)) await this.loadResults();
     } catch (error) {
-      if (BUSY.includes(error.status)) setTimeout(() => this.refresh(), LATER_MS);
+      if (BUSY.includes(error.status)) setTimeout(() => this.refresh({ isGap }), LATER_MS);
       else if (error.status !== 0) throw error; // away again
     }
   }
