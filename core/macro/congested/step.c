@@ -244,23 +244,38 @@ static float scaled(float flux, float part)
     return fabsf(flux * part) >= FLT_MIN ? flux * part : 0.0F;
 }
 
+// A flux between rows of two members may be read by the one while the other, whose cell it leaves, scales it. Scaling keeps its
+// sign or makes it 0, and what comes in counts as 0, so the value that is read does not matter.
+static float read_flux(const float *flux)
+{
+    float value;
+
+    __atomic_load(flux, &value, __ATOMIC_RELAXED);
+    return value;
+}
+
 // Scales what leaves a cell that would lose more than it has. Each flux has one cell that it leaves.
 static void limit_cell(const macro_solver *s, const congested *c, ptrdiff_t i, ptrdiff_t row,
                        double rho)
 {
     const cell_faces faces = faces_of(c, i, row);
+    float flux[CONGESTED_SIDES];
+    bool is_leaving[CONGESTED_SIDES];
     double leaving = 0.0;
 
     for (int side = 0; side < CONGESTED_SIDES; side++) {
-        const double out = (side & 1) != 0 ? (double)*faces.side[side] : -(double)*faces.side[side];
-        leaving += fmax(out, 0.0);
+        flux[side] = read_flux(faces.side[side]);
+        is_leaving[side] = (side & 1) != 0 ? flux[side] > 0.0F : flux[side] < 0.0F;
+        leaving += is_leaving[side] ? fabs((double)flux[side]) : 0.0;
     }
     if (s->lambda1 * leaving <= rho * CONGESTED_MOST_LOST)
         return;
     const float part = (float)(rho * CONGESTED_MOST_LOST / (s->lambda1 * leaving) * (1.0 - 1e-6));
-    for (int side = 0; side < CONGESTED_SIDES; side++)
-        if ((side & 1) != 0 ? *faces.side[side] > 0.0F : *faces.side[side] < 0.0F)
-            *faces.side[side] = scaled(*faces.side[side], part);
+    for (int side = 0; side < CONGESTED_SIDES; side++) {
+        const float kept = scaled(flux[side], part);
+        if (is_leaving[side])
+            __atomic_store(faces.side[side], &kept, __ATOMIC_RELAXED);
+    }
 }
 
 static void limit_row(const macro_solver *s, const congested *c, ptrdiff_t row)
