@@ -14,6 +14,7 @@
 
 static const double open_fraction =
     0.9; // of what is offered, that comes through where nothing holds it up
+static const double most_counted = 1e5;  // parts; their number differs by 0.3 % from its mean
 static const double chance_told = 0.005; // of the mean of what arrives
 static const double nothing = 1e-9;      // relative: figures are written with 12 digits
 
@@ -40,11 +41,12 @@ static uint64_t line_of(scene *s)
     return run_definition(s, RUN_MACRO);
 }
 
-// A run that ended early had the arrivals of its whole time, as far as this tells.
+// A run that ended early had the arrivals of its whole time, as far as this tells. Of many parts the chance is too small to
+// matter, and they are not counted: a run may be cancelled that would have had any number.
 static bf_status find_arrivals(const scene *s, compare_side *side, bf_error *err)
 {
     const double hours = (s->duration - s->warmup) / 3600.0;
-    double drawn = 0.0, mean = 0.0;
+    double drawn = 0.0, mean = 0.0, all = 0.0;
     bf_status status = BF_OK;
 
     if (s->n_feeds > 0)
@@ -52,10 +54,13 @@ static bf_status find_arrivals(const scene *s, compare_side *side, bf_error *err
     if (status != BF_OK || !(mean > 0.0 && isfinite(mean)))
         return status;
     side->offered_per_h = mean / hours;
-    if (side->model == RUN_MICRO && side->has_chance) {
-        status = feed_drawn(s, s->warmup, s->duration, &drawn, err);
-        side->arrived = drawn / mean;
-    }
+    if (side->model != RUN_MICRO || !side->has_chance)
+        return BF_OK;
+    status = feed_offered(s, 0.0, s->duration, &all, err);
+    if (status != BF_OK || all > most_counted)
+        return status;
+    status = feed_drawn(s, s->warmup, s->duration, &drawn, err);
+    side->arrived = drawn / mean;
     return status;
 }
 

@@ -162,7 +162,24 @@ double feed_arrivals_until(const feed_arrivals *a, double t)
     return fmin(uncounted_until(a, t), a->feed->count);
 }
 
-bf_status feed_offered(const scene *s, double from, double to, double *ret_parts, bf_error *err)
+// Lambda between two times.
+static double mean_between(const feed_arrivals *a, double from, double to)
+{
+    return feed_arrivals_until(a, to) - feed_arrivals_until(a, from);
+}
+
+// Parts that are due between two times.
+static double drawn_between(const feed_arrivals *a, double from, double to)
+{
+    double parts = 0.0;
+
+    for (feed_cursor at = feed_arrivals_first(a); at.due <= to; feed_arrivals_next(a, &at))
+        parts += at.due > from ? 1.0 : 0.0;
+    return parts;
+}
+
+static bf_status sum_up(const scene *s, double (*between)(const feed_arrivals *, double, double),
+                        double from, double to, double *ret_parts, bf_error *err)
 {
     double parts = 0.0;
 
@@ -171,29 +188,21 @@ bf_status feed_offered(const scene *s, double from, double to, double *ret_parts
         const bf_status status = feed_arrivals_create(&s->feeds[k], s->substream, &arrivals, err);
         if (status != BF_OK)
             return status;
-        parts += feed_arrivals_until(arrivals, to) - feed_arrivals_until(arrivals, from);
+        parts += between(arrivals, from, to);
         feed_arrivals_destroy(arrivals);
     }
     *ret_parts = parts;
     return BF_OK;
 }
 
+bf_status feed_offered(const scene *s, double from, double to, double *ret_parts, bf_error *err)
+{
+    return sum_up(s, mean_between, from, to, ret_parts, err);
+}
+
 bf_status feed_drawn(const scene *s, double from, double to, double *ret_parts, bf_error *err)
 {
-    double parts = 0.0;
-
-    for (size_t k = 0; k < s->n_feeds; k++) {
-        feed_arrivals *arrivals = NULL;
-        const bf_status status = feed_arrivals_create(&s->feeds[k], s->substream, &arrivals, err);
-        if (status != BF_OK)
-            return status;
-        feed_cursor cursor = feed_arrivals_first(arrivals);
-        for (; cursor.due <= to; feed_arrivals_next(arrivals, &cursor))
-            parts += cursor.due > from ? 1.0 : 0.0;
-        feed_arrivals_destroy(arrivals);
-    }
-    *ret_parts = parts;
-    return BF_OK;
+    return sum_up(s, drawn_between, from, to, ret_parts, err);
 }
 
 static double list_time(const feed_arrivals *a, double level)
