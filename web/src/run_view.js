@@ -21,6 +21,7 @@ import { keyOf } from "./scale_bar.js";
 import { SceneControls } from "./scene_controls.js";
 import { contentOf, fallsOf, flowOf, isFed } from "./series.js";
 import { DASHES, prefersStillness } from "./theme.js";
+import { tellFault } from "./toast.js";
 import { segments } from "./transport.js";
 
 const REPLAYED_BELOW_S = 15; // a run that was over sooner is shown again from its start
@@ -81,7 +82,7 @@ export class RunView {
       go("#/");
     }, { shown: true });
     [this.nameText, this.labelText, this.notesText] = [h("h1", {}), h("span", { class: "label" }), h("p", { class: "hint" })];
-    this.starButton = iconButton("star", "Star", () => this.annotate({ starred: this.data.run.starred !== true }), { class: "star" });
+    this.starButton = iconButton("star", "Star", () => this.keep({ starred: this.data.run.starred !== true }).catch(tellFault), { class: "star" });
     this.showNames();
     return h("div", { class: "view-head" },
       h("div", { class: "heading" }, this.nameText,
@@ -106,7 +107,7 @@ export class RunView {
   }
 
   // What is missing in the answer is not there any more.
-  async annotate(changes) {
+  async keep(changes) {
     const { notes = "", starred = false, ...run } = await patch(paths.run(this.data.run.id), changes);
     Object.assign(this.data.run, run, { notes, starred });
     this.showNames();
@@ -114,7 +115,7 @@ export class RunView {
 
   rename() {
     const { name, label, notes = "" } = this.data.run;
-    annotate({ name, label, notes }, (changes) => this.annotate(changes));
+    annotate({ name, label, notes }, (changes) => this.keep(changes));
   }
 
   // The picture is the one that is seen.

@@ -19,6 +19,7 @@ import { Variants } from "./variants.js";
 
 const PERIOD_MS = 2000;
 const LIMIT = 50;
+const FILTERS = ["study", "status", "model", "label", "starred", "from", "to"]; // of the address, but for the search
 
 // The beginning of a day, or of the one so many days later, as the API takes it; "" without a day.
 function midnight(day, daysLater = 0) {
@@ -90,7 +91,7 @@ export class RunsView {
 
   // On small screens, unless one of them is set.
   folded(...filters) {
-    const isSet = ["status", "model", "starred", "from", "to", "sort", "study"].some((name) => this.query.get(name));
+    const isSet = [...FILTERS, "sort"].some((name) => this.query.get(name));
     return h("details", { open: isSet || matchMedia("(width > 640px)").matches }, h("summary", {}, "Filters and order"),
       h("div", { class: "filters" }, filters));
   }
@@ -198,7 +199,7 @@ export class RunsView {
     const query = { ...rest, created_from: midnight(from), created_before: midnight(to, 1) };
     const order = parameterOf(sort) === null ? sort : "";
     const page = await listRuns({ limit: LIMIT, count: 1, ...query, search, sort: order, cursor }, options);
-    const isGrouped = !["study", "status", "model", "label", "sort", "starred", "from", "to"].some((name) => this.query.get(name));
+    const isGrouped = ![...FILTERS, "sort"].some((name) => this.query.get(name));
     const entries = isGrouped ? await grouped(page, { after: cursor, open: open.split(","), search }, options)
       : page.runs.map((run) => ({ run }));
     return { ...page, entries };
@@ -327,7 +328,7 @@ export class RunsView {
   showEmpty(n) {
     this.state.hidden = n > 0;
     this.list.hidden = n === 0;
-    const isFiltered = ["status", "model", "label", "search", "study", "starred", "from", "to", "cursor"].some((name) => this.query.get(name));
+    const isFiltered = [...FILTERS, "search", "cursor"].some((name) => this.query.get(name));
     const what = n > 0 ? "" : isFiltered ? "filtered" : "first";
     if (what === this.emptyShown) return; // so that its button keeps the focus
     this.emptyShown = what;
