@@ -2,7 +2,8 @@
 //
 // While the centre of a body is between the ends of a plate, the contact normal is that of the side on which
 // the centre is, however thin the plate and however large the overlap. Beyond the ends it is the direction of
-// least depth.
+// least depth. On the outer side of a joint of two plates the end of either is inside the other one: a normal there is
+// that of a side, or between those of the two sides, at the corner.
 
 #include "core/micro/body/body_priv.h"
 
@@ -60,22 +61,18 @@ static void add_contact_force(void *context, size_t k, const micro_law *law, uin
                    forces->s->kinds[forces->s->bodies[k].kind].half_width);
 }
 
-/// Find the contact with the side of a plate that a body is on. Returns false if the contact is elsewhere.
-static bool find_at_side(const body_state *s, const body_body *body, const body_plate *plate,
+/// The region of a body below the side of a plate that its centre is on, between the plate's ends.
+static void find_at_side(const body_state *s, const body_body *body, const body_plate *plate,
                          double margin, manifold *m)
 {
-    vec3 to = vec3_sub(body->x, plate->middle);
-    double a = vec3_dot(to, plate->along), c = vec3_dot(to, plate->across);
-    manifold_plane side = { .normal = vec3_scale(plate->across, c < 0.0 ? -1.0 : 1.0),
+    const bool is_behind = vec3_dot(vec3_sub(body->x, plate->middle), plate->across) < 0.0;
+    manifold_plane side = { .normal = vec3_scale(plate->across, is_behind ? -1.0 : 1.0),
                             .half_length = plate->half_length,
                             .along = plate->along,
                             .middle = plate->middle };
 
-    if (fabs(a) > plate->half_length)
-        return false;
     side.offset = vec3_dot(side.normal, plate->middle) + plate->half_thickness;
     manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, &side, margin, m);
-    return m->depth <= -margin || m->is_least;
 }
 
 /// The contact with a plate as a cuboid, in the world's frame. Returns false if there is none.
@@ -121,32 +118,57 @@ static void clear_memory_slot(body_plate_memory *slots, uint32_t plate)
             slots[k] = (body_plate_memory){ 0 };
 }
 
-/// Returns false if part k is not near the plate.
+/// Returns false if part k, which is no upright cylinder, has no contact with the plate.
+static bool find_hull_at_plate(body_state *s, size_t k, uint32_t id, double margin, manifold *m)
+{
+    const body_body *body = &s->bodies[k];
+    const body_plate *plate = &s->plates[id];
+    const double a = vec3_dot(vec3_sub(body->x, plate->middle), plate->along);
+    const bool is_beyond = body__is_felt_beyond_joint(s, plate, body->x.x, body->x.y);
+    body_memory passing = { 0 };
+
+    if (fabs(a) <= plate->half_length || is_beyond) {
+        find_at_side(s, body, plate, margin, m);
+        if (m->depth <= -margin || m->is_least) {
+            clear_memory_slot(s->plate_memories[k], id);
+            return true;
+        }
+    }
+    body_plate_memory *slot = find_memory_slot(s->plate_memories[k], id);
+    if (slot != NULL)
+        slot->plate = id + 1;
+    if (!find_at_cuboid(s, body, plate, margin, slot != NULL ? &slot->memory : &passing, m))
+        return false;
+    switch (body__feel_at_joints(s, plate, body->x, m->normal)) {
+    case BODY_AT_PLATE:
+        return true;
+    case BODY_AT_OTHER_PLATE:
+        return false;
+    case BODY_INSIDE_JOINT:
+        find_at_side(s, body, plate, margin, m);
+    }
+    return true;
+}
+
+/// Returns false if part k has no contact with the plate.
 static bool find_at_plate(body_state *s, size_t k, uint32_t id, double margin,
                           body_contact *contact)
 {
     const body_body *body = &s->bodies[k];
     const body_plate *plate = &s->plates[id];
-    body_memory passing = { 0 };
 
     contact->is_closed_form = false;
     if (body__is_absent(s, id) ||
-        body__plate_distance(plate, body->x.x, body->x.y) >= s->bounding_radius[k] + margin ||
-        body__is_felt_beyond_joint(s, plate, body->x.x, body->x.y)) {
+        body__plate_distance(plate, body->x.x, body->x.y) >= s->bounding_radius[k] + margin) {
         clear_memory_slot(s->plate_memories[k], id);
         return false;
     }
     contact->is_closed_form =
         body__find_cylinder_at_plate(s, body, plate, margin, contact->points, &contact->n_points);
-    if (contact->is_closed_form || find_at_side(s, body, plate, margin, &contact->hull)) {
-        clear_memory_slot(s->plate_memories[k], id);
-        return true;
-    }
-    body_plate_memory *slot = find_memory_slot(s->plate_memories[k], id);
-    if (slot != NULL)
-        slot->plate = id + 1;
-    return find_at_cuboid(s, body, plate, margin, slot != NULL ? &slot->memory : &passing,
-                          &contact->hull);
+    if (!contact->is_closed_form)
+        return find_hull_at_plate(s, k, id, margin, &contact->hull);
+    clear_memory_slot(s->plate_memories[k], id);
+    return !body__is_felt_beyond_joint(s, plate, body->x.x, body->x.y);
 }
 
 static void visit_plates(body_state *s, size_t k, double margin, body_visit *visit, void *context)

@@ -149,9 +149,20 @@ double body__plate_distance(const body_plate *plate, double x, double y);
 /// A lower bound of that distance at any time, also where the plate moves.
 double body__plate_distance_ever(const body_state *s, size_t plate, double x, double y);
 
-/// True if a body with its centre at a point on the outer side of a bend has its contact with the plate beyond
-/// the joint instead: between the ends of that one, or at the corner, which belongs to the earlier plate.
+/// True if a point on the outer side of a bend is nearer to the plate beyond the joint: between the ends of that
+/// one, or at the corner, which belongs to the earlier plate.
 bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y);
+
+/// Which plate a contact normal on the outer side of a joint belongs to.
+typedef enum body_joint_contact {
+    BODY_AT_PLATE,       ///< to this plate: to its side, a free end, or a corner that is its own
+    BODY_AT_OTHER_PLATE, ///< to the corner, which is of the plate that the centre is nearer to
+    BODY_INSIDE_JOINT,   ///< to the end, which is inside the next plate: no contact has it
+} body_joint_contact;
+
+/// Say it for a body with its centre at x, of which the contact with the plate as a cuboid has this normal.
+body_joint_contact body__feel_at_joints(const body_state *s, const body_plate *plate, vec3 x,
+                                        vec3 normal);
 
 /// Ids, ascending, of the plates that a part with its centre at a point may be in contact with until the list
 /// of neighbours is built again. NULL without plates.

@@ -114,19 +114,57 @@ static bool is_beyond(const body_plate *plate, int end, double x, double y)
     return end == 0 ? a < -plate->half_length : a > plate->half_length;
 }
 
-bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y)
+/// True if a point on the outer side of the joint at an end of a plate is nearer to the plate beyond the joint.
+static bool is_nearer_to_next(const body_state *s, const body_plate *plate, int end, double x,
+                              double y)
+{
+    return is_beyond(plate, end, x, y) &&
+           (end == 0 || !is_beyond(&s->plates[plate->joined[end]], 0, x, y));
+}
+
+/// True if a plate is joined at an end, with the outer side of the bend on the given side of it; 1: left, -1: right.
+static bool is_outside(const body_plate *plate, int end, double side)
+{
+    return plate->joined[end] != BODY_NO_PLATE && plate->bend[end] * side <= 0.0;
+}
+
+/// Side of a plate on which a point is; 1: left, -1: right.
+static double side_of(const body_plate *plate, double x, double y)
 {
     const vec3 to = { x - plate->middle.x, y - plate->middle.y, 0.0 };
-    const double left = vec3_cross(plate->along, to).z;
+
+    return vec3_cross(plate->along, to).z > 0.0 ? 1.0 : -1.0;
+}
+
+bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y)
+{
+    const double side = side_of(plate, x, y);
+
+    for (int end = 0; end < 2; end++)
+        if (is_outside(plate, end, side) && is_nearer_to_next(s, plate, end, x, y))
+            return true;
+    return false;
+}
+
+body_joint_contact body__feel_at_joints(const body_state *s, const body_plate *plate, vec3 x,
+                                        vec3 normal)
+{
+    const double side = side_of(plate, x.x, x.y);
 
     for (int end = 0; end < 2; end++) {
-        if (plate->joined[end] == BODY_NO_PLATE || !is_beyond(plate, end, x, y) ||
-            plate->bend[end] * left > 0.0)
+        if (!is_outside(plate, end, side))
             continue;
-        if (end == 0 || !is_beyond(&s->plates[plate->joined[end]], 0, x, y))
-            return true;
+        // Normals of the sides are the directions along the plates, turned by a quarter.
+        const vec3 from_normal = { side * normal.y, -side * normal.x, 0.0 };
+        const vec3 along_next = s->plates[plate->joined[end]].along;
+        const double way = (end == 0 ? 1.0 : -1.0) * side;
+        if (way * vec3_cross(plate->along, from_normal).z <= STRAIGHT)
+            continue;
+        if (way * vec3_cross(along_next, from_normal).z > STRAIGHT)
+            return BODY_INSIDE_JOINT;
+        return is_nearer_to_next(s, plate, end, x.x, x.y) ? BODY_AT_OTHER_PLATE : BODY_AT_PLATE;
     }
-    return false;
+    return BODY_AT_PLATE;
 }
 
 double body__plate_distance(const body_plate *plate, double x, double y)

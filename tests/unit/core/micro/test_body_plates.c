@@ -72,6 +72,58 @@ static void the_outer_side_of_a_bend_acts_once(void **state)
     assert_near(both.x, one.x, 1e-9 * fabs(one.x));
 }
 
+// The force on a long box whose corner is 1e-5 m inside the second plate, `along` it behind the joint. The centre is
+// before the first one; the box leaves the corner by 10 degrees. Not bent: the second plate goes on instead of the first.
+static vec3 force_on_corner(double along, bool is_bent)
+{
+    const double bend = 15.0 * M_PI / 180.0, heading = 0.5 * M_PI - 25.0 * M_PI / 180.0;
+    const vec2 second = { sin(bend), cos(bend) }, normal = { -second.y, second.x };
+    const vec2 to_corner = { 0.06 * cos(heading) + 0.01 * sin(heading),
+                             0.06 * sin(heading) - 0.01 * cos(heading) };
+    body_load load = { .torque = { 0.0, 0.0, 0.0 } };
+    body_report report = { .bad_part = SIZE_MAX };
+    helper_body h;
+
+    helper_body_init(&h, helper_body_box(0.12, 0.02, 0.02));
+    h.def.n_belts = h.def.n_obstacles = 1;
+    h.path[0] = is_bent ? (vec2){ 0.0, -0.1 } : vec2_scale(second, -0.1);
+    h.path[1] = is_bent ? (vec2){ 0.0, 0.0 } : vec2_scale(second, 0.1);
+    h.path[2] = vec2_scale(second, 0.1);
+    h.obstacle.n_points = is_bent ? 3 : 2;
+    h.poses[0] = (scene_pose){ -0.2, 0.0, heading };
+    body_state *s = helper_body_start(&h);
+    const vec2 at =
+        vec2_sub(vec2_sub(vec2_scale(second, along), vec2_scale(normal, 1e-5)), to_corner);
+    s->bodies[0].x.x = at.x;
+    s->bodies[0].x.y = at.y;
+    s->bodies[0].v = (vec3){ 0.0, 0.0, 0.0 };
+    body__add_boundary_forces(s, 0, &load, &report);
+    micro__body.destroy(s);
+    return load.force;
+}
+
+static void a_corner_presses_the_plate_that_it_is_on(void **state)
+{
+    (void)state;
+    const double places[] = { 0.03, 0.01 };
+
+    for (int k = 0; k < 2; k++) {
+        vec3 force = force_on_corner(places[k], true), known = force_on_corner(places[k], false);
+        assert_true(known.x < 0.0 && known.y > 0.0);
+        assert_near(force.x, known.x, 1e-6 * fabs(known.x));
+        assert_near(force.y, known.y, 1e-6 * fabs(known.x));
+    }
+}
+
+// Nearer to the end of the second plate than to its side, where the first one may be felt, too.
+static void a_corner_at_a_joint_is_held(void **state)
+{
+    (void)state;
+    vec3 force = force_on_corner(1e-6, true), known = force_on_corner(1e-6, false);
+
+    assert_true(vec3_dot(force, known) >= vec3_dot(known, known));
+}
+
 // A plate of 5 cm that opens upstream by a right angle. A small disk comes from downstream, on a belt of
 // its own, towards the corner, where the two downstream faces meet at sqrt(2) thicknesses behind the tip.
 static void there_is_no_gap_behind_a_bend(void **state)
@@ -105,6 +157,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_point_on_a_straight_path_changes_nothing),
         cmocka_unit_test(the_outer_side_of_a_bend_acts_once),
+        cmocka_unit_test(a_corner_presses_the_plate_that_it_is_on),
+        cmocka_unit_test(a_corner_at_a_joint_is_held),
         cmocka_unit_test(there_is_no_gap_behind_a_bend),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
