@@ -8,8 +8,8 @@ from pathlib import Path
 TREE = Path(__file__).resolve().parents[2]
 
 
-def options_of(description, chosen, substreams):
-    """The command line; `chosen` says what its words name, None: it takes none."""
+def options_of(description, chosen, substreams, add=lambda parser: None):
+    """The command line; `chosen` says what its words name, None: it takes none. `add` declares more options."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     if chosen is not None:
         parser.add_argument("names", nargs="*", help=f"{chosen} (default all)")
@@ -17,6 +17,7 @@ def options_of(description, chosen, substreams):
     parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
     parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    add(parser)
     return parser.parse_args()
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Goods before a plate in the microscopic model: at its defaults, and with contacts 100 times as hard.
+"""Goods before a plate in the microscopic model: at its defaults, and with contacts 100 times as hard, or --harder N.
 
 Each scene is a belt with a plate from its right side, fed with more parts than come through. What is asked: is the rate
 that of parts 100 times as hard, within 3 %; is the largest overlap at most 5 % of a radius; is no part behind the plate.
@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from fed import options_of
 from solver import Failed, Program
 
-HARDER = 100.0
 MOST_OFF, MOST_OVERLAP = 0.03, 0.05
 
 
@@ -124,13 +123,13 @@ SCENES = [
 ]
 
 
-def harder(document, reduction):
-    """The same with contacts HARDER times as stiff as with this modulus_reduction, and no change on the way."""
+def harder(document, reduction, times):
+    """The same with contacts so many times as stiff as with this modulus_reduction, and no change on the way."""
     cargo, factor = dict(document["cargo"]), 1.0
-    if reduction < HARDER:  # materials are made harder, where reductions below 1 would be asked for
-        factor = HARDER / reduction
+    if reduction < times:  # materials are made harder, where reductions below 1 would be asked for
+        factor = times / reduction
     cargo["material"] = {"young_modulus_pa": 210e9 * factor, "poisson_ratio": 0.28}
-    return {**document, "cargo": cargo, "micro": {"modulus_reduction": max(reduction / HARDER, 1.0)},
+    return {**document, "cargo": cargo, "micro": {"modulus_reduction": max(reduction / times, 1.0)},
             "materials": {"handling": {"young_modulus_pa": 70e9 * factor, "poisson_ratio": 0.34}}}
 
 
@@ -153,7 +152,7 @@ def figures(scene, result):
     return summary["key_figures"]["throughput_per_h"], summary["largest_overlap_share"], behind, summary
 
 
-def compare(program, scene, substreams):
+def compare(program, scene, substreams, times):
     soft, hard, overlap, behind, cpu_s = [], [], 0.0, 0, []
     for k in range(substreams):
         document = scene.document(k)
@@ -162,7 +161,7 @@ def compare(program, scene, substreams):
         soft.append(rate)
         cpu_s.append(result.cpu_s)
         overlap, behind = max(overlap, share), behind + n
-        result = program.solve("micro", harder(document, summary["modulus_reduction_start"]))
+        result = program.solve("micro", harder(document, summary["modulus_reduction_start"], times))
         hard.append(figures(scene, result)[0])
     off = statistics.mean(soft) / statistics.mean(hard) - 1.0
     spread = statistics.stdev([a / b for a, b in zip(soft, hard)]) / math.sqrt(substreams) if substreams > 1 else math.nan
@@ -170,15 +169,19 @@ def compare(program, scene, substreams):
             "overlap": overlap, "behind": behind, "cpu_s": statistics.mean(cpu_s)}
 
 
+def add_harder(parser):
+    parser.add_argument("--harder", type=float, default=100.0, help="times as hard (default %(default)s)")
+
+
 def main():
-    options = options_of(__doc__, "development, apart, or names of scenes", 3)
+    options = options_of(__doc__, "development, apart, surfaces, or names of scenes", 3, add_harder)
     program = Program(options.program, options.out / "runs", has_snapshots=True)
     chosen = [s for s in SCENES if not options.names or s.group in options.names or s.name in options.names]
     missed = 0
     print(f"{'set':12} {'scene':24} {'parts/h':>9} {'harder':>9} {'off %':>6} {'+-':>5} {'overlap %':>9} {'behind':>6} "
           f"{'cpu s/s':>8}")
     with ThreadPoolExecutor(options.jobs) as pool:
-        runs = [pool.submit(compare, program, scene, options.substreams) for scene in chosen]
+        runs = [pool.submit(compare, program, scene, options.substreams, options.harder) for scene in chosen]
         for scene, run in zip(chosen, runs):
             try:
                 of = run.result()
