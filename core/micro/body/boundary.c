@@ -118,6 +118,33 @@ static void clear_memory_slot(body_plate_memory *slots, uint32_t plate)
             slots[k] = (body_plate_memory){ 0 };
 }
 
+/// How far a body reaches below the left side of a plate (side 1) or its right one (-1), continued beyond its ends, m.
+static double depth_below(const body_state *s, const body_body *body, const body_plate *plate,
+                          double side)
+{
+    const hull *shape = &s->kinds[body->kind].shape;
+    const vec3 normal = { -side * plate->along.y, side * plate->along.x, 0.0 };
+    const vec3 against = mat3_apply_back(&body->r, vec3_scale(normal, -1.0));
+    const vec3 lowest = mat3_apply(&body->r, hull_vertex(shape, hull_support(shape, against)));
+
+    return plate->half_thickness +
+           vec3_dot(normal, vec3_sub(plate->middle, vec3_add(body->x, lowest)));
+}
+
+/// True if a body that is so deep below the side of a plate is no less deep below those that continue it around a joint: it
+/// came into the solid of them through this one.
+static bool is_least_deep(const body_state *s, const body_body *body, const body_plate *plate,
+                          double depth)
+{
+    for (int end = 0; end < 2; end++) {
+        double side;
+        const body_plate *next = body__next_around(s, plate, end, body->x, &side);
+        if (next != NULL && depth_below(s, body, next, side) < depth)
+            return false;
+    }
+    return true;
+}
+
 /// Returns false if part k, which is no upright cylinder, has no contact with the plate.
 static bool find_hull_at_plate(body_state *s, size_t k, uint32_t id, double margin, manifold *m)
 {
@@ -131,23 +158,27 @@ static bool find_hull_at_plate(body_state *s, size_t k, uint32_t id, double marg
         find_at_side(s, body, plate, margin, m);
         if (m->depth <= -margin || m->is_least) {
             clear_memory_slot(s->plate_memories[k], id);
-            return true;
+            return !is_beyond || is_least_deep(s, body, plate, m->depth);
         }
     }
-    body_plate_memory *slot = find_memory_slot(s->plate_memories[k], id);
+    // Around a joint a body leaves the side that it came from, of which the memory would keep the contact.
+    body_plate_memory *slot = NULL;
+    if (plate->joined[a < 0.0 ? 0 : 1] == BODY_NO_PLATE)
+        slot = find_memory_slot(s->plate_memories[k], id);
+    else
+        clear_memory_slot(s->plate_memories[k], id);
     if (slot != NULL)
         slot->plate = id + 1;
     if (!find_at_cuboid(s, body, plate, margin, slot != NULL ? &slot->memory : &passing, m))
         return false;
-    switch (body__feel_at_joints(s, plate, body->x, m->normal)) {
-    case BODY_AT_PLATE:
-        return true;
-    case BODY_AT_OTHER_PLATE:
-        return false;
-    case BODY_INSIDE_JOINT:
-        find_at_side(s, body, plate, margin, m);
-    }
-    return true;
+    const body_joint_contact at = body__feel_at_joints(s, plate, body->x, m->normal);
+    if (at != BODY_INSIDE_JOINT)
+        return at == BODY_AT_PLATE;
+    find_at_side(s, body, plate, margin, m);
+    m->depth = -margin;
+    for (size_t i = 0; i < m->n; i++)
+        m->depth = fmax(m->depth, m->point[i].depth);
+    return m->n > 0 && is_least_deep(s, body, plate, m->depth);
 }
 
 /// Returns false if part k has no contact with the plate.

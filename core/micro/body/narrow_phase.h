@@ -153,6 +153,11 @@ double body__plate_distance_ever(const body_state *s, size_t plate, double x, do
 /// one, or at the corner, which belongs to the earlier plate.
 bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y);
 
+/// The plate beyond the joint at the start (end = 0) or the end (1) of a plate, if a point x is on the outer side of the bend;
+/// NULL: it is not, or there is no joint. *ret_side is the side of both that x is on, 1: left, -1: right.
+const body_plate *body__next_around(const body_state *s, const body_plate *plate, int end, vec3 x,
+                                    double *ret_side);
+
 /// Which plate a contact normal on the outer side of a joint belongs to.
 typedef enum body_joint_contact {
     BODY_AT_PLATE,       ///< to this plate: to its side, a free end, or a corner that is its own

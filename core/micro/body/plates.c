@@ -146,21 +146,27 @@ bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, do
     return false;
 }
 
+const body_plate *body__next_around(const body_state *s, const body_plate *plate, int end, vec3 x,
+                                    double *ret_side)
+{
+    *ret_side = side_of(plate, x.x, x.y);
+    return is_outside(plate, end, *ret_side) ? &s->plates[plate->joined[end]] : NULL;
+}
+
 body_joint_contact body__feel_at_joints(const body_state *s, const body_plate *plate, vec3 x,
                                         vec3 normal)
 {
-    const double side = side_of(plate, x.x, x.y);
-
     for (int end = 0; end < 2; end++) {
-        if (!is_outside(plate, end, side))
+        double side;
+        const body_plate *next = body__next_around(s, plate, end, x, &side);
+        if (next == NULL)
             continue;
         // Normals of the sides are the directions along the plates, turned by a quarter.
         const vec3 from_normal = { side * normal.y, -side * normal.x, 0.0 };
-        const vec3 along_next = s->plates[plate->joined[end]].along;
         const double way = (end == 0 ? 1.0 : -1.0) * side;
         if (way * vec3_cross(plate->along, from_normal).z <= STRAIGHT)
             continue;
-        if (way * vec3_cross(along_next, from_normal).z > STRAIGHT)
+        if (way * vec3_cross(next->along, from_normal).z > STRAIGHT)
             return BODY_INSIDE_JOINT;
         return is_nearer_to_next(s, plate, end, x.x, x.y) ? BODY_AT_OTHER_PLATE : BODY_AT_PLATE;
     }

@@ -115,13 +115,14 @@ static void a_corner_presses_the_plate_that_it_is_on(void **state)
     }
 }
 
-// Nearer to the end of the second plate than to its side, where the first one may be felt, too.
+// Nearer to the end of the second plate than to its side, where the first one may be felt instead, whose normal is 15
+// degrees off and below which the corner is 0.8 % less deep.
 static void a_corner_at_a_joint_is_held(void **state)
 {
     (void)state;
     vec3 force = force_on_corner(1e-6, true), known = force_on_corner(1e-6, false);
 
-    assert_true(vec3_dot(force, known) >= vec3_dot(known, known));
+    assert_true(vec3_dot(force, known) >= 0.95 * vec3_dot(known, known));
 }
 
 // A plate of 5 cm that opens upstream by a right angle. A small disk comes from downstream, on a belt of
