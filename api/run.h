@@ -56,6 +56,7 @@ typedef struct api_run {
     char owner[API_OWNER_SIZE];     ///< whose it is; "": nobody's
     char study[API_ID_SIZE];        ///< whose trial it is; "": no study's
     bool is_cached;                 ///< its results are those of a run before it
+    bool is_suspect;                ///< who sent its results sent wrong ones, or others differ
     char figures[API_FIGURES_SIZE]; ///< key figures of the run alone, a JSON object; "" if none
     bf_error error;                 ///< code BF_OK: none
 } api_run;

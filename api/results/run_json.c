@@ -98,6 +98,13 @@ static bool is_starred(const void *item)
     return record->is_starred;
 }
 
+static bool is_suspect(const void *item)
+{
+    const api_run *record = item;
+
+    return record->is_suspect;
+}
+
 static bool has_study(const void *item)
 {
     const api_run *record = item;
@@ -155,6 +162,10 @@ static const member run_members[] = {
     MEMBER("study", text, AT(study), "The study whose trial it is", .type = "#Id",
            .applies = has_study),
     MEMBER("cached", bool, AT(is_cached), "Its results were known from an earlier run"),
+    MEMBER("suspect", bool, AT(is_suspect),
+           "Its results may be wrong, as the worker that sent them sent wrong ones, or another one "
+           "has others; the same scenario is solved anew. True, or missing",
+           .applies = is_suspect),
     MEMBER("key_figures", figures, 0,
            "Its key figures so far, without those of feeds, counters and photo eyes",
            .applies = has_figures),

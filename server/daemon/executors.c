@@ -5,6 +5,7 @@
 #include "server/run/confinement.h"
 #include "server/run/local_executor.h"
 #include "server/run/supervisor.h"
+#include "server/store/work.h"
 
 bf_status executors_create(executors *e, const config *c, bf_error *err)
 {
@@ -21,6 +22,11 @@ bf_status executors_create(executors *e, const config *c, bf_error *err)
     return status;
 }
 
+static void suspect(void *context, const char *run_id, uint64_t token)
+{
+    store_begin_suspecting(context, run_id, token);
+}
+
 bf_status executors_start(executors *e, const config *c, store *s, bf_error *err)
 {
     const slurm_options options = { .settings = executors_slurm_settings(c),
@@ -28,6 +34,8 @@ bf_status executors_start(executors *e, const config *c, store *s, bf_error *err
                                     .store = s,
                                     .n_threads = c->threads };
 
+    if (e->kind != CONFIG_LOCAL)
+        pull_executor_set_suspecting(e->executor, suspect, s);
     return e->kind == CONFIG_SLURM ? slurm_start(&options, &e->slurm, err) : BF_OK;
 }
 

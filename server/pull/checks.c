@@ -1,5 +1,6 @@
 // Runs that are solved twice, by workers of two tokens, as a worker may send whole frames with wrong results. What the second
-// one sends is compared and dropped; where the two differ a third one says who is at fault.
+// one sends is compared and dropped; where the two differ the run's results are suspect, and a third one says who is at fault:
+// then all is suspect that was sent with its token, as a worker's name is only what it says itself.
 //
 // Compared is what does not depend on when it was sent: samples, snapshots, parts, changes, and the end.
 
@@ -195,6 +196,19 @@ static void log_difference(const executor_job *job, const witness *now, const wi
               now->worker, digests[0], before->worker, digests[1]);
 }
 
+static void suspect(const pull_executor *e, const char *run_id, uint64_t token)
+{
+    if (e->suspect != NULL)
+        e->suspect(e->suspect_context, run_id, token);
+}
+
+static void blame(pull_executor *e, const executor_job *job, const witness *who)
+{
+    pull__attribute_fault(e, job->about.run, who->token, who->worker,
+                          "two others have the same results, and it has other ones");
+    suspect(e, NULL, who->token);
+}
+
 void pull__check_end(pull_executor *e, executor_job *job)
 {
     pull__check *c = job->check;
@@ -217,8 +231,9 @@ void pull__check_end(pull_executor *e, executor_job *job)
                     n_equal > 0 ? METRICS_MATCH_EQUAL : METRICS_MATCH_UNEQUAL, 1);
     for (size_t k = 0; k < c->n_witnesses && n_equal > 0; k++)
         if (!is_equal(&c->witnesses[k], &now))
-            pull__attribute_fault(e, job->about.run, c->witnesses[k].token, c->witnesses[k].worker,
-                                  "two others have the same results, and it has other ones");
+            blame(e, job, &c->witnesses[k]);
+    if (n_equal == 0 && c->n_witnesses > 0)
+        suspect(e, job->about.run, 0);
     if (n_equal > 0 || c->n_witnesses == sizeof c->witnesses / sizeof *c->witnesses)
         return;
     c->witnesses[c->n_witnesses++] = now;

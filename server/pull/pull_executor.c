@@ -326,6 +326,15 @@ static bool confirm(executor *base, const executor_job *job, const bf_error *why
     return counts;
 }
 
+static uint64_t token_of(executor *base, const executor_job *job)
+{
+    pull_executor *e = pull__enter(base);
+    const uint64_t token = job->token;
+
+    lock_release(&e->lock);
+    return token;
+}
+
 static double cpu_s(executor *base, executor_job *job)
 {
     pull_executor *e = pull__enter(base);
@@ -380,6 +389,7 @@ bf_status pull_executor_create(executor **ret_executor, bf_error *err)
                                                   .poll = poll_job,
                                                   .attribute_fault = attribute_fault,
                                                   .confirm = confirm,
+                                                  .token = token_of,
                                                   .cpu_s = cpu_s,
                                                   .external_id = external_id,
                                                   .release = release };
@@ -418,6 +428,15 @@ void pull_executor_set_check_every(executor *base, uint32_t n)
     pull_executor *e = pull__enter(base);
 
     e->check_every = n;
+    lock_release(&e->lock);
+}
+
+void pull_executor_set_suspecting(executor *base, pull_suspecting *tell, void *context)
+{
+    pull_executor *e = pull__enter(base);
+
+    e->suspect = tell;
+    e->suspect_context = context;
     lock_release(&e->lock);
 }
 

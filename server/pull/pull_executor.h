@@ -30,6 +30,13 @@ void pull_executor_set_predictor(executor *e, predictor *p);
 /// From now on solve one of n runs a second time, at a worker with another token, and compare the results. 0, as at the beginning: none.
 void pull_executor_set_check_every(executor *e, uint32_t n);
 
+/// The results of a run may be wrong, or, with run_id NULL, all that workers with this token have sent. Must neither block nor call
+/// the executor.
+typedef void pull_suspecting(void *context, const char *run_id, uint64_t token);
+
+/// From now on tell of results that others contradict. NULL, as at the beginning: nobody is told.
+void pull_executor_set_suspecting(executor *e, pull_suspecting *tell, void *context);
+
 /// Free it; all jobs that the supervisor took must have been released, and no request may be in it. NULL is fine. Always
 /// returns NULL.
 executor *pull_executor_destroy(executor *e);

@@ -126,6 +126,8 @@ typedef struct pull_executor {
     size_t n_doubts;          ///< ever noted
     pull__doubt *doubts;      ///< PULL_DOUBTS_KEPT, the newest ones, in a ring
     uint32_t check_every;     ///< one of so many runs is solved twice; 0: none
+    pull_suspecting *suspect; ///< is told of results that may be wrong; NULL: nobody is
+    void *suspect_context;    ///< given to it
 } pull_executor;
 
 /// Make wake_fd readable.

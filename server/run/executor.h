@@ -120,6 +120,9 @@ typedef struct executor_functions {
     /// false: the run is to be tried again, as nobody else has said the same. NULL: what a job says counts.
     bool (*confirm)(executor *e, const executor_job *job, const bf_error *why);
 
+    /// The token of the worker that has the job; 0: none. NULL: there are no workers.
+    uint64_t (*token)(executor *e, const executor_job *job);
+
     /// CPU seconds that the job has used so far; once it has ended, all that it used. Never falls.
     double (*cpu_s)(executor *e, executor_job *job);
 

@@ -164,6 +164,7 @@ static api_parts parts_of(const frame_begin *begin)
 // Put what has come into task->batch, with the checkpoint that came last (NULL: none).
 static bf_status make_batch(supervisor__task *task, const frame_bytes *checkpoint, bf_error *err)
 {
+    executor *e = task->supervisor->executor;
     bf_status status = add_progress(task, err);
 
     if (status != BF_OK)
@@ -177,6 +178,7 @@ static bf_status make_batch(supervisor__task *task, const frame_bytes *checkpoin
         .eta_s = task->rate > 0.0 ? (double)(n_steps - step) / task->rate : (double)NAN,
         .wall_s = supervisor__wall_s(task),
         .cpu_s = supervisor__cpu_s(task),
+        .token = e->functions->token == NULL ? 0 : e->functions->token(e, task->job),
         .grid = &task->begin.grid,
         .parts = parts_of(&task->begin),
         .step = checkpoint == NULL ? 0 : checkpoint->step,

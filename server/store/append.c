@@ -338,6 +338,8 @@ bf_status store__apply_batch(store__connection *writer, store__appending *contex
     context->n_bytes = 0;
     context->has_changes = false;
     bf_status status = note_sizes(&context->row, batch->grid, &batch->parts, err);
+    if (status == BF_OK)
+        status = store__note_sender(writer, row, batch->token, err);
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = append_item(writer, context, i, err);
     if (status == BF_OK)

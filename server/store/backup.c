@@ -192,11 +192,11 @@ static const question questions[] = {
     { "I10", "every run has results",
       "SELECT count(*) FROM runs WHERE NOT EXISTS "
       "(SELECT 1 FROM results WHERE results.number = runs.results)" },
-    { "I10", "results that several runs have are complete, and complete ones are of success",
-      "SELECT (SELECT count(*) FROM results WHERE state <> 1 AND "
+    { "I10", "results that several runs have are complete or suspect, and such ones are of success",
+      "SELECT (SELECT count(*) FROM results WHERE state NOT IN (1, 3) AND "
       "(SELECT count(*) FROM runs WHERE runs.results = results.number) > 1) + "
       "(SELECT count(*) FROM runs JOIN results ON runs.results = results.number "
-      "WHERE results.state = 1 AND runs.state <> 2)" },
+      "WHERE results.state IN (1, 3) AND runs.state <> 2)" },
     { "I14", "only running runs have stop requests and external ids",
       "SELECT count(*) FROM runs WHERE state <> 1 AND (stop_request <> 0 OR external_id <> '')" },
     { "I11", "an answer tells of the run that it names",

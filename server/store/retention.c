@@ -1,5 +1,5 @@
-// Periodic work of the store's thread, in turns: results without a run are removed, then runs
-// beyond the limits, then idempotency keys that are too old. Of those that are too old the one that ended first goes, and
+// Periodic work of the store's thread, in turns: results without a run are removed, runs with suspect results marked, then runs
+// removed that are beyond the limits, then idempotency keys that are too old. Of those that are too old the one that ended first goes, and
 // where there are too many, or too much, one of the owner who has most: cached ones first, then the one that ended first, so
 // that no owner's runs make those of another go. A turn is a row of small transactions with the groups of others in between.
 //
@@ -22,8 +22,8 @@ typedef struct step {
     store_retention limits;
     int64_t idempotency_ms;
     store__retention_turn turn; ///< as it was, and as it will be if the step succeeds
-    char removed[API_ID_SIZE];  ///< the run that was removed; "": none
-    const char *rule;           ///< the limit that caused it
+    char changed[API_ID_SIZE];  ///< the run that was removed or marked; "": none
+    const char *rule;           ///< the limit that caused its removal; NULL: it was marked
     bool is_last;               ///< nothing is left to be done in this turn
 } step;
 
@@ -103,7 +103,7 @@ static bf_status remove_oldest(step *st, const store__row *oldest, bf_error *err
 {
     bool is_over = false; // if not, the next step finds what is left over
 
-    memcpy(st->removed, oldest->run.id, API_ID_SIZE);
+    memcpy(st->changed, oldest->run.id, API_ID_SIZE);
     return store__remove_row(st->writer, oldest, &is_over, err);
 }
 
@@ -118,13 +118,17 @@ static bf_status end_turn(step *st, bool has_oldest, bf_error *err)
 
 static bf_status do_step(step *st, bf_error *err)
 {
-    bool has_oldest = false, is_over = false;
+    bool has_oldest = false, is_over = false, has_suspect = false;
     int64_t orphaned = 0;
     store__row oldest;
 
     bf_status status = store__read_number(st->writer, STORE__SQL_FIND_ORPHANED, &orphaned, err);
     if (status == BF_OK && orphaned != 0)
         return store__collect_results(st->writer, orphaned, &is_over, err);
+    if (status == BF_OK)
+        status = store__mark_suspect(st->writer, st->changed, &has_suspect, err);
+    if (status == BF_OK && has_suspect)
+        return BF_OK;
     if (status == BF_OK)
         status =
             store__find_first(st->writer, STORE__SQL_OLDEST_ENDED, NULL, &oldest, &has_oldest, err);
@@ -146,11 +150,14 @@ static bf_status run_step(step *st, bf_error *err)
 
 static void notify(const store *s, const step *st)
 {
-    if (st->removed[0] == '\0')
+    if (st->changed[0] == '\0')
         return;
-    log_event(LOG_LEVEL_INFO, "run_expired", "run=%s rule=%s", st->removed, st->rule);
+    if (st->rule != NULL)
+        log_event(LOG_LEVEL_INFO, "run_expired", "run=%s rule=%s", st->changed, st->rule);
+    else
+        log_event(LOG_LEVEL_WARN, "run_suspect", "run=%s", st->changed);
     if (s->listener != NULL)
-        s->listener(s->listener_context, st->removed);
+        s->listener(s->listener_context, st->changed);
 }
 
 void store__apply_retention(store *s)

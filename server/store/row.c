@@ -91,7 +91,9 @@ static bf_status close_row(store__connection *writer, store__row *row, bf_error 
     if (status != BF_OK || row->run.state != RUN_SUCCEEDED)
         return status;
     row->run.progress = 1.0;
-    return store__mark_results(writer, row->results, STORE__RESULTS_COMPLETE, err);
+    return store__mark_results(
+        writer, row->results,
+        row->run.is_suspect ? STORE__RESULTS_SUSPECT : STORE__RESULTS_COMPLETE, err);
 }
 
 bf_status store__transition(store__connection *writer, store__row *row, run_state to, bf_error *err)

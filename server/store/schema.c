@@ -408,12 +408,28 @@ static const char schema_22[] = "ALTER TABLE runs ADD COLUMN notes TEXT NOT NULL
 // Which runs users want to find again.
 static const char schema_23[] = "ALTER TABLE runs ADD COLUMN starred INTEGER NOT NULL DEFAULT 0;";
 
+// Whose results turned out to be wrong. A token that sent wrong ones is not believed in what it sent of runs that began before
+// that was found out; `suspects` are sets whose runs are to be marked.
+static const char schema_24[] =
+    "ALTER TABLE runs ADD COLUMN suspect INTEGER NOT NULL DEFAULT 0;"
+    "CREATE TABLE senders ("
+    "  results INTEGER NOT NULL REFERENCES results (number) ON DELETE CASCADE,"
+    "  token INTEGER NOT NULL,"    // of a worker that sent some of them
+    "  began_ms INTEGER NOT NULL," // not after the run came to that worker
+    "  PRIMARY KEY (results, token)"
+    ") STRICT, WITHOUT ROWID;"
+    "CREATE INDEX senders_by_token ON senders (token, began_ms);"
+    "CREATE TABLE distrusted (token INTEGER PRIMARY KEY, at_ms INTEGER NOT NULL) STRICT;"
+    "CREATE TABLE suspects ("
+    "  results INTEGER PRIMARY KEY REFERENCES results (number) ON DELETE CASCADE"
+    ") STRICT;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
 const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
                                           schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
                                           schema_11, schema_12, schema_13, schema_14, schema_15,
                                           schema_16, schema_17, schema_18, schema_19, schema_20,
-                                          schema_21, schema_22, schema_23 };
+                                          schema_21, schema_22, schema_23, schema_24 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

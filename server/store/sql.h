@@ -4,6 +4,7 @@
 #pragma once
 
 #include "server/store/sql_lists.h"
+#include "server/store/sql_results.h"
 #include "server/store/sql_studies.h"
 #include "server/store/sql_tokens.h"
 
@@ -55,7 +56,8 @@
     X(TEXT, external_id, external_id)                                                              \
     X(TEXT, figures, run.figures)                                                                  \
     X(REAL, cpu_s, cpu_s)                                                                          \
-    X(INTEGER, n_bytes, n_bytes)
+    X(INTEGER, n_bytes, n_bytes)                                                                   \
+    X(INTEGER, suspect, run.is_suspect)
 
 /// All of them but `number`, in the order of the texts below.
 #define STORE__RUN_LIST(X)                                                                         \
@@ -165,23 +167,9 @@
     X(DELETE_CHUNKS, "DELETE FROM chunks WHERE results = ?1 AND kind = ?2 AND item = ?3")          \
     X(DELETE_OPEN_SNAPSHOTS,                                                                       \
       "DELETE FROM chunks WHERE results = ?1 AND kind IN (?2, ?3) AND item >= ?4")                 \
-    X(INSERT_RESULTS, "INSERT INTO results (digest, solver) VALUES (?1, ?2)")                      \
-    X(MARK_RESULTS, "UPDATE results SET state = ?2 WHERE number = ?1")                             \
-    X(GROW_RESULTS, "UPDATE results SET n_bytes = n_bytes + ?2 WHERE number = ?1")                 \
     X(COUNT_SNAPSHOT,                                                                              \
       "UPDATE results SET n_bytes = n_bytes + (SELECT coalesce(sum(length(data)), 0) FROM chunks " \
       "WHERE results = ?1 AND kind IN (?3, ?4) AND item = ?2) WHERE number = ?1")                  \
-    X(INVALIDATE_RESULTS, "UPDATE results SET solver = '' WHERE state = 0 AND solver <> ?1 AND "   \
-                          "number IN (SELECT results FROM runs WHERE state < 2)")                  \
-    X(FIND_SOLVED,                                                                                 \
-      "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE results = (SELECT number FROM results "       \
-      "WHERE digest = ?1 AND solver = ?2 AND state = 1 ORDER BY number DESC LIMIT 1) "             \
-      "LIMIT 1")                                                                                   \
-    X(ARE_USED, "SELECT 1 FROM runs WHERE results = ?1 LIMIT 1")                                   \
-    X(FIND_ORPHANED, "SELECT number FROM results WHERE state = 2 LIMIT 1")                         \
-    X(COLLECT_CHUNKS, "DELETE FROM chunks WHERE rowid IN "                                         \
-                      "(SELECT rowid FROM chunks WHERE results = ?1 LIMIT ?2)")                    \
-    X(DELETE_RESULTS, "DELETE FROM results WHERE number = ?1")                                     \
     X(INSERT_EVENT, "INSERT INTO events (run, type, snapshot, data) VALUES (?1, ?2, ?3, ?4)")      \
     X(INSERT_CHANGE, "INSERT INTO changes (results, item, data) VALUES (?1, ?2, ?3)")              \
     X(GET_CHANGE, "SELECT data FROM changes WHERE results = ?1 AND item = ?2")                     \
@@ -223,6 +211,7 @@
                  "INDEXED BY answers_by_route WHERE route = ?1 ORDER BY number DESC LIMIT 1 "      \
                  "OFFSET ?2)")                                                                     \
     STORE__SQL_TOKENS(X)                                                                           \
+    STORE__SQL_RESULTS(X)                                                                          \
     X(OLDEST_ENDED,                                                                                \
       "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state >= 2 "                                  \
       "AND NOT EXISTS (SELECT 1 FROM trials WHERE trials.run = runs.id AND ended = 0) "            \

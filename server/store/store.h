@@ -18,7 +18,7 @@
 ///   I9  A removed run leaves no row behind. Results that several runs have go with the last of them,
 ///       large ones step by step: what a crash leaves of them is deleted after the next start.
 ///   I10 Samples, snapshots and their grids belong to sets of results. Each run has one set; a set that
-///       several runs have is that of a run that succeeded, and never changes again.
+///       several runs have is that of a run that succeeded, and never changes again. No run joins one that is suspect.
 ///   I11 The answer to an idempotency key is stored with the run that it describes, in one transaction;
 ///       while it is stored, the key makes no second run.
 ///   I12 What retention removes has ended: for its age the run that ended first, else one of the owner who has most.

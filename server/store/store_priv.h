@@ -24,6 +24,7 @@ typedef enum store__results {
     STORE__RESULTS_OPEN,     ///< its run is not solved, and may never be
     STORE__RESULTS_COMPLETE, ///< its run succeeded: others may use it, too (I10)
     STORE__RESULTS_ORPHANED, ///< no run has it any more: it is being deleted
+    STORE__RESULTS_SUSPECT,  ///< as complete, but not for further runs
 } store__results;
 
 typedef struct store__operation store__operation;
@@ -188,6 +189,15 @@ BF_MUST_CHECK bf_status store__insert_results(store__connection *writer,
 /// Move a set of results on in its life.
 BF_MUST_CHECK bf_status store__mark_results(store__connection *writer, int64_t results,
                                             store__results state, bf_error *err);
+
+/// One step of marking the runs whose results are suspect. ret_run is the run that was marked, or ""; *ret_has_more: the
+/// next step may have something to do.
+BF_MUST_CHECK bf_status store__mark_suspect(store__connection *writer, char ret_run[API_ID_SIZE],
+                                            bool *ret_has_more, bf_error *err);
+
+/// A worker with this token (0: none has one, or the service itself) sends results of a run that is running.
+BF_MUST_CHECK bf_status store__note_sender(store__connection *writer, const store__row *row,
+                                           uint64_t token, bf_error *err);
 
 /// What was begun by another version of the solver and is not complete is not for other runs.
 BF_MUST_CHECK bf_status store__invalidate_results(store__connection *writer, bf_error *err);

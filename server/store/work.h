@@ -63,6 +63,7 @@ typedef struct store_batch {
     double eta_s;           ///< NAN: unknown
     double wall_s;          ///< solving time so far, all attempts
     double cpu_s;           ///< CPU time so far, all attempts: the increase is charged to the owner
+    uint64_t token;         ///< of the worker that sent it; 0: none
     const bf_grid *grid;    ///< of the snapshots; NULL: as before
     api_parts parts;        ///< of the snapshots, where grid is given
     uint64_t step;          ///< of checkpoint
@@ -130,6 +131,11 @@ typedef struct store_ending {
 /// there are not as many results as `whole` says.
 BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run,
                                      bf_error *err);
+
+/// The results of a run are suspect (run_id, else NULL), or all that a worker with this token (0: none) has sent so far, or will
+/// send of runs that it has now. They are not for further runs, and the runs that have them are marked, on the store's thread, one
+/// after the other, also after a restart. Does not wait; what cannot be stored is logged.
+void store_begin_suspecting(store *s, const char *run_id, uint64_t token);
 
 /// Store the executor's id of a running run's job, so that the daemon after this one finds it again. It is
 /// deleted when the run ends or is queued again. BF_ECONFLICT: the run is not running.

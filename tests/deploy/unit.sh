@@ -56,18 +56,6 @@ property()
     systemctl show --property "$1" --value beltflow
 }
 
-# logged TEXT: whether the daemon's log has it.
-logged()
-{
-    journalctl --sync
-    journalctl --quiet --unit beltflow | grep "$1" >/dev/null
-}
-
-property()
-{
-    systemctl show --property "$1" --value beltflow
-}
-
 # ask PATH [CURL'S ARGUMENTS...]: the body of an answer 2xx.
 ask()
 {

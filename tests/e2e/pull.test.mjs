@@ -120,3 +120,49 @@ test("a study by two workers has the bytes of the command line", async (t) => {
   const trials = await d.get(`/v1/studies/${begun.json.id}/trials?format=csv`);
   assert.equal(trials.text, readFileSync(path.join(folder, "out", "trials.csv"), "utf8"));
 });
+
+// The frames of a run with the begin of another: whole, of the right run, and wrong.
+function disguised(frames, begin) {
+  const length = (bytes) => 16 + Math.ceil(Number(bytes.readBigUInt64LE(8)) / 8) * 8 + 8;
+  return Buffer.concat([begin.subarray(0, length(begin)), frames.subarray(length(frames))]);
+}
+
+test("what a worker sent that lies is suspect, and solved again when it is submitted again", async (t) => {
+  const d = await daemon(t, { ...pulling, check_every: 1 });
+  const as = (headers) =>
+    Object.assign(Object.create(d), { request: (method, target, more) => d.request(method, target, { ...more, headers: { ...more?.headers, ...headers } }) });
+  const admin = as(addToken(d.data, "all", "--scopes", "admin"));
+  const [liar, second, third] = ["liar", "second", "third"].map((name) =>
+    new PullWorker(as(addToken(d.data, name, "--scopes", "work")), name));
+  await until(async () => (await d.get("/v1/leases")).status === 401, "the tokens to count");
+  const accept = async (scenario) => (await admin.post("/v1/runs", { model: "macro", scenario })).json;
+  const deliver = async (worker, lease, frames) => {
+    await worker.deliverAll(lease, 0, frames);
+    await worker.renew(lease, [], [{ job: 0, bytes: frames.length }]);
+  };
+  const isSuspect = async ({ id }) => (await admin.get(`/v1/runs/${id}`)).json.suspect === true;
+  for (const worker of [second, third]) assert.equal((await worker.ask()).json.id, null);
+
+  const right = await accept(tiny({ initial: { positions_m: [[0.09, 0.06]] } }));
+  const before = await liar.lease();
+  const others = await liar.solve(before.inputs[0]);
+  await deliver(liar, before, others);
+  assert.equal(await second.work(), 1);
+  const wrong = await accept(tiny());
+  const lease = await liar.lease();
+  await deliver(liar, lease, disguised(others, await liar.solve(lease.inputs[0])));
+  await until(async () => (await admin.get(`/v1/runs/${wrong.id}`)).json.status === "succeeded", "the lie to be served");
+  assert.equal(await second.work(), 1);
+  await until(() => isSuspect(wrong), "the run that two have solved differently");
+  assert.equal(await isSuspect(right), false);
+  assert.equal(await third.work(), 1);
+  await until(() => isSuspect(right), "what the liar sent before");
+
+  const again = await accept(tiny());
+  assert.equal(again.status, "queued");
+  assert.equal(await third.work(), 1);
+  const ended = async () => (await admin.get(`/v1/runs/${again.id}`)).json;
+  await until(async () => (await ended()).status === "succeeded", "the end of the run");
+  assert.equal((await ended()).suspect, undefined);
+  await assertSameResults(admin, again.id, await solved);
+});

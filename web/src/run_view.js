@@ -16,7 +16,7 @@ import { address, go } from "./router.js";
 import { cancel, removeLater } from "./run_actions.js";
 import { RunData } from "./run_data.js";
 import { DownloadsPanel, scenarioPanel, summaryPanel, verdictLines, verdictPanel } from "./run_panels.js";
-import { statePill } from "./runs_table.js";
+import { statePill, suspicion } from "./runs_table.js";
 import { keyOf } from "./scale_bar.js";
 import { SceneControls } from "./scene_controls.js";
 import { contentOf, fallsOf, flowOf, isFed } from "./series.js";
@@ -88,7 +88,8 @@ export class RunView {
       h("div", { class: "heading" }, this.nameText,
         h("p", { class: "meta" }, this.state.pill, this.bar, this.progress,
           h("span", { class: "model", data: { model: run.model } }, modelOf(run)), this.labelText,
-          h("time", { datetime: run.created_at }, age(run.created_at))), this.notesText),
+          h("time", { datetime: run.created_at }, age(run.created_at))), this.notesText,
+        h("p", { class: "fault", role: "status", hidden: !run.suspect }, suspicion)),
       h("div", { class: "actions" },
         this.starButton, h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"),
         iconButton("download", "Save report", () => this.report(), { shown: true }),

@@ -9,6 +9,8 @@ import { columns, titleOfLabel } from "./runs_columns.js";
 
 export const states = ["queued", "running", "succeeded", "failed", "cancelled"];
 
+export const suspicion = "These results may be wrong. Submit the line again to have it solved anew.";
+
 export function statePill(run) {
   const pill = h("span", { class: "pill" }, h("i", { class: "dot" }), h("span"));
   return { pill, show: (current) => {
@@ -55,8 +57,9 @@ export class RunRow {
     this.bar.value = run.progress;
     this.bar.hidden = run.status !== "running";
     this.bar.setAttribute("aria-label", `Progress of ${name}`);
-    setText(this.fault, run.error ? run.error.detail : "");
-    this.fault.hidden = !run.error;
+    const fault = run.error?.detail ?? (run.suspect ? suspicion : "");
+    setText(this.fault, fault);
+    this.fault.hidden = !fault;
     this.age.dateTime = run.created_at;
     this.age.title = moment(run.created_at);
     setText(this.age, age(run.created_at));

@@ -21,16 +21,32 @@ enum { SAMPLES = 4, COLUMNS = 2 };
 
 typedef struct fixture {
     executor *executor;
+    int n_disputed;      // times that the results of the run were called suspect
+    int n_distrusted;    // times that those of a token were
+    uint64_t distrusted; // the last one
     api_leases api;
     int64_t equal, unequal, faults; // metrics at the start
 } fixture;
+
+static void suspect(void *context, const char *run_id, uint64_t token)
+{
+    fixture *f = context;
+
+    if (run_id != NULL)
+        assert_string_equal(run_id, RUN);
+    f->n_disputed += run_id != NULL;
+    f->n_distrusted += token != 0;
+    f->distrusted = token != 0 ? token : f->distrusted;
+}
 
 static int setup(void **state)
 {
     static fixture f;
 
+    f = (fixture){ .executor = NULL };
     assert_int_equal(pull_executor_create(&f.executor, NULL), BF_OK);
     pull_executor_set_check_every(f.executor, 1);
+    pull_executor_set_suspecting(f.executor, suspect, &f);
     f.api = pull_executor_leases(f.executor);
     f.equal = metrics_value(METRICS_PULL_DUPLICATES, METRICS_MATCH_EQUAL);
     f.unequal = metrics_value(METRICS_PULL_DUPLICATES, METRICS_MATCH_UNEQUAL);
@@ -53,6 +69,9 @@ static void assert_found(const fixture *f, int64_t equal, int64_t unequal, int64
     assert_int_equal(metrics_value(METRICS_PULL_DUPLICATES, METRICS_MATCH_UNEQUAL),
                      f->unequal + unequal);
     assert_int_equal(metrics_value(METRICS_PULL_FAULTS, 0), f->faults + faults);
+    // The run's results as soon as two differ, and all of a token as soon as two others agree.
+    assert_int_equal(f->n_disputed, unequal);
+    assert_int_equal(f->n_distrusted, faults);
 }
 
 static executor_job *start(fixture *f)
@@ -188,6 +207,7 @@ static void of_three_the_one_that_differs_is_at_fault(void **state)
         assert_false(solves(f, 1, 6, 1) || solves(f, 2, 6, 1));
         assert_true(solves(f, 3, 6, 2));
         assert_found(f, k + 1, k + 1, k + 1);
+        assert_int_equal(f->distrusted, 1);
     }
     // It gets nothing for a while.
     executor_job *job = start(f);
