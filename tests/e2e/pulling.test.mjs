@@ -3,7 +3,7 @@
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { readFileSync, writeFileSync } from "node:fs";
+import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import test, { after } from "node:test";
 
@@ -19,8 +19,9 @@ const pulling = { executor: "pull" };
 
 // A worker of this story, which is stopped with it; { stop(signal), log(), pid }.
 function worker(t, d, name, ...more) {
+  const { folder = binaries } = typeof more[0] === "object" ? more.shift() : {};
   const args = ["worker", "--pull", d.url, "--name", name, "--cores", "1", "--spool", temporaryFolder(t), ...more];
-  const child = spawn(path.join(binaries, "beltflow"), args, { stdio: ["ignore", "ignore", "pipe"] });
+  const child = spawn(path.join(folder, "beltflow"), args, { stdio: ["ignore", "ignore", "pipe"] });
   let log = "";
   child.stderr.on("data", (chunk) => (log += chunk));
   const exited = new Promise((resolve) => child.on("close", resolve));
@@ -76,6 +77,23 @@ test("a run whose frames are longer than the spool is solved piece by piece", as
   await d.reached(run.id, "succeeded");
   await assertSameResults(d, run.id, await solve(t, scenario));
   assert.match(w.log(), /event=spool_f(ills|ull) run=/);
+  assert.equal(await w.stop(), 0, w.log());
+});
+
+// Each of its three tries is its own fault, and no attempt of the run.
+test("a worker that cannot start a solver gives its jobs back", async (t) => {
+  const d = await daemon(t, pulling);
+  const run = await d.submit(tiny());
+  const folder = temporaryFolder(t);
+  copyFileSync(path.join(binaries, "beltflow"), path.join(folder, "beltflow"));
+  writeFileSync(path.join(folder, "beltflow-worker"), "of another machine\n", { mode: 0o755 });
+  const broken = worker(t, d, "broken", { folder });
+  await until(() => d.log.includes("event=worker_suspended worker=broken"), "the suspension");
+  assert.notEqual((await d.run(run.id)).status, "failed");
+  assert.equal(await broken.stop(), 0, broken.log());
+  const w = worker(t, d, "one");
+  await d.reached(run.id, "succeeded");
+  await assertSameResults(d, run.id, await solved);
   assert.equal(await w.stop(), 0, w.log());
 });
 
