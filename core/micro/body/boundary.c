@@ -154,6 +154,10 @@ static bool find_hull_at_plate(body_state *s, size_t k, uint32_t id, double marg
     const bool is_beyond = body__is_felt_beyond_joint(s, plate, body->x.x, body->x.y);
     body_memory passing = { 0 };
 
+    if (body__is_behind_step(s, plate, body->x)) {
+        clear_memory_slot(s->plate_memories[k], id);
+        return false;
+    }
     if (fabs(a) <= plate->half_length || is_beyond) {
         find_at_side(s, body, plate, margin, m);
         if (m->depth <= -margin || m->is_least) {

@@ -86,6 +86,8 @@ typedef struct body_plate {
     int32_t joined[2];     ///< the plates of the same obstacle at its start and at its end;
                            ///< BODY_NO_PLATE: it ends there
     double bend[2];        ///< sine of the angle by which the path turns left there
+    bool has_step[2]; ///< on the outer side of that bend one surface is higher than the other, as
+                      ///< they have their bodies on different sides of the path
 } body_plate;
 
 /// Extremes and events of a block of parts.
@@ -153,8 +155,12 @@ double body__plate_distance_ever(const body_state *s, size_t plate, double x, do
 /// one, or at the corner, which belongs to the earlier plate.
 bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y);
 
-/// The plate beyond the joint at the start (end = 0) or the end (1) of a plate, if a point x is on the outer side of the bend;
-/// NULL: it is not, or there is no joint. *ret_side is the side of both that x is on, 1: left, -1: right.
+/// True if a point on the outer side of a bend is nearer to the plate beyond the joint, and the surfaces do not meet there. A
+/// body with its centre there is felt by that plate alone, so that it is not caught by the step.
+bool body__is_behind_step(const body_state *s, const body_plate *plate, vec3 x);
+
+/// The plate beyond the joint at the start (end = 0) or the end (1) of a plate, if a point x is on the outer side of the bend and
+/// the surfaces meet there; NULL: not so, or there is no joint. *ret_side is the side of both that x is on, 1: left, -1: right.
 const body_plate *body__next_around(const body_state *s, const body_plate *plate, int end, vec3 x,
                                     double *ret_side);
 

@@ -89,6 +89,8 @@ static void join_plates(body_state *s, double bend)
     before->joined[1] = last;
     after->joined[0] = last - 1;
     before->bend[1] = after->bend[0] = bend;
+    before->has_step[1] = after->has_step[0] =
+        fabs(height - outer_height(after, bend)) > STRAIGHT * before->half_thickness;
     if (height > 0.0) {
         prolong(before, 1, height * half_tangent);
         prolong(after, 0, height * half_tangent);
@@ -146,11 +148,24 @@ bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, do
     return false;
 }
 
+bool body__is_behind_step(const body_state *s, const body_plate *plate, vec3 x)
+{
+    const double side = side_of(plate, x.x, x.y);
+
+    for (int end = 0; end < 2; end++)
+        if (is_outside(plate, end, side) && plate->has_step[end] &&
+            is_nearer_to_next(s, plate, end, x.x, x.y))
+            return true;
+    return false;
+}
+
 const body_plate *body__next_around(const body_state *s, const body_plate *plate, int end, vec3 x,
                                     double *ret_side)
 {
     *ret_side = side_of(plate, x.x, x.y);
-    return is_outside(plate, end, *ret_side) ? &s->plates[plate->joined[end]] : NULL;
+    return is_outside(plate, end, *ret_side) && !plate->has_step[end]
+               ? &s->plates[plate->joined[end]]
+               : NULL;
 }
 
 body_joint_contact body__feel_at_joints(const body_state *s, const body_plate *plate, vec3 x,
