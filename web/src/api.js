@@ -13,6 +13,12 @@ export class Problem extends Error {
   }
 }
 
+export const LATER_MS = 2000; // after which a busy server is asked again
+
+export function isBusy({ status }) {
+  return [429, 503].includes(status);
+}
+
 // "/v1/runs/..." of the API's links, as an address of this page.
 export function local(target) {
   return target.replace(/^\//, "");

@@ -1,7 +1,7 @@
 // Two to eight runs side by side under one clock, their curves beside them, below what they come to: key figures, how far they
 // agree, and how they were computed.
 
-import { getJson, isOver, listRuns } from "./api.js";
+import { getJson, isBusy, isOver, LATER_MS, listRuns } from "./api.js";
 import { Cinema } from "./cinema.js";
 import { CompareCurves } from "./compare_curves.js";
 import { chipsOf, differences } from "./differences.js";
@@ -187,7 +187,10 @@ export class CompareView {
     const { runs, reference } = this;
     if (runs.length < 2 || !runs.every(({ run }) => isOver(run))) return;
     const answer = await getJson(`v1/compare?${new URLSearchParams({ runs: runs.map(({ id }) => id).join(","), reference: runs[reference].id, densities: 0 })}`)
-      .catch(() => null);
+      .catch((error) => {
+        if (isBusy(error)) setTimeout(() => this.isGone || this.showVerdicts(), LATER_MS);
+        return null;
+      });
     if (this.isGone || reference !== this.reference || answer === null) return;
     this.overview.hidden = false;
     this.overview.replaceChildren(...answer.pairs.map(({ b, verdicts }) => {

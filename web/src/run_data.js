@@ -1,12 +1,9 @@
 // Everything about one run that views show: its document, scenario, snapshots and curve; filled from the
 // results of a run that has ended, or by the events of one that has not.
 
-import { getJson, isOver, paths } from "./api.js";
+import { getJson, isBusy, isOver, LATER_MS, paths } from "./api.js";
 import { cargoOf } from "./cargo.js";
 import { applyToRun } from "./events.js";
-
-const LATER_MS = 2000;
-const BUSY = [429, 503]; // asked again later
 
 // Values from an index on; what stood there is gone.
 function replaceFrom(list, first, values) {
@@ -68,7 +65,7 @@ export class RunData {
       this.summary = await getJson(paths.of(this.id, "summary"));
       this.figures = this.summary.key_figures ?? this.figures;
     } catch (error) {
-      if (BUSY.includes(error.status)) setTimeout(() => this.loadSummary(), LATER_MS);
+      if (isBusy(error)) setTimeout(() => this.loadSummary(), LATER_MS);
       else if (![0, 404, 409].includes(error.status)) throw error;
     }
     this.onChange("summary");
@@ -112,7 +109,7 @@ export class RunData {
       this.onChange("run");
       if (isGap || isOver(this.run)) await this.loadResults();
     } catch (error) {
-      if (BUSY.includes(error.status)) setTimeout(() => this.refresh({ isGap }), LATER_MS);
+      if (isBusy(error)) setTimeout(() => this.refresh({ isGap }), LATER_MS);
       else if (error.status !== 0) throw error; // away again
     }
   }
