@@ -71,6 +71,7 @@ typedef struct api_study {
     uint64_t n_trials;                  ///< made so far
     uint64_t n_ended[API_TRIAL_STATES]; ///< of them, by how they ended
     bf_error error;                     ///< of API_STUDY_FAILED; code BF_OK: none
+    bool is_suspect;                    ///< the run of one of its trials is
 } api_study;
 
 /// A trial of a study.

@@ -22,6 +22,13 @@ static bool has_owner(const void *item)
     return about->owner[0] != '\0';
 }
 
+static bool is_suspect(const void *item)
+{
+    const api_study *about = item;
+
+    return about->is_suspect;
+}
+
 #define AT(place)                 offsetof(api_study, place)
 #define ENDED(name, state, help_) MEMBER(name, size, AT(n_ended[state]), help_)
 static const member trials_members[] = {
@@ -61,6 +68,10 @@ static const member study_members[] = {
     MEMBER("started_at", time, AT(started_ms), "When it was first started", .null = "never"),
     MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not yet"),
     MEMBER_OF("error", &run_json_error_kind, AT(error), "Why it failed", .null = "it did not"),
+    MEMBER("suspect", bool, AT(is_suspect),
+           "The results of one of its trials may be wrong, and so may be what it says: true, or "
+           "missing",
+           .applies = is_suspect),
     MEMBER("owner", text, AT(owner), "Whose it is, where the service has tokens",
            .applies = has_owner),
     MEMBER("trials", object, 0, "How many trials it has", .table = &study_json_trials),

@@ -424,12 +424,16 @@ static const char schema_24[] =
     "  results INTEGER PRIMARY KEY REFERENCES results (number) ON DELETE CASCADE"
     ") STRICT;";
 
+// Studies one of whose trials is suspect.
+static const char schema_25[] =
+    "ALTER TABLE studies ADD COLUMN suspect INTEGER NOT NULL DEFAULT 0;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
 const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
                                           schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
                                           schema_11, schema_12, schema_13, schema_14, schema_15,
                                           schema_16, schema_17, schema_18, schema_19, schema_20,
-                                          schema_21, schema_22, schema_23, schema_24 };
+                                          schema_21, schema_22, schema_23, schema_24, schema_25 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -24,6 +24,8 @@
       "WHERE distrusted.token > 0 AND began_ms <= at_ms LIMIT 1")                                  \
     X(NEXT_UNMARKED,                                                                               \
       "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE results = ?1 AND suspect = 0 LIMIT 1")        \
+    X(SUSPECT_STUDY, "UPDATE studies SET suspect = 1, revision = revision + 1 WHERE id = ?1 "      \
+                     "AND suspect = 0")                                                            \
     X(SUSPECT_RESULTS, "UPDATE results SET state = ?2 WHERE number = ?1 AND state = ?3")           \
     X(DROP_SUSPECT, "DELETE FROM suspects WHERE results = ?1")                                     \
     X(DROP_SENDERS, "DELETE FROM senders WHERE results = ?1 AND EXISTS (SELECT 1 FROM distrusted " \

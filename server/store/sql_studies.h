@@ -29,7 +29,8 @@
     X(CODE, error_code, study.error.code)                                                          \
     X(TEXT, error_pointer, study.error.pointer)                                                    \
     X(TEXT, error_text, study.error.text)                                                          \
-    X(INTEGER, stop_request, stop_request)
+    X(INTEGER, stop_request, stop_request)                                                         \
+    X(INTEGER, suspect, study.is_suspect)
 
 /// All of them.
 #define STORE__STUDY_LIST(X)                                                                       \

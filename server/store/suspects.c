@@ -1,6 +1,6 @@
 // Results that may be wrong: of runs that others have other results of, and all that a worker sent that was found to send wrong
 // ones. Those who sent something are noted with the set, so both are found as sets; the turns of retention.c mark the runs
-// that have them, one a step.
+// that have them, one a step, and their studies.
 
 #include "server/store/store_priv.h"
 
@@ -56,7 +56,10 @@ static bf_status mark_one(store__connection *writer, int64_t results, char ret_r
     if (status == BF_OK && has_row) {
         row.run.is_suspect = true;
         memcpy(ret_run, row.run.id, API_ID_SIZE);
-        return store__save_row(writer, &row, err);
+        status = store__save_row(writer, &row, err);
+        return status == BF_OK
+                   ? store__exec(writer, STORE__SQL_SUSPECT_STUDY, err, TEXT(row.run.study))
+                   : status;
     }
     if (status == BF_OK)
         status = store__exec(writer, STORE__SQL_DROP_SUSPECT, err, INTEGER(results));

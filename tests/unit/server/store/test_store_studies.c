@@ -508,6 +508,28 @@ static void an_owner_has_so_many_studies_that_have_not_ended(void **state)
 }
 
 // Workers are started for what may be claimed, not for what waits until somebody goes on with its study.
+static void a_study_is_suspect_when_one_of_its_trials_is(void **state)
+{
+    static const store_retention none = { 0 };
+    store *s = ((helper_store *)*state)->store;
+    const api_study of = start_study(s, "", 0), other = start_study(s, "", 0);
+    char runs[2][API_ID_SIZE];
+
+    assert_int_equal(begin_trials(s, &of, 0, 2, runs), BF_OK);
+    const uint64_t revision = find_study(s, of.id).revision;
+    for (int k = 0; k < 2; k++) {
+        store_begin_suspecting(s, runs[k], 0);
+        store_set_retention(s, &none); // a turn, now
+        HELPER_AWAIT(helper_find(s, runs[k]).is_suspect);
+    }
+    assert_true(find_study(s, of.id).is_suspect);
+    assert_int_equal(find_study(s, of.id).revision, revision + 1);
+    assert_false(find_study(s, other.id).is_suspect);
+    // Also after it goes on.
+    assert_int_equal(end_trial(s, &of, 0, API_TRIAL_FAILED), BF_OK);
+    assert_true(find_study(s, of.id).is_suspect);
+}
+
 static void trials_of_a_study_that_rests_are_not_claimable(void **state)
 {
     store *s = ((helper_store *)*state)->store;
@@ -622,6 +644,7 @@ int main(void)
         CASE(what_is_paused_begins_no_trial_until_it_goes_on),
         CASE(what_is_to_be_cancelled_begins_no_trial_and_ends_once),
         CASE(an_owner_has_so_many_studies_that_have_not_ended),
+        CASE(a_study_is_suspect_when_one_of_its_trials_is),
         CASE(trials_of_a_study_that_rests_are_not_claimable),
         CASE(a_study_goes_with_all_it_has_when_its_runs_have_gone),
         CASE(lists_of_runs_have_trials_only_where_they_are_asked_for),
