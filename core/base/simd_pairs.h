@@ -15,6 +15,15 @@ static inline simd simd_load_floats(const float *at)
     return __builtin_convertvector(x, simd);
 }
 
+/// x - y of floats from any addresses, rounded to floats and widened.
+static inline simd simd_float_differences(const float *x, const float *y)
+{
+    simd_narrow from, what;
+    memcpy(&from, x, sizeof from);
+    memcpy(&what, y, sizeof what);
+    return __builtin_convertvector(from - what, simd);
+}
+
 /// Round to floats and store them to any address.
 static inline void simd_store_floats(float *at, simd x)
 {

@@ -26,6 +26,7 @@ struct macro_flows {
     const uint16_t *belt_of;
     bf_grid grid;
     double packing; // parts/m2 at density 1
+    double dt;      // of a step, s
     size_t n_outlets;
     double left; // the domain until the last sample
     counter_cells cells[SCENE_COUNTERS_MAX];
@@ -46,6 +47,7 @@ bf_status macro_flows_create(const scene *s, const macro_solver *solver, const u
     f->belt_of = belt_of;
     f->grid = scene_grid(s);
     f->packing = scene_packing_density(s);
+    f->dt = scene_macro_step(s);
     f->n_outlets = figure_items(s, FIGURE_OF_OUTLET);
     for (size_t k = 0; k <= s->n_belts; k++)
         f->outlet_of[k] = figure_outlet(s, k);
@@ -69,7 +71,7 @@ macro_flows *macro_flows_destroy(macro_flows *f)
 static double over(const macro_flows *f, size_t i, size_t j, scene_side side)
 {
     const double edge = side == SCENE_WEST || side == SCENE_EAST ? f->grid.d2 : f->grid.d1;
-    const double dt = (double)macro_flux_steps(f->solver) * scene_macro_step(f->scene);
+    const double dt = (double)macro_flux_steps(f->solver) * f->dt;
 
     return macro_flux(f->solver, i, j, side) * edge * dt * f->packing;
 }

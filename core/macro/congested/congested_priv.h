@@ -125,6 +125,9 @@ typedef struct congested_kernels {
                          congested_range cells);
     /// Bring the thresholds of a row's red cells to the slip of this step; forward solvers only.
     void (*make_thresholds)(const congested *c, ptrdiff_t row);
+    /// Bring thresholds and crosswise gradients of the west and south faces of a row's cells to this step, but for those on the
+    /// sides of the grid; for solvers that are not forward.
+    void (*make_coupling)(const macro_solver *s, const congested *c, ptrdiff_t row);
 } congested_kernels;
 
 /// The closure's state and what it precomputes.
@@ -224,9 +227,6 @@ static inline float *congested__pressure(const congested *c, ptrdiff_t i, ptrdif
 {
     return congested__row(c, c->pressure[(i + j) & 1], j) + (i >> 1);
 }
-
-/// Bring thresholds and crosswise gradients of all active faces to this step; for solvers that are not forward.
-void congested__set_coupling(macro_solver *s);
 
 #ifdef CPU_BUILD
 /// Each build's table has a name of its own.

@@ -264,6 +264,119 @@ static void make_thresholds(const congested *c, ptrdiff_t row)
     }
 }
 
+// What a register of faces of one axis couples with: a face of the other axis that ends at it, k for k.
+typedef struct crossing_faces {
+    congested_side_faces faces; // element of face 0
+    const float *before;        // pressures of the cells before them, towards falling x
+    const float *after;         // and behind them
+} crossing_faces;
+
+enum { CROSSINGS = 4 }; // of a face
+
+// x where a lane of `mask` is set, else y.
+static inline simd chosen(__typeof__((simd){ 0 } > (simd){ 0 }) mask, simd x, simd y)
+{
+    typedef __typeof__(mask) lanes;
+
+    return (simd)((mask & (lanes)x) | (~mask & (lanes)y));
+}
+
+// The gradient along faces and the slip at them, from the faces of the other axis around.
+static inline void couple_faces(const congested *c, int axis, congested_side_faces own,
+                                const crossing_faces crossings[CROSSINGS], ptrdiff_t k,
+                                simd *ret_crosswise, simd *ret_threshold)
+{
+    const ptrdiff_t at = own.at + k;
+    const simd along = simd_load_floats(own.law->along + at);
+    const simd across = simd_load_floats(own.law->across + at);
+    const simd full = simd_load_floats(own.law->full_slip + at);
+    const simd zero = simd_all(0.0);
+    const double sign = axis == 0 ? 1.0 : -1.0; // of the left of the normal on the other axis
+    const double own_scale = axis == 0 ? 1.0 : (double)c->ratio;
+    const double other_scale = axis == 0 ? (double)c->ratio : 1.0;
+    simd gradient = zero, slip = zero;
+
+    for (int n = 0; n < CROSSINGS; n++) {
+        const congested_side_faces other = crossings[n].faces;
+        const simd drop = simd_float_differences(crossings[n].before + k, crossings[n].after + k);
+        const simd parallel =
+            along * simd_load_floats(own.law->flux + at) / own_scale -
+            across * sign * simd_load_floats(other.law->flux + other.at + k) / other_scale;
+        const simd held = simd_max(zero - parallel, zero);
+        // A closed face beside one that mostly lies along the belt holds its cargo back.
+        const __typeof__(full > full) is_closed =
+            simd_load_floats(other.law->least + other.at + k) == zero;
+        const __typeof__(full > full) is_held = is_closed & (simd_max(along, -along) < 0.5);
+        slip += chosen(is_held | (held > full), full, held);
+        gradient += chosen(is_closed, zero, sign * drop);
+    }
+    const simd threshold = simd_load_floats(own.law->threshold + at);
+    // Along x2 the gradient is the drop times the ratio, and at an x2-face it is kept times the ratio: once in each case.
+    const simd crosswise = 0.25 * (double)c->ratio * gradient;
+    const simd gain = simd_load_floats(own.law->gain + at);
+    // Where the belt stands both stay, like pressures.
+    *ret_crosswise = chosen(full == zero, simd_load_floats(own.law->crosswise + at), crosswise);
+    *ret_threshold = chosen(full == zero, threshold, 0.5 * threshold + 0.5 * gain * slip);
+}
+
+// Stores the lanes of elements first <= k < last of those from k on.
+static inline void store_between(float *at, ptrdiff_t k, ptrdiff_t first, ptrdiff_t last, simd x)
+{
+    if (first <= k && k + SIMD_LANES <= last) {
+        simd_store_floats(at + k, x);
+        return;
+    }
+    for (int lane = 0; lane < SIMD_LANES; lane++)
+        if (first <= k + lane && k + lane < last)
+            at[k + lane] = (float)x[lane];
+}
+
+// The west (axis 0) or south faces of the cells of a half row.
+static inline void couple_half_row(const macro_solver *s, const congested *c, ptrdiff_t row,
+                                   int colour, int axis)
+{
+    const ptrdiff_t odd = (row + colour) & 1; // cell k of the half row is cell 2 k + odd of the row
+    const ptrdiff_t first = axis == 0 && odd == 0 ? 1 : 0, last = (s->n1 - odd + 1) / 2;
+    // The cells before the faces, in the other half row of this row or in the row below.
+    const congested_row_faces here = congested__faces(c, row, colour);
+    const congested_row_faces next = congested__faces(c, axis == 0 ? row : row - 1, 1 - colour);
+    const ptrdiff_t shift = axis == 0 ? odd - 1 : 0;
+    const congested_side near = axis == 0 ? CONGESTED_SOUTH : CONGESTED_WEST;
+    const congested_side far = axis == 0 ? CONGESTED_NORTH : CONGESTED_EAST;
+    const congested_side own = axis == 0 ? CONGESTED_WEST : CONGESTED_SOUTH;
+    crossing_faces crossings[CROSSINGS];
+
+    for (int n = 0; n < CROSSINGS; n++) {
+        // Of two faces of a cell: those before both cells, then those behind them, or both of one cell and then of the other.
+        const bool is_here = axis == 0 ? (n & 1) != 0 : (n >> 1) != 0;
+        const bool is_far = axis == 0 ? (n >> 1) != 0 : (n & 1) != 0;
+        const ptrdiff_t cell_row = axis == 0 || is_here ? row : row - 1;
+        const row_pressures p = pressures_of(c, cell_row, is_here ? colour : 1 - colour);
+        const ptrdiff_t by = is_here ? 0 : shift;
+        const float *beside = axis == 0 ? (is_far ? p.north : p.south) : is_far ? p.east : p.west;
+        crossings[n].faces = (is_here ? here : next).side[is_far ? far : near];
+        crossings[n].faces.at += by;
+        crossings[n].before = (is_far ? p.own : beside) + by;
+        crossings[n].after = (is_far ? beside : p.own) + by;
+    }
+    const congested_side_faces faces = here.side[own];
+    for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_LANES) {
+        simd crosswise, threshold;
+        couple_faces(c, axis, faces, crossings, k, &crosswise, &threshold);
+        store_between(faces.law->crosswise + faces.at, k, first, last, crosswise);
+        store_between(faces.law->threshold + faces.at, k, first, last, threshold);
+    }
+}
+
+static void make_coupling(const macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    for (int colour = 0; colour < 2; colour++) {
+        couple_half_row(s, c, row, colour, 0);
+        if (row > 0)
+            couple_half_row(s, c, row, colour, 1);
+    }
+}
+
 // The fluxes of the faces around the cells of a half row, element k for cell k.
 typedef struct row_fluxes {
     const float *side[CONGESTED_SIDES];
@@ -397,4 +510,5 @@ const congested_kernels congested__kernels = { .relax = relax,
                                                .set_excess = set_excess,
                                                .correct = correct,
                                                .is_overdrawn = is_overdrawn,
-                                               .make_thresholds = make_thresholds };
+                                               .make_thresholds = make_thresholds,
+                                               .make_coupling = make_coupling };

@@ -1,4 +1,4 @@
-// The laws of the faces (core/macro/congested.h) for the belts' present speeds, and what couples both directions.
+// The laws of the faces (core/macro/congested.h) for the belts' present speeds.
 
 #include "core/macro/congested/congested_priv.h"
 
@@ -225,54 +225,4 @@ void congested_update(macro_solver *s)
     for (ptrdiff_t row = 0; row < s->n2; row++)
         for (int colour = 0; colour < 2; colour++)
             find_uniform_groups(s, c, row, colour);
-}
-
-// The gradient along a face and the slip at it, from the four faces of the other axis around it.
-static void couple_face(const congested *c, int axis, ptrdiff_t i, ptrdiff_t j)
-{
-    const face_slot own = slot_of(c, axis, i, j);
-    const double along = (double)own.law->along[own.at], across = (double)own.law->across[own.at];
-    const float full = own.law->full_slip[own.at];
-    const double sign = axis == 0 ? 1.0 : -1.0; // of t on the other axis
-    const double own_scale = axis == 0 ? 1.0 : (double)c->ratio;
-    const double other_scale = axis == 0 ? (double)c->ratio : 1.0;
-    double gradient = 0.0, slip = 0.0;
-
-    // Where the belt stands both stay, like pressures.
-    if (full == 0.0F)
-        return;
-    for (int k = 0; k < 4; k++) {
-        const ptrdiff_t oi = axis == 0 ? i - 1 + (k & 1) : i + (k & 1);
-        const ptrdiff_t oj = axis == 0 ? j + (k >> 1) : j - 1 + (k >> 1);
-        const face_slot other = slot_of(c, 1 - axis, oi, oj);
-        const bool is_closed = other.law->least[other.at] == 0.0F;
-        const float before =
-            axis == 0 ? *congested__pressure(c, oi, oj - 1) : *congested__pressure(c, oi - 1, oj);
-        const double drop = (double)(before - *congested__pressure(c, oi, oj));
-        const double parallel = along * (double)own.law->flux[own.at] / own_scale -
-                                across * sign * (double)other.law->flux[other.at] / other_scale;
-        // A closed face beside one that mostly lies along the belt holds its cargo back.
-        const bool is_held = is_closed && fabs(along) < 0.5;
-        slip += is_held ? (double)full : fmin(fmax(-parallel, 0.0), (double)full);
-        gradient += is_closed ? 0.0 : sign * drop;
-    }
-    // Along x2 the gradient is the drop times the ratio, and at an x2-face it is kept times the ratio: once in each case.
-    own.law->crosswise[own.at] = (float)(0.25 * (double)c->ratio * gradient);
-    own.law->threshold[own.at] = (float)(0.5 * (double)own.law->threshold[own.at] +
-                                         0.5 * (double)own.law->gain[own.at] * slip);
-}
-
-void congested__set_coupling(macro_solver *s)
-{
-    congested *c = s->congested;
-
-    for (ptrdiff_t j = c->first_row; j < c->last_row; j++) {
-        const congested_range cells = c->range[j];
-        for (ptrdiff_t i = 2 * cells.first; i < 2 * cells.last && i < s->n1; i++) {
-            if (i > 0)
-                couple_face(c, 0, i, j);
-            if (j > 0)
-                couple_face(c, 1, i, j);
-        }
-    }
 }

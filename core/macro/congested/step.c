@@ -358,10 +358,11 @@ static void step_member(void *context, int member, int n_members, team_barrier *
     limit(x, all, member, n_members, barrier);
     for (ptrdiff_t row = all.first; row < all.last; row++)
         correct_row(s, c, row);
-    if (!c->is_forward)
-        return;
     for (ptrdiff_t row = active.first; row < active.last; row++)
-        c->kernels.make_thresholds(c, row);
+        if (c->is_forward)
+            c->kernels.make_thresholds(c, row);
+        else
+            c->kernels.make_coupling(s, c, row);
 }
 
 void congested_step(macro_solver *s)
@@ -369,6 +370,4 @@ void congested_step(macro_solver *s)
     step_context x = { s, s->congested };
 
     team_run(s->def.n_threads, step_member, &x);
-    if (!s->congested->is_forward)
-        congested__set_coupling(s);
 }
