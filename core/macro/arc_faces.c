@@ -1,6 +1,8 @@
 #include "core/macro/arc_faces.h"
 
+#include "core/base/memory.h"
 #include "core/base/polygon.h"
+#include "core/scene/arc_lanes.h"
 #include "core/scene/belt.h"
 
 #include <math.h>
@@ -36,24 +38,28 @@ static double border_radius(const arc_grid *a, double radius)
 /// The radius of the nearest guide on the arc to a place, and how far that is, m; 0: the nearest piece of a plate is none.
 static double guide_radius(const arc_grid *a, vec2 at, double *ret_distance)
 {
-    double nearest = INFINITY, radius = 0.0;
+    const scene_obstacle *nearest = NULL;
+    size_t piece_of_nearest = 0;
 
+    *ret_distance = INFINITY;
     for (size_t k = 0; k < a->s->n_obstacles; k++) {
         const scene_obstacle *o = &a->s->obstacles[k];
         for (size_t m = 0; m + 1 < o->n_points; m++) {
             const double distance = polygon_segment_distance(at, o->path[m], o->path[m + 1]);
-            if (distance >= nearest)
+            if (distance >= *ret_distance)
                 continue;
-            const surroundings_piece piece = surroundings_piece_of(a->around, o, m);
-            const vec2 middle = vec2_scale(vec2_add(piece.start, piece.end), 0.5);
-            const bool is_guide =
-                surroundings_is_guide(piece.along, belt_velocity(a->belt, middle));
-            nearest = distance;
-            radius = is_guide ? vec2_length(vec2_sub(piece.start, a->belt->centre)) : 0.0;
+            *ret_distance = distance;
+            nearest = o;
+            piece_of_nearest = m;
         }
     }
-    *ret_distance = nearest;
-    return radius;
+    if (nearest == NULL)
+        return 0.0;
+    const surroundings_piece piece = surroundings_piece_of(a->around, nearest, piece_of_nearest);
+    const vec2 middle = vec2_scale(vec2_add(piece.start, piece.end), 0.5);
+    return surroundings_is_guide(piece.along, belt_velocity(a->belt, middle))
+               ? vec2_length(vec2_sub(piece.start, a->belt->centre))
+               : 0.0;
 }
 
 /// True if a guide on the arc may have closed one of the faces that meet in a corner inside the grid.
@@ -75,28 +81,142 @@ static bool is_beyond(const scene_arc *arc, vec2 cell)
     return (radius < arc->inner_radius || radius > arc->outer_radius) && belt_arc_spans(arc, cell);
 }
 
-/// The radius of which psi is taken at a corner; *ret_is_own: it is the corner's.
-static double radius_at(const arc_grid *a, size_t i, size_t j, bool *ret_is_own)
+/// The corner's own radius, between both borders.
+static double own_radius(const arc_grid *a, size_t i, size_t j)
 {
     const scene_arc *arc = &a->belt->arc;
-    const vec2 way = way_to(a, i, j, 0.0, 0.0);
-    const double own = vec2_length(way);
 
-    *ret_is_own = false;
+    return fmin(fmax(vec2_length(way_to(a, i, j, 0.0, 0.0)), arc->inner_radius), arc->outer_radius);
+}
+
+/// The radius of the border or guide beside a corner; 0: there is none.
+static double line_radius(const arc_grid *a, size_t i, size_t j)
+{
+    const scene_arc *arc = &a->belt->arc;
+    double distance;
+
     for (int k = 0; k < 4; k++) {
         const vec2 cell = way_to(a, i, j, (k & 1) - 0.5, (k >> 1) - 0.5);
         if (is_beyond(arc, cell))
             return vec2_length(cell) < arc->inner_radius ? arc->inner_radius : arc->outer_radius;
     }
-    if (meets_closed(a->f, i, j)) {
-        double distance;
-        const double radius = guide_radius(a, vec2_add(a->belt->centre, way), &distance);
-        if (radius > 0.0)
-            return border_radius(a, radius);
+    if (!meets_closed(a->f, i, j))
+        return 0.0;
+    const vec2 at = vec2_add(a->belt->centre, way_to(a, i, j, 0.0, 0.0));
+    const double radius = guide_radius(a, at, &distance);
+    return radius > 0.0 ? border_radius(a, radius) : 0.0;
+}
+
+/// A range of corners along an axis: those from low to high, m, and two more on either side.
+static void find_range(double low, double high, double lower, double edge, size_t n,
+                       size_t *ret_first, size_t *ret_count)
+{
+    const double first = fmin(fmax(floor((low - lower) / edge) - 2.0, 0.0), (double)n);
+    const double last = fmin(fmax(ceil((high - lower) / edge) + 2.0, first), (double)n);
+
+    *ret_first = (size_t)first;
+    *ret_count = (size_t)last - (size_t)first + 1;
+}
+
+static bf_status init_corners(arc_corners *c, const scene_belt *belt, const bf_grid *g)
+{
+    vec2 low = belt->polygon[0], high = low;
+
+    for (size_t k = 1; k < belt->n_points; k++) {
+        low = (vec2){ fmin(low.x, belt->polygon[k].x), fmin(low.y, belt->polygon[k].y) };
+        high = (vec2){ fmax(high.x, belt->polygon[k].x), fmax(high.y, belt->polygon[k].y) };
     }
-    const double between = fmin(fmax(own, arc->inner_radius), arc->outer_radius);
-    *ret_is_own = between == own;
-    return between;
+    find_range(low.x, high.x, g->lower1, g->d1, g->n1, &c->i_first, &c->n1);
+    find_range(low.y, high.y, g->lower2, g->d2, g->n2, &c->j_first, &c->n2);
+    c->radius = memory_alloc(c->n1 * c->n2, sizeof *c->radius);
+    c->line = memory_alloc(c->n1 * c->n2, sizeof *c->line);
+    return c->radius != NULL && c->line != NULL ? BF_OK : BF_ENOMEM;
+}
+
+bf_status arc_faces_init(arc_faces *ret_faces, const scene *s, const bf_grid *g)
+{
+    arc_faces faces = { .arcs = memory_alloc(s->n_belts, sizeof *faces.arcs) };
+    bf_status status = faces.arcs != NULL ? BF_OK : BF_ENOMEM;
+
+    for (size_t k = 0; status == BF_OK && k < s->n_belts; k++) {
+        if (!s->belts[k].arc.is_given)
+            continue;
+        faces.arcs[faces.n] = (arc_corners){ .arc = k };
+        status = init_corners(&faces.arcs[faces.n++], &s->belts[k], g);
+    }
+    if (status != BF_OK)
+        arc_faces_fini(&faces);
+    *ret_faces = faces;
+    return status;
+}
+
+void arc_faces_fini(arc_faces *faces)
+{
+    for (size_t k = 0; k < faces->n; k++) {
+        memory_free(faces->arcs[k].radius);
+        memory_free(faces->arcs[k].line);
+    }
+    memory_free(faces->arcs);
+    *faces = (arc_faces){ .n = 0 };
+}
+
+/// Let the corners around one that has the radius of a line, in column m and row n, differ from it no more than they may: those
+/// of smaller radii where it lies within its line (sign 1), those of larger ones where it lies beyond (-1).
+static void spread(arc_corners *c, const bf_grid *g, size_t m, size_t n, double excess, double sign)
+{
+    const double radius = c->radius[n * c->n1 + m];
+    // Beyond this the corner's own radius differs less, as that changes by at most the way.
+    const double reach = sign * excess / (ARC_LANES_SPREAD - 1.0);
+    const size_t across1 = (size_t)(reach / g->d1), across2 = (size_t)(reach / g->d2);
+    const size_t m_end = m + across1 < c->n1 ? m + across1 + 1 : c->n1;
+    const size_t n_end = n + across2 < c->n2 ? n + across2 + 1 : c->n2;
+
+    for (size_t row = n > across2 ? n - across2 : 0; row < n_end; row++)
+        for (size_t column = m > across1 ? m - across1 : 0; column < m_end; column++) {
+            const size_t at = row * c->n1 + column;
+            const double way1 = ((double)column - (double)m) * g->d1;
+            const double way2 = ((double)row - (double)n) * g->d2;
+            const double most = ARC_LANES_SPREAD * sqrt(way1 * way1 + way2 * way2);
+            if (c->line[at] == 0 && sign * (radius - c->radius[at]) > most)
+                c->radius[at] = radius - sign * most;
+        }
+}
+
+static void spread_all(arc_corners *c, const arc_grid *a, double sign)
+{
+    for (size_t n = 0; n < c->n2; n++)
+        for (size_t m = 0; m < c->n1; m++) {
+            const size_t at = n * c->n1 + m;
+            if (c->line[at] == 0)
+                continue;
+            const double excess =
+                c->radius[at] - vec2_length(way_to(a, c->i_first + m, c->j_first + n, 0.0, 0.0));
+            if (sign * excess > 0.0)
+                spread(c, &a->f->grid, m, n, excess, sign);
+        }
+}
+
+static void update_corners(arc_corners *c, const arc_grid *a)
+{
+    for (size_t n = 0; n < c->n2; n++)
+        for (size_t m = 0; m < c->n1; m++) {
+            const size_t at = n * c->n1 + m, i = c->i_first + m, j = c->j_first + n;
+            const double radius = line_radius(a, i, j);
+            c->line[at] = radius > 0.0;
+            c->radius[at] = radius > 0.0 ? radius : own_radius(a, i, j);
+        }
+    spread_all(c, a, 1.0);
+    spread_all(c, a, -1.0);
+}
+
+void arc_faces_update(arc_faces *faces, const velocity_field *f, const scene *s,
+                      const surroundings *around)
+{
+    for (size_t k = 0; k < faces->n; k++) {
+        const arc_grid a = { f, s, around, &around->belts[faces->arcs[k].arc],
+                             fmax(f->grid.d1, f->grid.d2) };
+        update_corners(&faces->arcs[k], &a);
+    }
 }
 
 bool arc_faces_is_held(const velocity_field *f, const scene *s, const surroundings *around,
@@ -114,20 +234,29 @@ bool arc_faces_is_held(const velocity_field *f, const scene *s, const surroundin
     return guide_radius(&a, vec2_add(a.belt->centre, middle), &distance) > 0.0 && distance < a.edge;
 }
 
-double arc_faces_velocity(const velocity_field *f, const scene *s, const surroundings *around,
+double arc_faces_velocity(const arc_faces *faces, const bf_grid *g, const scene_belt *belts,
                           size_t arc, int axis, size_t i, size_t j)
 {
-    const bf_grid *g = &f->grid;
-    const arc_grid a = { f, s, around, &around->belts[arc], fmax(g->d1, g->d2) };
-    bool is_own[2];
-    const double from = radius_at(&a, i, j, &is_own[0]);
-    const double to = radius_at(&a, i + (axis == 1), j + (axis == 0), &is_own[1]);
+    const scene_belt *belt = &belts[arc];
+    const arc_corners *c = faces->arcs;
+    double radius[2], own[2];
 
-    // Where no border or guide is near, the velocity in the middle has the same value with less rounding.
-    if (is_own[0] && is_own[1]) {
-        const vec2 way = way_to(&a, i, j, axis == 0 ? 0.0 : 0.5, axis == 0 ? 0.5 : 0.0);
-        return axis == 0 ? -a.belt->turn * way.y : a.belt->turn * way.x;
+    while (c->arc != arc)
+        c++;
+    for (int k = 0; k < 2; k++) {
+        const size_t m = i + (size_t)(k * (axis == 1)), n = j + (size_t)(k * (axis == 0));
+        const vec2 way = { g->lower1 + (double)m * g->d1 - belt->centre.x,
+                           g->lower2 + (double)n * g->d2 - belt->centre.y };
+        own[k] = vec2_length(way);
+        radius[k] =
+            m < c->i_first || n < c->j_first || m - c->i_first >= c->n1 || n - c->j_first >= c->n2
+                ? own[k]
+                : c->radius[(n - c->j_first) * c->n1 + m - c->i_first];
     }
-    const double rise = 0.5 * a.belt->turn * (to - from) * (to + from);
+    // Where no border or guide is near, the velocity in the middle has the same value with less rounding.
+    if (radius[0] == own[0] && radius[1] == own[1])
+        return axis == 0 ? -belt->turn * (g->lower2 + ((double)j + 0.5) * g->d2 - belt->centre.y)
+                         : belt->turn * (g->lower1 + ((double)i + 0.5) * g->d1 - belt->centre.x);
+    const double rise = 0.5 * belt->turn * (radius[1] - radius[0]) * (radius[1] + radius[0]);
     return axis == 0 ? -rise / g->d2 : rise / g->d1;
 }

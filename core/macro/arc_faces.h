@@ -10,20 +10,49 @@
 /// Cells have their centres on either side of a border, and a guide is a polyline beside it: so that nothing is pushed through between
 /// both, faces on a border with a guide nearer than a cell are closed.
 /// Differences of psi sum up to 0 around a cell, whatever psi is: no flux crosses border or guide, and the field is free of
-/// divergence to rounding. A velocity beside a border is at most ARC_FACES_SPEEDUP times v_T at it.
+/// divergence to rounding.
+///
+/// The radius r' that counts for psi at any other corner is its own, as far as that differs from the radius of each of these
+/// corners by at most ARC_LANES_SPREAD times their distance; else the nearest one that does. So what the stairs lack is spread over
+/// some cells, and velocities are at most those of core/scene/arc_lanes.h.
 
 #pragma once
 
+#include "core/base/status.h"
 #include "core/macro/velocity_field.h"
 #include "core/scene/surroundings.h"
 
-/// Of a face next to a corner: that corner lies at most 0.71 cells inside of the border, the other one a cell further in.
-#define ARC_FACES_SPEEDUP 1.71
+/// The corners of the grid on an arc and two cells around it.
+typedef struct arc_corners {
+    size_t arc;     ///< index of the belt
+    size_t i_first; ///< first column of corners
+    size_t j_first; ///< first row
+    size_t n1;      ///< columns
+    size_t n2;      ///< rows
+    double *radius; ///< n2 rows of r', m
+    uint8_t *line;  ///< nonzero: the corner has the radius of a border or guide
+} arc_corners;
+
+/// The arcs of a scene; zero-initialise.
+typedef struct arc_faces {
+    size_t n;          ///< arcs
+    arc_corners *arcs; ///< of each, by rising index of the belt
+} arc_faces;
+
+/// Lay out the corners of all arcs. The caller owns them: arc_faces_fini(). BF_ENOMEM: *ret_faces is empty.
+BF_MUST_CHECK bf_status arc_faces_init(arc_faces *ret_faces, const scene *s, const bf_grid *g);
+
+/// Free what *faces owns and zero it.
+void arc_faces_fini(arc_faces *faces);
+
+/// Bring the radii of all corners to the closed faces of *f. Never allocates.
+void arc_faces_update(arc_faces *faces, const velocity_field *f, const scene *s,
+                      const surroundings *around);
 
 /// True if x1-face (axis 0) or x2-face (axis 1) i, j lies on a curved border of an arc that a guide holds.
 bool arc_faces_is_held(const velocity_field *f, const scene *s, const surroundings *around,
                        size_t arc, int axis, size_t i, size_t j);
 
-/// The velocity across x1-face (axis 0) or x2-face (axis 1) i, j of an arc, m/s, by the closed faces of *f.
-double arc_faces_velocity(const velocity_field *f, const scene *s, const surroundings *around,
+/// The velocity across x1-face (axis 0) or x2-face (axis 1) i, j of an arc, m/s.
+double arc_faces_velocity(const arc_faces *faces, const bf_grid *g, const scene_belt *belts,
                           size_t arc, int axis, size_t i, size_t j);

@@ -30,8 +30,9 @@
 ///          what leaves a cell is limited to what it has: rho >= 0.
 /// Schemes  roe: upwind, first order. muscl: the states of muscl.h and Heun's method; where no cargo is packed the
 ///          density has the bits of the dispersive closure's with eps = 0.
-/// Bound    dt (max|v_1| + max|v_2|)/dx is at most 1 (roe) or 1/2 (muscl); a longer step is refused. So rho* >= 0, by
-///          muscl in any field, by roe where cargo leaves a cell through one face of each axis.
+/// Bound    in dt no cell loses more than it holds by v_stat: with v the velocities at its faces, dt sum(max(v_out, 0)/dx) is at
+///          most 1 (roe), dt sum of max(|v|)/dx along both axes at most 1/2 (muscl); a longer step is refused. So rho* >= 0
+///          in any field.
 /// Source   B. Maury, A. Roudneff-Chupin, F. Santambrogio: A macroscopic crowd motion model of gradient flow type,
 ///          Math. Models Methods Appl. Sci. 20 (2010).
 /// Units    SI; rho normalised, p in m2/s.

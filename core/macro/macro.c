@@ -53,13 +53,14 @@ macro_def macro_def_default(void)
 
 // The largest factors of the belts at any time, and that off every belt, which is 1.
 typedef struct largest_factors {
+    size_t n_belts;
     double of[SCENE_BELTS_MAX + 1];
     double of_all;
 } largest_factors;
 
 static largest_factors find_largest_factors(const macro_def *def)
 {
-    largest_factors f = { .of = { 0 }, .of_all = 1.0 };
+    largest_factors f = { .n_belts = def->n_belts, .of_all = 1.0 };
 
     for (size_t k = 0; k < def->n_belts; k++) {
         f.of[k] = belt_speeds_largest(&def->belts[k]);
@@ -69,15 +70,49 @@ static largest_factors find_largest_factors(const macro_def *def)
     return f;
 }
 
+// The velocity at face k when its belt is at its fastest.
+static double face_velocity(const double *v, const uint16_t *belt, const largest_factors *f,
+                            size_t k)
+{
+    return v == NULL ? 0.0 : v[k] * (f->n_belts > 0 && belt != NULL ? f->of[belt[k]] : 1.0);
+}
+
 static double largest_speed(const double *v, const uint16_t *belt, const largest_factors *f,
                             size_t n)
 {
     double largest = 0.0;
 
-    for (size_t k = 0; v != NULL && k < n; k++) {
-        double speed = fabs(v[k]) * (belt != NULL ? f->of[belt[k]] : 1.0);
+    for (size_t k = 0; k < n; k++) {
+        const double speed = fabs(face_velocity(v, belt, f, k));
         largest = speed > largest ? speed : largest;
     }
+    return largest;
+}
+
+// The largest rate, 1/s, at which a cell is emptied by the scheme of the congested closure.
+static double largest_outflow(const macro_def *def, const largest_factors *f)
+{
+    const bf_grid *g = &def->grid;
+    const bool is_muscl = def->scheme == SCENE_SCHEME_MUSCL;
+    double largest = 0.0;
+
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++) {
+            const size_t west = j * (g->n1 + 1) + i, south = j * g->n1 + i;
+            const double out[2][2] = { { -face_velocity(def->v1, def->belt1, f, west),
+                                         face_velocity(def->v1, def->belt1, f, west + 1) },
+                                       { -face_velocity(def->v2, def->belt2, f, south),
+                                         face_velocity(def->v2, def->belt2, f, south + g->n1) } };
+            double rate = 0.0;
+            for (int axis = 0; axis < 2; axis++) {
+                const double before = out[axis][0], after = out[axis][1];
+                // By muscl each side of a cell has a state of its own.
+                rate += (is_muscl ? 2.0 * fmax(fabs(before), fabs(after))
+                                  : fmax(before, 0.0) + fmax(after, 0.0)) /
+                        (axis == 0 ? g->d1 : g->d2);
+            }
+            largest = fmax(largest, rate);
+        }
     return largest;
 }
 
@@ -85,17 +120,15 @@ static double largest_speed(const double *v, const uint16_t *belt, const largest
 static double stable_step(const macro_def *def)
 {
     const bf_grid *g = &def->grid;
-    const bool changes = def->n_belts > 0;
     const largest_factors f = find_largest_factors(def);
     const double dispersion = def->dispersion * f.of_all;
-    double speed1 =
-        dispersion + largest_speed(def->v1, changes ? def->belt1 : NULL, &f, (g->n1 + 1) * g->n2);
-    double speed2 =
-        dispersion + largest_speed(def->v2, changes ? def->belt2 : NULL, &f, g->n1 * (g->n2 + 1));
-    double rate1 = speed1 / g->d1, rate2 = speed2 / g->d2;
 
     if (def->closure == SCENE_CONGESTED)
-        return 1.0 / ((def->scheme == SCENE_SCHEME_MUSCL ? 2.0 : 1.0) * (rate1 + rate2));
+        return 1.0 / largest_outflow(def, &f);
+    const double rate1 =
+        (dispersion + largest_speed(def->v1, def->belt1, &f, (g->n1 + 1) * g->n2)) / g->d1;
+    const double rate2 =
+        (dispersion + largest_speed(def->v2, def->belt2, &f, g->n1 * (g->n2 + 1))) / g->d2;
     return 1.0 / (def->scheme == SCENE_SCHEME_MUSCL ? rate1 + rate2 : fmax(rate1, rate2));
 }
 

@@ -84,7 +84,7 @@ typedef struct velocity_field_sampler {
     border **active;
     double margin;  ///< faces as near as this to a border are evaluated one by one, m
     bool may_drop;  ///< there are places off every belt
-    bool has_arcs;  ///< a belt is an arc: no two faces need have the same velocity
+    arc_faces arcs; ///< where a belt is an arc no two faces need have the same velocity
     uint8_t *marks; ///< of the faces of a row: nonzero, the face is near a border
 } sampler;
 
@@ -155,12 +155,14 @@ static void sampler_destroy(sampler *k)
     memory_free(k->borders);
     memory_free(k->active);
     memory_free(k->marks);
+    arc_faces_fini(&k->arcs);
     memory_free(k);
 }
 
 /// NULL: no memory.
 static sampler *sampler_alloc(const scene *s)
 {
+    const bf_grid grid = scene_grid(s);
     sampler *k = memory_alloc(1, sizeof *k);
     size_t n_segments = 0, n_borders = 0;
 
@@ -175,8 +177,9 @@ static sampler *sampler_alloc(const scene *s)
     k->near = memory_alloc(n_segments, sizeof *k->near);
     k->borders = memory_alloc(n_borders, sizeof *k->borders);
     k->active = memory_alloc(n_borders, sizeof(border *));
-    k->marks = memory_alloc(scene_grid(s).n1 + 1, sizeof *k->marks);
-    if (k->segments && k->near && k->borders && k->active && k->marks)
+    k->marks = memory_alloc(grid.n1 + 1, sizeof *k->marks);
+    if (k->segments && k->near && k->borders && k->active && k->marks &&
+        arc_faces_init(&k->arcs, s, &grid) == BF_OK)
         return k;
     sampler_destroy(k);
     return NULL;
@@ -188,7 +191,6 @@ static void sampler_prepare(sampler *k, const scene *s)
 
     k->around = surroundings_of(s);
     k->may_drop = s->may_drop;
-    k->has_arcs = has_arcs(s);
     // Beside a belt's border a gap may be bridged, and faces have the velocity of a cell's centre.
     k->margin = MARGIN + (k->may_drop ? k->around.bridge + fmax(grid.d1, grid.d2) : 0.0);
     k->n_segments = k->n_borders = 0;
@@ -223,8 +225,8 @@ static void choose_near(sampler *k, double y)
 /// Mark the faces of the row at y that are near a border. Rows come upwards.
 static void mark_row(sampler *k, const lattice *l, double y)
 {
-    memset(k->marks, k->has_arcs, l->n_columns);
-    if (k->has_arcs)
+    memset(k->marks, k->arcs.n > 0, l->n_columns);
+    if (k->arcs.n > 0)
         return;
     const double margin = k->margin;
 
@@ -343,9 +345,10 @@ static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int 
         for (size_t i = 0; i < l->n_columns;) {
             const vec2 at = { face_x(l, i), y };
             const regions_velocity e = evaluate_any(k, l, at, component, ret_belt != NULL);
-            const size_t arc = k->has_arcs ? arc_of(k, l, at, component, &e) : s->n_belts;
+            const size_t arc = k->arcs.n > 0 ? arc_of(k, l, at, component, &e) : s->n_belts;
             const bool is_arc = arc < s->n_belts;
-            const double v = is_arc ? arc_faces_velocity(f, s, &k->around, arc, component, i, j)
+            const double v = is_arc ? arc_faces_velocity(&k->arcs, l->grid, k->around.belts, arc,
+                                                         component, i, j)
                                     : component_of(&e, component);
             if (is_arc && arc_faces_is_held(f, s, &k->around, arc, component, i, j))
                 closed[base + i] = 1;
@@ -534,6 +537,7 @@ void velocity_field_update(velocity_field *f, const scene *s)
     memset(f->closed2, 0, n_faces2);
     (void)closed_lines_visit(s, close_line, f);
     close_edges(s, f);
+    arc_faces_update(&f->sampler->arcs, f, s, &f->sampler->around);
     fill_faces(f, s, &faces1, 0, f->v1, f->belt1, f->transverse1);
     fill_faces(f, s, &faces2, 1, f->v2, f->belt2, f->transverse2);
     if (f->off != NULL && !is_congested(s))

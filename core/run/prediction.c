@@ -31,6 +31,7 @@ static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
                                [PREDICTION_CELLS] = 2.03e-06,
                                [PREDICTION_CELL_STEPS] = 1.64e-09,
                                [PREDICTION_SATURATED_STEPS] = 6.27e-08,
+                               [PREDICTION_COUPLED_STEPS] = 6.0e-08,
                                [PREDICTION_MOVING_STEPS] = 2.21e-08 },
     [PREDICTION_PLANAR_VERLET] = { [PREDICTION_CELLS] = 1.79e-06,
                                    [PREDICTION_STEPS] = 7.31e-08,
@@ -77,6 +78,15 @@ static void set_grid(const scene *s, const prediction_load *load, double *amount
     amounts[PREDICTION_SNAPSHOT_CELLS] = n_cells * n_snapshots;
 }
 
+static bool is_coupled(const scene *s)
+{
+    bool is_coupled = false;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        is_coupled |= s->belts[k].turn != 0.0 || s->belts[k].velocity.y != 0.0;
+    return is_coupled;
+}
+
 static void set_macro(const scene *s, const prediction_load *load, prediction_work *work)
 {
     const bf_grid grid = scene_grid(s);
@@ -94,6 +104,8 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
         scene_has_moving_obstacles(s) ? (double)grid_cells(&grid) * steps : 0.0;
     amounts[PREDICTION_COVERED_STEPS] = load->area * cells;
     amounts[PREDICTION_SATURATED_STEPS] = load->saturated_area * cells;
+    if (work->kind == PREDICTION_CONGESTED && is_coupled(s))
+        amounts[PREDICTION_COUPLED_STEPS] = load->pressed_area * cells;
     if (work->kind != PREDICTION_CONGESTED)
         amounts[PREDICTION_SATURATED_STEPS] =
             (is_everywhere ? area : load->saturated_area) * cells *

@@ -39,9 +39,11 @@ typedef enum prediction_term {
     PREDICTION_COVERED_STEPS,   ///< of them, cells that cargo covers
     PREDICTION_SATURATED_STEPS, ///< of them, cells of a jam; with the dispersive closure times the
                                 ///< cells that the mollifier reaches over
-    PREDICTION_MOVING_STEPS,    ///< cells times steps, where plates move
-    PREDICTION_PART_STEPS,      ///< parts in the domain times steps
-    PREDICTION_PAIR_STEPS,      ///< each times the density around it and, implicit, iterations
+    PREDICTION_COUPLED_STEPS, ///< congested closure: cells that a pressure may reach times steps, where belts
+                              ///< do not all run along x1
+    PREDICTION_MOVING_STEPS, ///< cells times steps, where plates move
+    PREDICTION_PART_STEPS,   ///< parts in the domain times steps
+    PREDICTION_PAIR_STEPS,   ///< each times the density around it and, implicit, iterations
     PREDICTION_TERM_COUNT
 } prediction_term;
 

@@ -13,8 +13,9 @@
 #define STEP_WORK 300.0
 #define CELLS_MAX 1e5
 
-/// Densities from which on a cell counts as covered, and as saturated.
+/// Densities from which on a cell counts as covered, may have a pressure, and counts as saturated.
 #define COVERED   0.01
+#define PRESSED   0.25
 #define SATURATED 0.7
 
 enum {
@@ -30,6 +31,7 @@ typedef struct moment {
     double pairs;
     double area;
     double saturated_area;
+    double pressed_area;
 } moment;
 
 /// The moments of a run so far, and the work that they took.
@@ -53,6 +55,7 @@ static void take_density(trace *to, const frame_snapshot *f)
         const double rho = (double)f->rho[k];
         m.area += rho >= COVERED ? area : 0.0;
         m.saturated_area += rho >= SATURATED ? area : 0.0;
+        m.pressed_area += rho >= PRESSED ? area : 0.0;
         m.saturated += rho >= SATURATED ? rho * area * to->packing : 0.0;
         m.pairs += rho * rho * area * to->packing;
     }
@@ -108,6 +111,7 @@ static void add(prediction_load *to, const moment *m, double time)
     to->pairs += m->pairs * time;
     to->area += m->area * time;
     to->saturated_area += m->saturated_area * time;
+    to->pressed_area += m->pressed_area * time;
 }
 
 static prediction_load sum_up(const trace *of, const scene *s, bool is_whole)

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
+#include "core/scene/arc_lanes.h"
 #include "core/scene/belt.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/goods.h"
@@ -516,34 +517,43 @@ double scene_fit_step(const scene *s, double most, bool is_below)
     return fmin(step, s->duration);
 }
 
-// Beside the borders of arcs the density is faster on the grid: ARC_FACES_SPEEDUP of core/macro/arc_faces.h.
-static const double arc_speedup = 1.71;
+// The largest speeds of a density.
+typedef struct speeds {
+    double face; // across a face, m/s
+    double
+        outflow; // out of a cell through all its faces, m/s, where that is bounded by its diagonal; else twice the first
+    double dispersion; // m/s
+} speeds;
 
 // No component of v_stat exceeds the speed of the fastest belt in any other region. The dispersion speed has the
 // factor of the belt under it, and 1 off every belt.
-static void find_speeds(const scene *s, double *ret_speed, double *ret_dispersion)
+static speeds speeds_of(const scene *s)
 {
-    double speed = 0.0, factor = 1.0;
+    const double edge = scene_cell_edge(s);
+    speeds of = { .face = 0.0 };
+    double factor = 1.0;
 
     for (size_t k = 0; k < s->n_belts; k++) {
-        const double largest = belt_speeds_largest(&s->belts[k]);
-        const double beside = s->belts[k].arc.is_given ? arc_speedup : 1.0;
-        speed = fmax(speed, beside * belt_largest_speed(&s->belts[k]) * largest);
+        const scene_belt *belt = &s->belts[k];
+        const double largest = belt_speeds_largest(belt);
+        const double speedup = belt->arc.is_given ? arc_lanes_speedup(s, belt, edge) : 1.0;
+        const double face = speedup * belt_largest_speed(belt) * largest;
+        of.face = fmax(of.face, face);
+        of.outflow = fmax(of.outflow, (belt->arc.is_given ? M_SQRT2 : 2.0) * face);
         factor = fmax(factor, largest);
     }
-    *ret_speed = speed;
-    *ret_dispersion = s->macro.dispersion * factor;
+    of.dispersion = s->macro.dispersion * factor;
+    return of;
 }
 
 double scene_step_stable(const scene *s)
 {
     const bool is_muscl = s->macro.scheme == SCENE_SCHEME_MUSCL;
-    double speed, dispersion;
+    const speeds of = speeds_of(s);
 
-    find_speeds(s, &speed, &dispersion);
     if (s->macro.closure == SCENE_CONGESTED)
-        return scene_cell_edge(s) / ((is_muscl ? 4.0 : 2.0) * speed);
-    return scene_cell_edge(s) / ((is_muscl ? 2.0 : 1.0) * (speed + dispersion));
+        return scene_cell_edge(s) / (is_muscl ? 4.0 * of.face : of.outflow);
+    return scene_cell_edge(s) / ((is_muscl ? 2.0 : 1.0) * (of.face + of.dispersion));
 }
 
 double scene_step_positive(const scene *s)
