@@ -290,6 +290,21 @@ static void test_without_work_slurm_is_left_alone(void **state)
     end(&f);
 }
 
+// Nobody may claim them, so a worker would come for nothing.
+static void test_trials_of_a_study_that_rests_want_no_worker(void **state)
+{
+    fixture f = begin(state, 3);
+    store_stats stats = { .n_claimable = 3 };
+
+    helper_store_close(f.h);
+    helper_store_sql(f.h, "UPDATE runs SET parent = '0190a0b0-0000-7000-8000-00000000000a'");
+    helper_store_open(f.h);
+    f.slurm->options.store = f.h->store;
+    HELPER_AWAIT((store_read_stats(f.h->store, &stats), stats.n_runs[RUN_QUEUED] == 3));
+    assert_calls(&f, SECOND_MS, "", "");
+    end(&f);
+}
+
 static void test_one_array_is_submitted_for_what_waits(void **state)
 {
     fixture f = begin(state, 3);
@@ -401,6 +416,7 @@ int main(void)
         cmocka_unit_test(test_a_command_that_fails_says_why),
         cmocka_unit_test(test_a_command_has_limits),
         WITH_STORE(test_without_work_slurm_is_left_alone),
+        WITH_STORE(test_trials_of_a_study_that_rests_want_no_worker),
         WITH_STORE(test_one_array_is_submitted_for_what_waits),
         WITH_STORE(test_what_slurm_forgot_is_submitted_again),
         WITH_STORE(test_no_more_than_slurm_workers_are_wanted),
