@@ -48,10 +48,10 @@ static double belts_work(const scene *s)
     return STEPS_SIDES * n_pairs;
 }
 
-/// The belt under each piece, and under those from which a guide may take its side.
+/// The belt under each piece, and under those that it may take its side from.
 static double obstacles_work(const scene *s)
 {
-    return (1.0 + 2.0 * SURROUNDINGS_JOINED) * count_pieces(s) * steps_of_lookup(s);
+    return (3.0 + 4.0 * SURROUNDINGS_JOINED) * count_pieces(s) * steps_of_lookup(s);
 }
 
 /// Belts under the line, and the line with each piece of a plate, below which the belt is looked for, too.

@@ -328,6 +328,7 @@ vec2 surroundings_upstream(vec2 along, vec2 belt)
 typedef struct stretch {
     vec2 along;    ///< unit tangent
     double length; ///< m
+    vec2 middle;   ///< m
     vec2 belt;     ///< velocity of the belt in its middle, m/s
 } stretch;
 
@@ -337,31 +338,66 @@ static stretch stretch_of(const surroundings *around, vec2 start, vec2 end)
     const double length = vec2_length(to);
     const vec2 middle = vec2_add(start, vec2_scale(to, 0.5));
 
-    return (stretch){ vec2_scale(to, 1.0 / length), length,
+    return (stretch){ vec2_scale(to, 1.0 / length), length, middle,
                       surroundings_velocity_under(around, middle) };
 }
 
-/// The side of piece k of a path: 1 if the left one is upstream, -1 if the right one is, 0 of a guide.
-static int side_of(const surroundings *around, const scene_obstacle *obstacle, size_t k)
+/// The upstream side of a piece: 1 left, -1 right, 0 of a guide.
+static int side_of(const stretch *piece)
+{
+    if (surroundings_is_guide(piece->along, piece->belt))
+        return 0;
+    return vec2_cross(piece->along, piece->belt) > 0.0 ? -1 : 1;
+}
+
+/// The same of piece k of a path.
+static int side_of_piece(const surroundings *around, const scene_obstacle *obstacle, size_t k)
 {
     const stretch piece = stretch_of(around, obstacle->path[k], obstacle->path[k + 1]);
 
-    if (surroundings_is_guide(piece.along, piece.belt))
-        return 0;
-    return vec2_cross(piece.along, piece.belt) > 0.0 ? -1 : 1;
+    return side_of(&piece);
+}
+
+/// The side of the piece that is no guide and nearest to an end of a path, and the piece; 0: the pieces there are all guides.
+static int find_end_side(const surroundings *around, const scene_obstacle *obstacle, bool is_last,
+                         stretch *ret_piece)
+{
+    const size_t n = obstacle->n_points - 1;
+    int side = 0;
+
+    for (size_t m = 0; m <= SURROUNDINGS_JOINED && m < n && side == 0; m++) {
+        const size_t k = is_last ? n - 1 - m : m;
+        *ret_piece = stretch_of(around, obstacle->path[k], obstacle->path[k + 1]);
+        side = side_of(ret_piece);
+    }
+    return side;
+}
+
+/// The upstream side of a path as a whole; 0: the pieces at its ends are all guides.
+static int find_path_side(const surroundings *around, const scene_obstacle *obstacle)
+{
+    stretch first, last;
+    const int side = find_end_side(around, obstacle, false, &first);
+    const int other = find_end_side(around, obstacle, true, &last);
+
+    if (side * other >= 0)
+        return side != 0 ? side : other;
+    return vec2_dot(vec2_sub(last.middle, first.middle), vec2_add(first.belt, last.belt)) < 0.0
+               ? other
+               : side;
 }
 
 /// The side that a guide between two points of a path takes from the other pieces; 0: it is centred.
 static int find_side(const surroundings *around, const scene_obstacle *obstacle, size_t first,
                      size_t last)
 {
-    int side = 0;
+    int side = find_path_side(around, obstacle);
 
     for (size_t k = 1; k <= SURROUNDINGS_JOINED && side == 0; k++) {
         if (k <= first)
-            side = side_of(around, obstacle, first - k);
+            side = side_of_piece(around, obstacle, first - k);
         if (side == 0 && last + k < obstacle->n_points)
-            side = side_of(around, obstacle, last + k - 1);
+            side = side_of_piece(around, obstacle, last + k - 1);
     }
     return side;
 }
@@ -378,8 +414,11 @@ surroundings_piece surroundings_span_of(const surroundings *around, const scene_
                                  .length = way.length,
                                  .thickness = obstacle->thickness };
 
-    if (!surroundings_is_guide(way.along, way.belt))
+    if (side_of(&way) != 0) {
+        if (side_of(&way) * find_path_side(around, obstacle) < 0)
+            piece.lift = piece.thickness;
         return piece;
+    }
     const int side = find_side(around, obstacle, first, last);
     if (side < 0)
         piece.upstream = vec2_scale(piece.upstream, -1.0);

@@ -19,10 +19,12 @@
 ///          cylinder's radius, half the least width of a box.
 ///          What has its centre off every belt, in the domain, falls; where there is no belt at all, nothing does.
 /// Units    SI.
-/// Choice   borders of belts are taken with SCENE_TOLERANCE in favour of the belt. A piece that runs along
-///          the belt is a guide and has no upstream side: the left one, seen from its start, is used, unless the nearest
-///          piece of its path that is no guide, at most SURROUNDINGS_JOINED pieces away, lies on its right.
-///          Without such a piece its body is centred on the path; any other body lies downstream of it.
+/// Choice   borders of belts are taken with SCENE_TOLERANCE in favour of the belt. A piece that runs along the belt is a
+///          guide and has no upstream side. The body of a path lies on one side of it, downstream of the piece at its ends
+///          that is no guide: the first of those up to SURROUNDINGS_JOINED from an end, and of the two ends the upstream one,
+///          where they differ. Where these are all guides, a guide takes the side of the nearest piece that is none, at most
+///          SURROUNDINGS_JOINED away, and any other piece has its body downstream. Without any such piece a guide is centred
+///          on its path, and its left side is used, seen from its start.
 
 #pragma once
 
@@ -43,7 +45,7 @@ typedef struct surroundings {
     double bridge; ///< r of the part that bridges least, m: what gaps places are carried over
 } surroundings;
 
-enum { SURROUNDINGS_JOINED = 8 }; ///< pieces on either side of a guide of which it takes the side
+enum { SURROUNDINGS_JOINED = 8 }; ///< pieces from an end, or a guide, that a side is taken from
 
 /// Sine of the angle between a piece and its belt up to which the piece is a guide, 0.1 degrees: typed coordinates are
 /// rounded.
@@ -60,8 +62,8 @@ typedef struct surroundings_piece {
     vec2 upstream; ///< unit normal n of the upstream side: n . v_T <= 0 for the belt in its middle
     double length; ///< m
     double thickness; ///< of the plate, m
-    double lift;      ///< how far its upstream face lies upstream of its path, m: 0; of a centred
-                      ///< guide half the thickness
+    double lift;      ///< how far its upstream face lies upstream of its path, m: 0; the thickness,
+                      ///< where the body does; of a centred guide half of it
 } surroundings_piece;
 
 /// The straight line that a side of the domain lies on.

@@ -41,22 +41,38 @@ export function turnedTo({ from, to }, degrees) {
 }
 
 const GUIDE_SINE = 1.745e-3; // of the angle to its belt, 0.1 degrees, up to which a piece is a guide
-const JOINED = 8; // pieces on either side of a guide of which it takes the side
+const JOINED = 8; // pieces from an end, or a guide, that a side is taken from
 
-// 1: the left side of piece k of a path is upstream, -1: the right one is, 0: the piece is a guide; undefined: there is none.
-function sideOf(scenario, path, k) {
+// Piece k of a path: its middle, the belt's velocity there, and its upstream side: 1 left, -1 right, 0 of a guide; undefined: there
+// is none.
+function pieceOf(scenario, path, k) {
   if (k < 0 || k + 1 >= path.length) return undefined;
   const [[ax, ay], [bx, by]] = [path[k], path[k + 1]];
-  const [vx, vy] = beltVelocity(scenario, [(ax + bx) / 2, (ay + by) / 2]);
-  const cross = (bx - ax) * vy - (by - ay) * vx;
-  if (Math.abs(cross) <= GUIDE_SINE * Math.hypot(bx - ax, by - ay) * Math.hypot(vx, vy)) return 0;
-  return cross > 0 ? -1 : 1;
+  const middle = [(ax + bx) / 2, (ay + by) / 2];
+  const belt = beltVelocity(scenario, middle);
+  const cross = (bx - ax) * belt[1] - (by - ay) * belt[0];
+  const isGuide = Math.abs(cross) <= GUIDE_SINE * Math.hypot(bx - ax, by - ay) * Math.hypot(...belt);
+  return { middle, belt, side: isGuide ? 0 : cross > 0 ? -1 : 1 };
 }
 
-// Corners of the body of piece k of a plate's path. It lies downstream of the path; that of a guide on the side of the nearest
-// piece that is none, else it is centred (core/scene/surroundings.h).
+function sideOf(scenario, path, k) {
+  return pieceOf(scenario, path, k)?.side;
+}
+
+// The upstream side of a path as a whole, of the pieces at its ends; 0: they are all guides.
+function pathSide(scenario, path) {
+  const n = path.length - 1;
+  const near = (at) => Array.from({ length: JOINED + 1 }, (_, m) => pieceOf(scenario, path, at(m))).find((piece) => piece?.side);
+  const [first, last] = [near((m) => m), near((m) => n - 1 - m)];
+  if (!first || !last || first.side === last.side) return (first ?? last)?.side ?? 0;
+  const ahead = [0, 1].reduce((sum, d) => sum + (last.middle[d] - first.middle[d]) * (first.belt[d] + last.belt[d]), 0);
+  return (ahead < 0 ? last : first).side;
+}
+
+// Corners of the body of piece k of a plate's path. That of the path lies on one side of it, downstream of the piece at its upstream
+// end that is no guide; else that of a guide lies on the side of the nearest such piece, or is centred (core/scene/surroundings.h).
 export function bodyOf(scenario, path, k, thickness) {
-  let side = sideOf(scenario, path, k);
+  let side = pathSide(scenario, path) || sideOf(scenario, path, k);
   for (let m = 1; m <= JOINED && side === 0; m++) side = sideOf(scenario, path, k - m) || sideOf(scenario, path, k + m) || 0;
   const [[ax, ay], [bx, by]] = [path[k], path[k + 1]];
   const length = Math.hypot(bx - ax, by - ay) || 1;

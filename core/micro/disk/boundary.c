@@ -78,20 +78,24 @@ static void add_free_end(disk_state *s, const surroundings_piece *g, vec2 p, vec
     add_arc(s, p, 0.0, out, g->upstream);
 }
 
+/// How far the left (side = 1) or the right face (-1) of a segment is from its path, m.
+static double height_of(const surroundings_piece *g, double side)
+{
+    return side * vec2_cross(g->along, g->upstream) > 0.0 ? g->lift : g->thickness - g->lift;
+}
+
 static void add_joint(disk_state *s, const surroundings_piece *a, const surroundings_piece *b,
                       double thickness)
 {
     double turn = vec2_cross(a->along, b->along);
-    bool is_left = vec2_cross(a->along, a->upstream) > 0.0;
-    bool is_flipped = is_left != (vec2_cross(b->along, b->upstream) > 0.0) || a->lift != b->lift;
-    bool is_upstream = is_left ? turn < 0.0 : turn > 0.0; // the outer side
+    double outer = turn < 0.0 ? 1.0 : -1.0;
+    bool is_step = height_of(a, outer) != height_of(b, outer);
     bool is_straight = fabs(turn) <= parallel && vec2_dot(a->along, b->along) > 0.0;
     vec2 back = vec2_scale(b->along, -1.0);
-    double radius = is_flipped ? 0.0 : is_upstream ? a->lift : thickness - a->lift;
 
     if (!is_straight)
-        add_arc(s, b->start, radius, a->along, back);
-    if (!is_flipped)
+        add_arc(s, b->start, is_step ? 0.0 : height_of(a, outer), a->along, back);
+    if (!is_step)
         return;
     add_end(s, a, face_end(a, b->start), a->along, thickness);
     add_end(s, b, face_end(b, b->start), back, thickness);

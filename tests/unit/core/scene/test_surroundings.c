@@ -184,25 +184,30 @@ static void a_guide_is_centred_on_its_path(void **state)
     scene_fini(&s);
 }
 
-// A funnel that goes over into two collinear guides. Its body lies above the path: so does theirs.
-static void a_guide_that_goes_on_from_a_plate_lies_on_its_side(void **state)
+// A funnel that goes over into two collinear guides and opens again by 45 degrees, drawn from either end. The body lies above
+// the path, where it does of the funnel: also of what opens, which faces downstream.
+static void the_body_of_a_path_lies_on_one_side(void **state)
 {
-    static const vec2 path[] = { { 0.2, 0.4 }, { 0.4, 0.3 }, { 0.6, 0.3 }, { 0.8, 0.3 } };
-    vec2 back[4];
+    static const vec2 path[] = {
+        { 0.2, 0.4 }, { 0.4, 0.3 }, { 0.6, 0.3 }, { 0.8, 0.3 }, { 0.9, 0.4 }
+    };
+    vec2 back[5];
     scene s;
 
     (void)state;
-    for (int k = 0; k < 4; k++)
-        back[k] = path[3 - k];
+    for (int k = 0; k < 5; k++)
+        back[k] = path[4 - k];
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
-    helper_scene_add_obstacle(&s, path, 4, SCENE_SEALED)->thickness = 0.02;
-    helper_scene_add_obstacle(&s, back, 4, SCENE_SEALED)->thickness = 0.02;
+    helper_scene_add_obstacle(&s, path, 5, SCENE_SEALED)->thickness = 0.02;
+    helper_scene_add_obstacle(&s, back, 5, SCENE_SEALED)->thickness = 0.02;
     helper_scene_resolve(&s);
     const surroundings around = surroundings_of(&s);
     for (size_t k = 1; k < 3; k++) {
         assert_corners(&around, &s.obstacles[0], k, 0.3, 0.32);
-        assert_corners(&around, &s.obstacles[1], 2 - k, 0.3, 0.32);
+        assert_corners(&around, &s.obstacles[1], 3 - k, 0.3, 0.32);
     }
+    assert_corners(&around, &s.obstacles[0], 3, 0.3, 0.4 + 0.02 * M_SQRT1_2);
+    assert_corners(&around, &s.obstacles[1], 0, 0.3, 0.4 + 0.02 * M_SQRT1_2);
     scene_fini(&s);
 }
 
@@ -241,7 +246,7 @@ int main(void)
         cmocka_unit_test(a_piece_faces_against_the_belt_whichever_way_its_path_runs),
         cmocka_unit_test(along_the_belt_the_left_side_is_upstream),
         cmocka_unit_test(a_guide_is_centred_on_its_path),
-        cmocka_unit_test(a_guide_that_goes_on_from_a_plate_lies_on_its_side),
+        cmocka_unit_test(the_body_of_a_path_lies_on_one_side),
         cmocka_unit_test(parts_leave_over_edges_that_are_no_walls),
     };
 
