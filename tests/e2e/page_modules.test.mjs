@@ -140,6 +140,11 @@ test("a plate's body lies downstream, a guide's on both sides of its path or on 
   }
   for (const k of [1, 2]) heights(funnel, k).forEach((y, end) => near(y, [0.3, 0.32][end]));
   for (const k of [0, 1]) heights([...funnel].reverse(), k).forEach((y, end) => near(y, [0.3, 0.32][end]));
+  // What opens again has its body above, too, whichever way it was drawn.
+  const lane = [...funnel, [0.9, 0.4]];
+  for (const [path, k] of [[lane, 3], [[...lane].reverse(), 0]]) {
+    heights(path, k).forEach((y, end) => near(y, [0.3, 0.4 + 0.02 * Math.SQRT1_2][end]));
+  }
   // Across the belt, 20 mm downstream.
   const xs = bodyOf(scenario, [[0.5, 0], [0.5, 0.3]], 0, 0.02).map(([x]) => x);
   near(Math.min(...xs), 0.5);
