@@ -135,6 +135,7 @@ struct congested {
     congested_kernels kernels; ///< of this processor
     bool is_forward;        ///< every belt runs along +x1: the laws of both directions are separate
     bool has_standing;      ///< a belt stands
+    bool has_moving;        ///< a belt moves
     double jam_density;     ///< rho_j
     double slip_rate;       ///< lambda, s/m
     double *aperture[2];    ///< open fraction of the x1- and x2-faces, layout of grid.h

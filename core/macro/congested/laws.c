@@ -212,9 +212,11 @@ void congested_update(macro_solver *s)
 {
     congested *c = s->congested;
 
-    c->has_standing = false;
+    c->has_standing = c->has_moving = false;
     for (size_t k = 0; k < c->n_belts; k++) {
-        c->has_standing |= s->factors[k] * vec2_length(c->belts[k].velocity) == 0.0;
+        const bool is_standing = s->factors[k] * vec2_length(c->belts[k].velocity) == 0.0;
+        c->has_standing |= is_standing;
+        c->has_moving |= !is_standing;
         c->lateral[k] = most_across(s, c, k);
     }
     set_axis(s, c, 0);

@@ -144,10 +144,12 @@ static void clear_cells(congested *c, ptrdiff_t row, ptrdiff_t first, ptrdiff_t 
     }
 }
 
-// Makes a row's active cells those of this step. Cells that are not active any more have no pressure.
+// Makes a row's active cells those of this step. Cells that are not active any more have no pressure. While no belt moves the
+// same ones stay active, so that what is known of their faces stays, too.
 static void set_active(const macro_solver *s, congested *c, ptrdiff_t row)
 {
-    const congested_range before = c->range[row], now = dilated(s, c->found, row);
+    const congested_range before = c->range[row];
+    const congested_range now = c->has_moving ? dilated(s, c->found, row) : before;
 
     if (now.first >= now.last) {
         clear_cells(c, row, before.first, before.last);
