@@ -1,6 +1,7 @@
 #include "core/macro/aperture.h"
 
 #include "core/base/polygon.h"
+#include "core/scene/mix.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -17,6 +18,7 @@ static const side_law end_law = { 1.2, 2.0, 0.4 };
 static const side_law wall_law = { 0.9, 0.7, 0.4 };
 static const double fitted_cargo = 0.15;    // mu_c at which friction adds nothing
 static const double fitted_handling = 0.19; // mu_h, same
+static const double corners = 2.75;         // times sqrt(R/r - 1)
 static const double acceleration = 0.9;     // of v_T^2/(mu_b g) by the width of the outlet
 static const double shallow = 4.0;          // times sin(theta): w of aperture.h
 static const double most_of_way = 0.9;      // that an extension takes
@@ -116,7 +118,7 @@ static double cost_of(const side_law *law, double sine, const scene *s, double h
     const double cargo = s->micro.contact[SCENE_CARGO_CARGO].friction;
 
     return law->angle * sine * sine + law->cargo * (sqrt(cargo) - sqrt(fitted_cargo)) +
-           law->handling * (sqrt(handling) - sqrt(fitted_handling));
+           law->handling * (sqrt(handling) - sqrt(fitted_handling)) + corners * mix_angularity(s);
 }
 
 // How a plate goes on beyond its end.
@@ -218,33 +220,48 @@ static void cover_face(const face_axis *x, ptrdiff_t face, ptrdiff_t strip, doub
     closed[at] = aperture[at] == 0.0;
 }
 
-// The strips of cells that the end of a plate and its extension lie in.
+// What is covered of the strip with a plate's end, of which the extension covers a part; lengths in strips.
+static double covered_at_tip(double tip, double strip, double length, double extension,
+                             bool goes_on)
+{
+    const double behind = length > 0.0 ? tip - strip : strip + 1.0 - tip;
+
+    // What the plate covers, which it reaches from the other side.
+    if (goes_on)
+        return fmax(extension, 0.0) + behind;
+    // It comes from where the extension goes. Faces are closed where the two enclose the centre.
+    if (behind > 0.5)
+        return 0.0;
+    return fabs(length) < 0.5 - behind ? extension : 1.0;
+}
+
+// The strips of cells that the end of a plate and its extension lie in. Faces are closed where the line through plate and
+// extension crosses the links between centres, so that no face is left open between those of both axes.
 static void cover_strips(const face_axis *x, const plate_end *e)
 {
     const double tip = (beside_of(x, e->tip) - x->lower_beside) / x->edge_beside;
     const double length = beside_of(x, e->extension) / x->edge_beside;
     const double low = fmin(tip, tip + length), high = fmax(tip, tip + length);
     const double tip_strip = floor(tip - (length < 0.0 ? 1e-9 : -1e-9));
+    const bool goes_on = beside_of(x, e->outward) * length > 0.0;
 
     if (fabs(length) < 1e-9)
         return;
     for (double strip = fmin(floor(low), tip_strip); strip <= fmax(floor(high), tip_strip);
          strip++) {
-        const bool is_end = strip == tip_strip;
+        const bool is_tip = strip == tip_strip;
         const ptrdiff_t m = (ptrdiff_t)strip;
-        double covered = fmin(strip + 1.0, high) - fmax(strip, low);
-        if (m < 0 || m >= x->n_beside || (!is_end && covered <= 1e-9))
+        const double extension = fmin(strip + 1.0, high) - fmax(strip, low);
+        const double covered =
+            is_tip ? covered_at_tip(tip, strip, length, extension, goes_on) : extension;
+        if (m < 0 || m >= x->n_beside || covered <= 1e-9)
             continue;
-        // What the plate itself covers of the strip with its end, which it reaches from the other side.
-        if (is_end && beside_of(x, e->outward) * length > 0.0)
-            covered = fmax(covered, 0.0) + (length > 0.0 ? tip - strip : strip + 1.0 - tip);
-        else if (is_end)
-            covered = 1.0;
-        const double middle = 0.5 * (fmin(strip + 1.0, high) + fmax(strip, low));
+        const double centre = fmin(fmax(strip + 0.5, low), high);
         const double normal =
-            normal_of(x, e->tip) + (middle - tip) / length * normal_of(x, e->extension);
-        const ptrdiff_t face = is_end ? closed_face(x, e, m) : nearest_face(x, normal);
-        cover_face(x, face, m, covered, is_end);
+            normal_of(x, e->tip) + (centre - tip) / length * normal_of(x, e->extension);
+        const bool is_plates = is_tip && goes_on && (strip + 0.5 - tip) * length <= 1e-6;
+        const ptrdiff_t face = is_plates ? closed_face(x, e, m) : nearest_face(x, normal);
+        cover_face(x, face, m, covered, is_tip && goes_on);
     }
 }
 

@@ -79,3 +79,17 @@ mix_radii mix_radii_of(const scene *s)
     }
     return radii;
 }
+
+double mix_angularity(const scene *s)
+{
+    double sum = 0.0, of_kinds = 0.0;
+
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        const shape_footprint footprint = shape_footprint_of(&s->cargo[k].shape);
+        const double radius = sqrt(footprint.area / M_PI);
+        sum += s->cargo[k].share;
+        if (footprint.n_corners > 0)
+            of_kinds += sqrt(footprint.bounding_radius / radius - 1.0) * s->cargo[k].share;
+    }
+    return of_kinds / sum;
+}

@@ -26,6 +26,10 @@ typedef struct mix_radii {
 /// Those of a scene.
 mix_radii mix_radii_of(const scene *s);
 
+/// sqrt(R/r - 1), R the radius about a part and r that of a disk with its footprint, the mean by the shares of the kinds: 0 of
+/// cylinders, 0.5 of square boxes.
+double mix_angularity(const scene *s);
+
 /// The kind of part k by what mix_draw() gave.
 static inline uint32_t mix_kind(const uint32_t *kinds, size_t k)
 {

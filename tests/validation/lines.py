@@ -19,6 +19,9 @@ from solver import Failed, Program
 MOST_OFF, MOST_MEAN = 0.08, 0.04
 WIDTH, LENGTH = 14.0, 40.0  # of a belt, d
 WARM_UP, MEASURED = 60.0, 140.0  # d/v
+# Contacts of boxes take some ten times as long as those of cylinders: a narrow belt and a short queue.
+BESIDE_BOXES, WARM_UP_OF_BOXES, MEASURED_OF_BOXES = 5.5, 30.0, 90.0
+BOXES = {"d": 0.3, "foot": 7.0, "load": 1.0}
 HEIGHT = 0.8  # of a part, d
 MASS = 900.0  # kg/m3: the rates of hard parts do not depend on it
 
@@ -37,7 +40,7 @@ class Line:
     plates: float = 0.19  # on plates and walls
     belt: float = 1.0
     sizes: tuple = (1.0,)  # of the kinds, d, in equal numbers
-    box: tuple = ()  # length and width of a box, d
+    box: float = 0.0  # length over width of boxes with the footprint of a cylinder of the diameter d, 0: cylinders
     turned: float = 0.0  # of the belt, degrees
     foot: float = 20.0  # of belt upstream of the plates, d
     ratio: float = 1.0  # speed of the second belt to that of the first
@@ -49,7 +52,7 @@ class Line:
         if self.load != 1.4:
             told.append(f"load {self.load:g}")
         if self.box:
-            told.append("box " + " x ".join(f"{side:g}" for side in self.box))
+            told.append(f"boxes {self.box:g} : 1")
         if len(self.sizes) > 1:
             told.append("sizes " + ", ".join(f"{size:g}" for size in self.sizes))
         if self.foot != 20.0:
@@ -60,6 +63,10 @@ class Line:
             told.append(f"ratio {self.ratio:g}")
         return "; ".join(told)
 
+    @property
+    def width(self):
+        return self.opening + BESIDE_BOXES if self.box else WIDTH
+
     def cargo(self):
         kinds = []
         for size in self.sizes:
@@ -67,7 +74,8 @@ class Line:
             shape = {"type": "cylinder", "radius_m": d / 2, "height_m": HEIGHT * d}
             volume = math.pi / 4 * d * d * HEIGHT * d
             if self.box:
-                length, width = (side * d for side in self.box)
+                width = round(math.sqrt(math.pi / 4 / self.box), 4) * d
+                length = round(math.sqrt(math.pi / 4 * self.box), 4) * d
                 shape = {"type": "box", "length_m": length, "width_m": width, "height_m": HEIGHT * width}
                 volume = length * width * HEIGHT * width
             kinds.append({"shape": shape, "mass_kg": MASS * volume})
@@ -76,19 +84,19 @@ class Line:
     def plates_of(self, foot):
         """Paths of the plates in the frame of the belt, in d: s along it, e across it."""
         slope = 1.0 / math.tan(math.radians(self.angle))
-        across = WIDTH - self.opening
+        across = self.width - self.opening
         if self.layout == "plate":
             return [[(foot, 0.0), (foot + across * slope, across)]]
         if self.layout == "funnel":
             tip = foot + across / 2 * slope
-            return [[(foot, 0.0), (tip, across / 2)], [(foot, WIDTH), (tip, WIDTH - across / 2)]]
+            return [[(foot, 0.0), (tip, across / 2)], [(foot, self.width), (tip, self.width - across / 2)]]
         if self.layout == "free":
             gap = self.opening / 2
-            return [[(foot, gap), (foot + across * slope, WIDTH - gap)]]
+            return [[(foot, gap), (foot + across * slope, self.width - gap)]]
         if self.layout == "lane":  # guides that narrow the belt, and go on along it
             tip = foot + across / 2 * slope
             return [[(foot, 0.0), (tip, across / 2), (tip + 12.0, across / 2)],
-                    [(foot, WIDTH), (tip, WIDTH - across / 2), (tip + 12.0, WIDTH - across / 2)]]
+                    [(foot, self.width), (tip, self.width - across / 2), (tip + 12.0, self.width - across / 2)]]
         return []
 
     def document(self, substream):
@@ -96,14 +104,15 @@ class Line:
         foot = self.foot
         paths = self.plates_of(foot)
         ends = [s for path in paths for s, _ in path]
-        length = max(ends + [LENGTH - 8.0]) + 8.0
+        length = max(ends + [0.0 if self.box else LENGTH - 8.0]) + 8.0
+        warm_up, measured = (WARM_UP_OF_BOXES, MEASURED_OF_BOXES) if self.box else (WARM_UP, MEASURED)
         placed = self.transfer(length) if self.layout == "transfer" else (
             self.oblique(paths, length) if self.turned else self.straight(paths, length))
         arrivals = "regular" if self.load < 1.0 else "poisson"
         feed = {"arrivals": arrivals, "rate_per_s": round(self.load * self.opening * v / d, 5), **placed.pop("feed")}
         return {
-            "name": self.name, "duration_s": round((WARM_UP + MEASURED) * unit, 4),
-            "warmup_s": round(WARM_UP * unit, 4), "substream": substream, **placed, "feeds": [feed],
+            "name": self.name, "duration_s": round((warm_up + measured) * unit, 4),
+            "warmup_s": round(warm_up * unit, 4), "substream": substream, **placed, "feeds": [feed],
             "cargo": self.cargo(),
             "contacts": {"cargo_cargo": {"friction": self.parts}, "handling_cargo": {"friction": self.plates},
                          "conveyor_cargo": {"friction": self.belt}},
@@ -119,8 +128,8 @@ class Line:
         if self.ratio != 1.0:
             at = round(0.6 * length * d, 6)
             belts.append({"velocity_m_s": [self.ratio * self.v, 0.0],
-                          "polygon_m": [[at, 0], [length * d, 0], [length * d, WIDTH * d], [at, WIDTH * d]]})
-        return {"domain": {"x_m": [0, length * d], "y_m": [0, WIDTH * d]}, "belts": belts,
+                          "polygon_m": [[at, 0], [length * d, 0], [length * d, self.width * d], [at, self.width * d]]})
+        return {"domain": {"x_m": [0, length * d], "y_m": [0, self.width * d]}, "belts": belts,
                 "obstacles": [{"path_m": self.scaled(path)} for path in paths], "feed": {"edge": "west"}}
 
     def oblique(self, paths, length):
@@ -130,17 +139,17 @@ class Line:
 
         def turned(place):
             s, e = place
-            return [(margin + WIDTH * sin + s * cos - e * sin) * d, (margin + s * sin + e * cos) * d]
+            return [(margin + self.width * sin + s * cos - e * sin) * d, (margin + s * sin + e * cos) * d]
 
-        corners = [turned((s, e)) for s in (0.0, length) for e in (0.0, WIDTH)]
-        guides = [[(0.0, 0.0), (length, 0.0)], [(length, WIDTH), (0.0, WIDTH)]]
+        corners = [turned((s, e)) for s in (0.0, length) for e in (0.0, self.width)]
+        guides = [[(0.0, 0.0), (length, 0.0)], [(length, self.width), (0.0, self.width)]]
         return {
             "domain": {"x_m": [0, max(x for x, _ in corners) + margin * d],
                        "y_m": [0, max(y for _, y in corners) + margin * d]},
             "edges": {side: "outflow" for side in ("west", "east", "south", "north")},
             "belts": [{"velocity_m_s": [self.v * cos, self.v * sin]}],
             "obstacles": [{"path_m": [turned(place) for place in path]} for path in guides + paths],
-            "feed": {"line_m": [turned((1.5, 1.0)), turned((1.5, WIDTH - 1.0))]},
+            "feed": {"line_m": [turned((1.5, 1.0)), turned((1.5, self.width - 1.0))]},
         }
 
     def transfer(self, length):
@@ -199,7 +208,8 @@ def development():
         + [dict(ratio=1.6), dict(ratio=.7)],
         "transfer": [dict(layout="transfer", opening=10, load=q, ratio=r) for q, r in ((.4, 1), (.6, 1), (.8, .8), (1, 1))],
         "mix": [dict(sizes=z, angle=a) for z, a in (((1, 1.5), 60), ((.7, 1), 60), ((1, 1.3, 1.8), 60), ((.8, 1.2), 75))],
-        "box": [dict(box=(1.15, .86), d=.21, angle=60, opening=6, layout="plate", parts=.3, plates=.25, belt=.5, v=.5)],
+        "box": [dict(box=b, opening=o, angle=a, **BOXES) for b, o, a in (
+            (1.33, 5.5, 60), (1.33, 4, 60), (1.33, 8, 60), (1, 5.5, 60), (2.5, 5.5, 60), (1.33, 5.5, 90), (1.33, 5.5, 45))],
     }
     return [Line("development", group, **row) for group, rows in groups.items() for row in rows]
 
@@ -226,6 +236,11 @@ def apart():
             if layout == "mix":
                 row.update(sizes=(1.0, between(1.1, 2)))
             made.append(Line("apart", layout, **row))
+    draw = random.Random(30)
+    for _ in range(8):
+        row = dict(box=between(1, 2.5), opening=between(3, 8.5, 1), angle=between(45, 90, 0), parts=between(.1, .6),
+                   plates=between(.1, .5))
+        made.append(Line("apart", "box", **row, **BOXES))
     return made
 
 

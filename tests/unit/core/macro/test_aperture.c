@@ -3,6 +3,7 @@
 
 #include "core/macro/aperture.h"
 
+#include "core/base/polygon.h"
 #include "core/macro/velocity_field.h"
 #include "tests/unit/core/helper_scene.h"
 
@@ -134,6 +135,34 @@ static void frictions_and_speed_widen_the_extension(void **state)
         for (double belt = 0.1; belt < 2.0; belt *= 2.0)
             assert_near(right_angled(belt, 0.6, &others[k]),
                         extension(1.0, SIDE, &others[k], belt, 0.6), exact);
+}
+
+// Boxes of 40 x 20 mm, whose circle is 22.4 mm about and whose area that of a disk of 16 mm: each of the two sides of an
+// outlet costs 2.75 sqrt(R/r - 1) radii more than it does for that disk; half as much where every second part is one.
+static void corners_widen_the_extension(void **state)
+{
+    const double r = sqrt(0.04 * 0.02 / M_PI),
+                 angular = sqrt(sqrt(0.02 * 0.02 + 0.01 * 0.01) / r - 1.0);
+    double lost[3];
+
+    (void)state;
+    for (int n_boxes = 0; n_boxes <= 2; n_boxes++) {
+        scene s;
+        make_belt(&s, 0.01, (vec2){ 1e-3, 0.0 });
+        s.n_cargo = 2;
+        s.cargo[1] = s.cargo[0];
+        for (int k = 0; k < 2; k++) {
+            s.cargo[k].shape = (scene_shape){ .type = SCENE_CYLINDER, .radius = r, .height = 0.02 };
+            if (k < n_boxes)
+                s.cargo[k].shape = (scene_shape){
+                    .type = SCENE_BOX, .length = 0.04, .width = 0.02, .height = 0.02
+                };
+        }
+        add_plate(&s, (vec2){ 1.0, 0.0 }, (vec2){ 1.0, 0.4 });
+        lost[n_boxes] = width_lost(&s, 0);
+    }
+    assert_near(lost[1] - lost[0], 2.0 * 2.75 * r * 0.5 * angular, 1e-9);
+    assert_near(lost[2] - lost[0], 2.0 * 2.75 * r * angular, 1e-9);
 }
 
 // Nothing but an outlet is left open by frictions and speeds without end: nine tenths of it are closed at most.
@@ -319,11 +348,93 @@ static void a_face_is_closed_where_its_aperture_is_zero(void **state)
     scene_fini(&s);
 }
 
+enum { EDGE_CELLS = 50, ALL_CELLS = EDGE_CELLS * EDGE_CELLS };
+
+static size_t cell_at(const bf_grid *g, vec2 at)
+{
+    return (size_t)((at.y - g->lower2) / g->d2) * EDGE_CELLS + (size_t)((at.x - g->lower1) / g->d1);
+}
+
+static vec2 centre_of(const bf_grid *g, size_t cell)
+{
+    return (vec2){ g->lower1 + ((double)(cell % EDGE_CELLS) + 0.5) * g->d1,
+                   g->lower2 + ((double)(cell / EDGE_CELLS) + 0.5) * g->d2 };
+}
+
+// What is open of the face between two neighbours.
+static double aperture_between(const velocity_field *f, size_t cell, size_t other)
+{
+    const size_t upper = cell > other ? cell : other;
+
+    if (cell % EDGE_CELLS != other % EDGE_CELLS)
+        return f->aperture1[upper / EDGE_CELLS * (EDGE_CELLS + 1) + upper % EDGE_CELLS];
+    return f->aperture2[upper];
+}
+
+// Whether cells are joined by faces that are open by half and more, none of them beyond the place where the outlet begins.
+static bool are_joined(const velocity_field *f, vec2 from, vec2 to, vec2 outlet, vec2 side)
+{
+    const bf_grid *g = &f->grid;
+    const size_t target = cell_at(g, to);
+    bool is_known[ALL_CELLS] = { false };
+    size_t queue[ALL_CELLS], n = 0;
+
+    queue[n++] = cell_at(g, from);
+    is_known[queue[0]] = true;
+    for (size_t k = 0; k < n; k++) {
+        const size_t cell = queue[k], i = cell % EDGE_CELLS, j = cell / EDGE_CELLS;
+        const size_t beside[] = { i > 0 ? cell - 1 : cell, i + 1 < EDGE_CELLS ? cell + 1 : cell,
+                                  j > 0 ? cell - EDGE_CELLS : cell,
+                                  j + 1 < EDGE_CELLS ? cell + EDGE_CELLS : cell };
+        for (size_t m = 0; m < 4; m++) {
+            const size_t other = beside[m];
+            if (is_known[other] || aperture_between(f, cell, other) < 0.5 ||
+                polygon_segments_touch(centre_of(g, cell), centre_of(g, other), outlet, side, 0.0))
+                continue;
+            is_known[other] = true;
+            queue[n++] = other;
+        }
+    }
+    return is_known[target];
+}
+
+// Plate and extension are one line without a gap, wherever the tip lies in its cell and whatever the angle of the belt.
+static void nothing_passes_between_a_plate_and_its_extension(void **state)
+{
+    const double cell = 0.004, far = 1.0;
+
+    (void)state;
+    for (double turned = 0.0; turned < 90.0; turned += 10.0)
+        for (double angle = 45.0; angle <= 90.0; angle += 15.0)
+            for (int k = 0; k < 16; k++) {
+                const double belt = turned * degree, plate = belt + angle * degree;
+                const double across = belt + M_PI / 2.0, sine = sin(angle * degree);
+                const double length = extension(sine, NOTHING, &fitted, speed, far);
+                const vec2 tip = { 0.1 + 0.07 * cell * k, 0.1 + 0.11 * cell * k };
+                const vec2 outlet = beyond(tip, length - 0.75 * cell, across);
+                velocity_field *f = NULL;
+                scene s;
+                helper_scene_belt(&s, EDGE_CELLS * cell, EDGE_CELLS * cell, cell, &somewhere, 1);
+                s.macro.closure = SCENE_CONGESTED;
+                helper_scene_add_belt(&s, beyond((vec2){ 0.0, 0.0 }, speed, belt), NULL, 0);
+                for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+                    s.edges[side] = SCENE_EDGE_OUTFLOW;
+                add_plate(&s, beyond(tip, -far, plate), tip);
+                helper_scene_resolve(&s);
+                assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
+                assert_false(are_joined(f, beyond(tip, -0.06, belt), beyond(tip, 0.06, belt),
+                                        outlet, beyond(tip, far, across)));
+                velocity_field_destroy(f);
+                scene_fini(&s);
+            }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_radius_is_that_of_the_mean_footprint),
         cmocka_unit_test(frictions_and_speed_widen_the_extension),
+        cmocka_unit_test(corners_widen_the_extension),
         cmocka_unit_test(an_extension_never_closes_the_outlet),
         cmocka_unit_test(a_plate_takes_its_height_and_its_extension),
         cmocka_unit_test(a_finer_grid_gives_the_same_width),
@@ -336,6 +447,7 @@ int main(void)
         cmocka_unit_test(a_guide_is_opposite_like_a_wall),
         cmocka_unit_test(beside_a_belt_that_does_not_move_plates_do_not_go_on),
         cmocka_unit_test(a_face_is_closed_where_its_aperture_is_zero),
+        cmocka_unit_test(nothing_passes_between_a_plate_and_its_extension),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
