@@ -53,6 +53,11 @@ static bool has_no_arc(const void *item)
     return !((const scene_belt *)item)->arc.is_given;
 }
 
+static bool has_no_friction(const void *item)
+{
+    return ((const scene_belt *)item)->friction == 0.0;
+}
+
 static bool has_no_polygon(const void *item)
 {
     const scene_belt *belt = item;
@@ -103,6 +108,9 @@ static const member belt_members[] = {
            .limit = SCENE_ID_SIZE),
     MEMBER("velocity_m_s", point, AT(velocity), "of the surface; of an arc only its size counts",
            .unit = "m/s", .flags = MEMBER_INIT),
+    MEMBER("friction", step, AT(friction), "of cargo on it, mu",
+           .range = &scene_range_belt_friction, .flags = MEMBER_OMIT_EMPTY,
+           .is_empty = has_no_friction, .default_text = "auto"),
     MEMBER("acceleration_m_s2", number, AT(acceleration), "of ramps to a higher speed",
            .unit = "m/s2", .range = &scene_range_acceleration, .flags = MEMBER_OMIT_EMPTY,
            .default_text = "at once"),

@@ -123,10 +123,11 @@ static double cost_of(const side_law *law, double sine, const scene *s, double h
 
 // How a plate goes on beyond its end.
 static vec2 extension_of(const scene *s, const surroundings *around, size_t obstacle,
-                         const plate_end *e, vec2 belt)
+                         const plate_end *e, size_t under, vec2 belt)
 {
     const double speed = vec2_length(belt);
     const scene_micro *parts = &s->micro;
+    const scene_contact *conveyor = &parts->contact[SCENE_CONVEYOR_CARGO];
 
     if (speed == 0.0)
         return (vec2){ 0.0, 0.0 };
@@ -135,8 +136,8 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
     const vec2 toward = vec2_scale(across, sine < 0.0 ? -1.0 : 1.0);
     const opposite other = find_opposite(s, around, obstacle, e->tip, toward);
     const double handling = parts->contact[SCENE_HANDLING_CARGO].friction;
-    const double stopping =
-        speed * speed / (parts->contact[SCENE_CONVEYOR_CARGO].friction * parts->gravity);
+    const double friction = belt_grip(&around->belts[under], conveyor) * conveyor->friction;
+    const double stopping = speed * speed / (friction * parts->gravity);
     double radii = cost_of(&end_law, sine, s, handling);
 
     if (other.kind == OPPOSITE_SIDE)
@@ -286,7 +287,7 @@ static void apply_end(const scene *s, velocity_field *f, const surroundings *aro
     if (!is_free(s, around, index, e.tip))
         return;
     e.outward = vec2_scale(along, 1.0 / vec2_length(along));
-    e.extension = extension_of(s, around, index, &e, belt);
+    e.extension = extension_of(s, around, index, &e, under, belt);
     for (int axis = 0; axis < 2; axis++)
         cover_strips(&axes[axis], &e);
 }

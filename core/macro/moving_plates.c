@@ -223,7 +223,7 @@ static void follow(moving_plates *p, size_t k, macro_solver *s)
                                       has_limit ? pressed * full_density(of) : INFINITY,
                                       belt->friction * of->micro.gravity *
                                           plate_drive_mass_per_area(of) * grid.d1 * grid.d2,
-                                      belt->tanh_linear,
+                                      belt,
                                       moving->radius };
     plate_load load = { 0.0, 0.0 };
     p->before[k] = moving->place;

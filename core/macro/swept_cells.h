@@ -42,9 +42,9 @@ typedef struct swept_cells_cargo {
     double full;         ///< density up to which cells take cargo
     double
         most; ///< density of a swept cell, beyond which cargo has to give way before the plate goes on
-    double weight;      ///< mu g m of a cell at density 1, N
-    double tanh_linear; ///< lambda, s/m
-    double radius;      ///< R, m
+    double weight;                 ///< mu g m of a cell at density 1, mu that of *conveyor, N
+    const scene_contact *conveyor; ///< of cargo on belts that name no friction
+    double radius;                 ///< R, m
 } swept_cells_cargo;
 
 /// What is needed for it; opaque.

@@ -75,7 +75,8 @@ static load find_load(const micro_def *def)
     }
     l.mass = fmin(fmax(lines * length * by_length, heaviest),
                   heaviest * fmax((double)micro__n_expected(def), 1.0));
-    l.force = def->contact[SCENE_CONVEYOR_CARGO].friction * def->gravity * l.mass;
+    l.force = belt_largest_friction(def->n_belts, def->belts, &def->contact[SCENE_CONVEYOR_CARGO]) *
+              def->gravity * l.mass;
     l.square = fmax(l.mass * speed * speed, lines * heaviest * plate_speed * plate_speed);
     return l;
 }

@@ -145,7 +145,7 @@ static double step_of_iterations(const micro_def *def, const extremes *x)
 static double step_of_belt(const micro_def *def, const extremes *e)
 {
     const scene_contact *belt = &def->contact[SCENE_CONVEYOR_CARGO];
-    double deceleration = belt->friction * def->gravity;
+    double deceleration = belt_largest_friction(def->n_belts, def->belts, belt) * def->gravity;
 
     return deceleration > 0.0 ? fmax(0.2 / belt->tanh_linear, 0.05 * e->speed) / deceleration
                               : HUGE_VAL;

@@ -264,7 +264,8 @@ static void note_speeds(findings *f)
 static void note_acceleration(findings *f)
 {
     const double speed = scene_belt_speed(f->s), gravity = f->s->micro.gravity,
-                 friction = f->s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
+                 friction = belt_smallest_friction(f->s->n_belts, f->s->belts,
+                                                   &f->s->micro.contact[SCENE_CONVEYOR_CARGO]);
 
     note(f, VALIDITY_ACCELERATION,
          friction * gravity > 0.0 ? 0.5 * speed * speed / (friction * gravity * f->diameter) : NAN,
@@ -528,7 +529,9 @@ static void note_kind(findings *f, size_t k, const shape_footprint *footprint)
         snprintf(place, sizeof place, "/%zu", k);
     note(f, VALIDITY_DIAMETER, 2.0 * footprint->bounding_radius, "/cargo%s/shape", place);
     note(f, VALIDITY_MASS, kind->mass, "/cargo%s/mass_kg", place);
-    note(f, VALIDITY_TIPPING, slender * f->s->micro.contact[SCENE_CONVEYOR_CARGO].friction,
+    note(f, VALIDITY_TIPPING,
+         slender * belt_largest_friction(f->s->n_belts, f->s->belts,
+                                         &f->s->micro.contact[SCENE_CONVEYOR_CARGO]),
          "/cargo%s/shape", place);
 }
 
@@ -596,6 +599,9 @@ static void note_frictions(findings *f)
          "/contacts/cargo_cargo/friction");
     note(f, VALIDITY_BELT_FRICTION, contact[SCENE_CONVEYOR_CARGO].friction,
          "/contacts/conveyor_cargo/friction");
+    for (size_t k = 0; k < f->s->n_belts; k++)
+        if (f->s->belts[k].friction > 0.0)
+            note(f, VALIDITY_BELT_FRICTION, f->s->belts[k].friction, "/belts/%zu/friction", k);
     note(f, VALIDITY_SMOOTHING, contact[SCENE_CONVEYOR_CARGO].tanh_linear,
          "/contacts/conveyor_cargo/tanh_linear_s_m");
 }

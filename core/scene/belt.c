@@ -14,6 +14,25 @@ double belt_largest_speed(const scene_belt *belt)
     return largest;
 }
 
+double belt_largest_friction(size_t n_belts, const scene_belt *belts, const scene_contact *conveyor)
+{
+    double largest = n_belts > 0 ? 0.0 : 1.0;
+
+    for (size_t k = 0; k < n_belts; k++)
+        largest = fmax(largest, belt_grip(&belts[k], conveyor));
+    return largest * conveyor->friction;
+}
+
+double belt_smallest_friction(size_t n_belts, const scene_belt *belts,
+                              const scene_contact *conveyor)
+{
+    double smallest = n_belts > 0 ? INFINITY : 1.0;
+
+    for (size_t k = 0; k < n_belts; k++)
+        smallest = fmin(smallest, belt_grip(&belts[k], conveyor));
+    return smallest * conveyor->friction;
+}
+
 bool belt_arc_spans(const scene_arc *arc, vec2 from_centre)
 {
     const double after = vec2_cross(arc->rays[0], from_centre),

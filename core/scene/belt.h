@@ -32,6 +32,19 @@ static inline vec2 belt_velocity(const scene_belt *belt, vec2 at)
                              : vec2_scale(vec2_turn_left(vec2_sub(at, belt->centre)), belt->turn);
 }
 
+/// The friction of cargo on a belt over that of contacts, by which what the latter does is multiplied; 1 where that is 0.
+static inline double belt_grip(const scene_belt *belt, const scene_contact *conveyor)
+{
+    return belt->friction > 0.0 && conveyor->friction > 0.0 ? belt->friction / conveyor->friction
+                                                            : 1.0;
+}
+
+/// The largest and the smallest friction of cargo on any of these belts; that of contacts without belts.
+double belt_largest_friction(size_t n_belts, const scene_belt *belts,
+                             const scene_contact *conveyor);
+double belt_smallest_friction(size_t n_belts, const scene_belt *belts,
+                              const scene_contact *conveyor);
+
 /// The largest |v_T| on a belt, m/s: that at a corner, as it is convex in x; of one without corners that of `velocity`.
 double belt_largest_speed(const scene_belt *belt);
 

@@ -131,6 +131,13 @@ void scene__check_belts(const scene *s, bf_faults *faults)
         snprintf(pointer, sizeof pointer, "/belts/%zu/velocity_m_s", k);
         if (!(belt_largest_speed(belt) <= SCENE_SPEED_MAX))
             faults_add(faults, pointer, "must be a velocity of at most %g m/s", SCENE_SPEED_MAX);
+        snprintf(pointer, sizeof pointer, "/belts/%zu/friction", k);
+        if (belt->friction != 0.0) // 0 stands for that of contacts
+            range_check(&scene_range_belt_friction, belt->friction, pointer, faults);
+        if (belt->friction != 0.0 && s->micro.contact[SCENE_CONVEYOR_CARGO].friction == 0.0)
+            faults_add(
+                faults, pointer,
+                "needs a friction above 0 in contacts/conveyor_cargo, which other belts have");
         snprintf(pointer, sizeof pointer, "/belts/%zu", k);
         belt_speeds_check(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);

@@ -6,7 +6,7 @@
 ///                   F = mu g M,   M = the mass of close packed cargo on an area of R times the longer side of
 ///                                 the domain
 ///
-///               mu of cargo on the belt. **Choice**: this is twice what it takes to push a full belt before a plate
+///               mu of cargo on the belt, the largest of all belts. **Choice**: this is twice what it takes to push a full belt before a plate
 ///               of the length R against the belt's friction, whose resultant acts in its middle; what cargo that is
 ///               wedged between the plate and a wall or another plate bears is far more
 ///     speed     as told up to half the limit, from there to the limit falling steadily to zero: the line of a motor

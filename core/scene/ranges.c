@@ -30,5 +30,6 @@ const bf_range scene_range_gravity = { 0.0, INFINITY, false, false, 1e6 };
 const bf_range scene_range_young_modulus = { 0.0, INFINITY, true, false, 1e15 };
 const bf_range scene_range_poisson_ratio = { 0.0, 0.5, false, true, 0.0 };
 const bf_range scene_range_contact_damping = { 0.0, INFINITY, false, false, 1e12 };
+const bf_range scene_range_belt_friction = { 0.0, INFINITY, true, false, 1e6 };
 const bf_range scene_range_friction = { 0.0, INFINITY, false, false, 1e6 };
 const bf_range scene_range_tanh = { 0.0, INFINITY, true, false, 1e12 };

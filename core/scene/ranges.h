@@ -32,5 +32,6 @@ extern const bf_range scene_range_gravity;           ///< m/s2
 extern const bf_range scene_range_young_modulus;     ///< E, Pa
 extern const bf_range scene_range_poisson_ratio;     ///< nu
 extern const bf_range scene_range_contact_damping;   ///< d, N s/m
+extern const bf_range scene_range_belt_friction;     ///< mu of one belt
 extern const bf_range scene_range_friction;          ///< mu
 extern const bf_range scene_range_tanh;              ///< lambda_lin, s/m, and lambda_ang, s

@@ -63,6 +63,7 @@ typedef struct scene_belt {
                  ///< arc set by scene_resolve()
     vec2 centre; ///< see turn, m
     scene_arc arc;       ///< see there
+    double friction;     ///< mu of cargo on it, > 0; 0: that of contacts (default 0)
     double acceleration; ///< with which its speed rises, m/s2, > 0 (default INFINITY: at once)
     double deceleration; ///< with which it falls, m/s2, > 0 (default INFINITY: at once)
     scene_speed_schedule speed_schedule; ///< see there

@@ -16,6 +16,7 @@ typedef struct body_belt {
     double vx;   ///< at the origin, m/s
     double vy;   ///< same
     double turn; ///< angular velocity, rad/s
+    double grip; ///< belt_grip()
 } body_belt;
 
 /// The neighbourhood in which one belt, or none, lies under all of a part.

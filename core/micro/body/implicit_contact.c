@@ -287,13 +287,15 @@ static void visit_boundary(void *context, size_t k, const micro_law *law, uint32
                        body__moving_plate(v->s, boundary), contact);
 }
 
-/// The velocities, in the middle of a constraint, of the belts under its points, and how they turn on average. A body goes on
+/// The velocities, in the middle of a constraint, of the belts under its points, and their mean turn and friction. A body goes on
 /// for half a step until it is in the middle of its way: else a belt that turns would lead it off its circle.
-static void find_belt_velocities(body_state *s, size_t k, body_constraint *constraint)
+static void set_belts(body_state *s, size_t k, body_constraint *constraint)
 {
     const vec3 middle = vec3_add(s->bodies[k].x, constraint->lever[1]);
     const vec3 halfway = vec3_along(middle, 0.5 * s->def.dt, s->bodies[k].v);
     const body_belt *whole = body__whole_belt(s, k);
+
+    double grip = 0.0;
 
     constraint->belt_turn = 0.0;
     for (uint32_t m = 0; m < constraint->n; m++) {
@@ -303,7 +305,9 @@ static void find_belt_velocities(body_state *s, size_t k, body_constraint *const
         const vec3 velocity = body__belt_velocity(belt, halfway);
         constraint->belt_velocity[m] = (vec2){ velocity.x, velocity.y };
         constraint->belt_turn += belt->turn / constraint->n;
+        grip += belt->grip;
     }
+    constraint->law.friction *= grip / constraint->n;
 }
 
 static void find_belt_contact(body_state *s, size_t k, double margin, visitor *v)
@@ -318,7 +322,7 @@ static void find_belt_contact(body_state *s, size_t k, double margin, visitor *v
     body_constraint *constraint =
         add_boundary(v, k, &kind->belt_law, KEY_BELT, kind, NULL, &contact);
     if (constraint != NULL)
-        find_belt_velocities(s, k, constraint);
+        set_belts(s, k, constraint);
 }
 
 static void find_boundary_contacts(body_state *s, size_t k, double margin,

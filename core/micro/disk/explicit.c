@@ -498,8 +498,8 @@ double disk__dt_stable_explicit(const micro_def *def)
     double neighbours = M_PI / asin(r_min / (r_min + r_max)) / m_min;
     double d = neighbours * damping, k = neighbours * stiffness;
     double dt = 4.0 / (d + sqrt(d * d + 4.0 * k));
-    double belt = contact[SCENE_CONVEYOR_CARGO].friction * def->gravity *
-                      contact[SCENE_CONVEYOR_CARGO].tanh_linear +
+    double belt = belt_largest_friction(def->n_belts, def->belts, &contact[SCENE_CONVEYOR_CARGO]) *
+                      def->gravity * contact[SCENE_CONVEYOR_CARGO].tanh_linear +
                   def->damping;
     return fmin(dt, 2.0 / belt);
 }

@@ -187,20 +187,20 @@ static void solve(solver_body *bodies, const implicit_blocks *blocks)
 // Belts under SIMD_LANES parts, in the middle of their ways in the step: a velocity at its beginning would lead a part off the
 // circle of a belt that turns.
 typedef struct belt_lanes {
-    simd vx, vy, turn, on_belt;
+    simd vx, vy, turn, grip;
 } belt_lanes;
 
 static inline belt_lanes load_belts(const disk_state *s, const disk_belt *belts, size_t slot)
 {
     const disk_belt uniform = belts[s->uniform_belt];
     belt_lanes g = { simd_all(uniform.vx), simd_all(uniform.vy), simd_all(0.0),
-                     simd_all(uniform.on_belt) };
+                     simd_all(uniform.grip) };
 
     for (size_t k = 0; !s->is_uniform && k < SIMD_LANES; k++) {
         const disk_belt *belt = &belts[s->belt_under[slot + k]];
         g.vx[k] = belt->vx;
         g.vy[k] = belt->vy;
-        g.on_belt[k] = belt->on_belt;
+        g.grip[k] = belt->grip;
         if (!s->has_turning)
             continue;
         const disk *part = &s->now[slot + k];
@@ -218,7 +218,7 @@ static inline void belt_friction_lanes(const disk_state *s, double belt_secant, 
     simd ux = v[0] - g->vx, uy = v[1] - g->vy;
     friction_quotient theta =
         friction_theta_quick(s->belt.tanh_linear * simd_sqrt(ux * ux + uy * uy));
-    simd secant = g->on_belt * belt_secant * theta.up, ratio = secant / (theta.down + secant);
+    simd secant = g->grip * belt_secant * theta.up, ratio = secant / (theta.down + secant);
     simd new_dvx = ratio * (*dvx - ux), new_dvy = ratio * (*dvy - uy);
 
     v[0] += new_dvx - *dvx;
@@ -296,7 +296,7 @@ static driver_extremes predict(const disk_state *s, const implicit_step *step,
         simd damped = s->spin_damping * spin;
         friction_quotient theta = friction_theta_quick(s->belt.tanh_spin * size_of(spin - g.turn));
         simd loose =
-            theta.down / (theta.down + rate * g.on_belt * load_decelerations(s, slot) * theta.up);
+            theta.down / (theta.down + rate * g.grip * load_decelerations(s, slot) * theta.up);
         simd spun = s->has_turning ? g.turn + (damped - g.turn) * loose : damped * loose;
         simd_quad body = { { step->damping_factor * x[2], step->damping_factor * x[3], spun,
                              2.0 * inv_mass / (r * r) * loose } };

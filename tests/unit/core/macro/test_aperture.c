@@ -166,6 +166,20 @@ static void corners_widen_the_extension(void **state)
 }
 
 // Nothing but an outlet is left open by frictions and speeds without end: nine tenths of it are closed at most.
+// The contact's friction is another one then.
+static void a_belt_with_a_friction_of_its_own_has_the_extension_of_that(void **state)
+{
+    const frictions rough = { 0.15, 0.19, 0.19, 0.3 };
+    scene s;
+
+    (void)state;
+    make_belt(&s, 0.01, (vec2){ 0.8, 0.0 });
+    s.belts[0].friction = rough.belt;
+    add_plate(&s, (vec2){ 1.0, 0.0 }, (vec2){ 1.0, 0.7 });
+    assert_near(width_lost(&s, 0) - 0.7, right_angled(0.8, 0.3, &rough), exact);
+    assert_true(right_angled(0.8, 0.3, &rough) > right_angled(0.8, 0.3, &fitted) + 0.01);
+}
+
 static void an_extension_never_closes_the_outlet(void **state)
 {
     const frictions slippery = { 0.15, 0.19, 0.19, 0.0 }, smooth = { 0.0, 0.0, 0.0, 1.0 };
@@ -435,6 +449,7 @@ int main(void)
         cmocka_unit_test(the_radius_is_that_of_the_mean_footprint),
         cmocka_unit_test(frictions_and_speed_widen_the_extension),
         cmocka_unit_test(corners_widen_the_extension),
+        cmocka_unit_test(a_belt_with_a_friction_of_its_own_has_the_extension_of_that),
         cmocka_unit_test(an_extension_never_closes_the_outlet),
         cmocka_unit_test(a_plate_takes_its_height_and_its_extension),
         cmocka_unit_test(a_finer_grid_gives_the_same_width),

@@ -254,6 +254,28 @@ static void nothing_becomes_steady_without_a_feed(void **unused)
     assert_int_equal(helper_faults_of(&s)->n, 0);
 }
 
+static void a_belt_has_a_friction_above_0_of_its_own_or_that_of_contacts(void **unused)
+{
+    static const struct {
+        double friction, contact;
+        size_t n;
+    } cases[] = {
+        { 0.0, 1.0, 0 }, { 0.3, 1.0, 0 }, { -0.3, 1.0, 1 }, { 2e6, 1.0, 1 }, { 0.3, 0.0, 1 }
+    };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene s;
+        make_scene(&s);
+        s.belts[0].friction = cases[k].friction;
+        s.micro.contact[SCENE_CONVEYOR_CARGO].friction = cases[k].contact;
+        const bf_faults *faults = helper_faults_of(&s);
+        assert_int_equal(faults->n, cases[k].n);
+        if (cases[k].n > 0)
+            assert_string_equal(faults->items[0].pointer, "/belts/0/friction");
+    }
+}
+
 static void kinds_have_ids_of_their_own(void **unused)
 {
     scene s;
@@ -302,6 +324,7 @@ int main(void)
         cmocka_unit_test(what_is_wrong_is_pointed_at),
         cmocka_unit_test(what_is_wrong_with_an_arc_is_pointed_at),
         cmocka_unit_test(nothing_becomes_steady_without_a_feed),
+        cmocka_unit_test(a_belt_has_a_friction_above_0_of_its_own_or_that_of_contacts),
         cmocka_unit_test(kinds_have_ids_of_their_own),
         cmocka_unit_test(parts_keep_clear_of_plates_as_they_stand_at_the_start),
     };
