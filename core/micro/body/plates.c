@@ -138,25 +138,26 @@ static double side_of(const body_plate *plate, double x, double y)
     return vec3_cross(plate->along, to).z > 0.0 ? 1.0 : -1.0;
 }
 
-bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y)
+static bool is_felt_beyond(const body_state *s, const body_plate *plate, double x, double y,
+                           bool only_steps)
 {
     const double side = side_of(plate, x, y);
 
     for (int end = 0; end < 2; end++)
-        if (is_outside(plate, end, side) && is_nearer_to_next(s, plate, end, x, y))
+        if (is_outside(plate, end, side) && (plate->has_step[end] || !only_steps) &&
+            is_nearer_to_next(s, plate, end, x, y))
             return true;
     return false;
 }
 
+bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y)
+{
+    return is_felt_beyond(s, plate, x, y, false);
+}
+
 bool body__is_behind_step(const body_state *s, const body_plate *plate, vec3 x)
 {
-    const double side = side_of(plate, x.x, x.y);
-
-    for (int end = 0; end < 2; end++)
-        if (is_outside(plate, end, side) && plate->has_step[end] &&
-            is_nearer_to_next(s, plate, end, x.x, x.y))
-            return true;
-    return false;
+    return is_felt_beyond(s, plate, x.x, x.y, true);
 }
 
 const body_plate *body__next_around(const body_state *s, const body_plate *plate, int end, vec3 x,

@@ -41,12 +41,25 @@ static void a_point_on_a_straight_path_changes_nothing(void **state)
     assert_true(digest_of_slide(true) == digest_of_slide(false));
 }
 
+// The force of plates on the first body, at rest with its centre at a place.
+static vec3 force_at(const helper_body *h, vec2 at)
+{
+    body_load load = { .torque = { 0.0, 0.0, 0.0 } };
+    body_report report = { .bad_part = SIZE_MAX };
+    body_state *s = helper_body_start(h);
+
+    s->bodies[0].x.x = at.x;
+    s->bodies[0].x.y = at.y;
+    s->bodies[0].v = (vec3){ 0.0, 0.0, 0.0 };
+    body__add_boundary_forces(s, 0, &load, &report);
+    micro__body.destroy(s);
+    return load.force;
+}
+
 // The force on a box whose front face overlaps the tip of a path by a hundredth of a millimetre.
 static vec3 force_at_tip(size_t n_points)
 {
     helper_body h;
-    body_load load = { .torque = { 0.0, 0.0, 0.0 } };
-    body_report report = { .bad_part = SIZE_MAX };
 
     helper_body_init(&h, helper_body_box(0.04, 0.04, 0.02));
     h.def.n_belts = h.def.n_obstacles = 1;
@@ -55,12 +68,7 @@ static vec3 force_at_tip(size_t n_points)
     h.path[2] = (vec2){ 0.1, 0.2 };
     h.obstacle.n_points = n_points;
     h.poses[0] = (scene_pose){ -0.03, 0.0, 0.0 };
-    body_state *s = helper_body_start(&h);
-    s->bodies[0].x.x = -0.02 + 1e-5;
-    s->bodies[0].v = (vec3){ 0.0, 0.0, 0.0 };
-    body__add_boundary_forces(s, 0, &load, &report);
-    micro__body.destroy(s);
-    return load.force;
+    return force_at(&h, (vec2){ -0.02 + 1e-5, 0.0 });
 }
 
 // With two points there is only the plate below the tip.
@@ -80,8 +88,6 @@ static vec3 force_on_corner(double along, bool is_bent)
     const vec2 second = { sin(bend), cos(bend) }, normal = { -second.y, second.x };
     const vec2 to_corner = { 0.06 * cos(heading) + 0.01 * sin(heading),
                              0.06 * sin(heading) - 0.01 * cos(heading) };
-    body_load load = { .torque = { 0.0, 0.0, 0.0 } };
-    body_report report = { .bad_part = SIZE_MAX };
     helper_body h;
 
     helper_body_init(&h, helper_body_box(0.12, 0.02, 0.02));
@@ -91,15 +97,8 @@ static vec3 force_on_corner(double along, bool is_bent)
     h.path[2] = vec2_scale(second, 0.1);
     h.obstacle.n_points = is_bent ? 3 : 2;
     h.poses[0] = (scene_pose){ -0.2, 0.0, heading };
-    body_state *s = helper_body_start(&h);
-    const vec2 at =
-        vec2_sub(vec2_sub(vec2_scale(second, along), vec2_scale(normal, 1e-5)), to_corner);
-    s->bodies[0].x.x = at.x;
-    s->bodies[0].x.y = at.y;
-    s->bodies[0].v = (vec3){ 0.0, 0.0, 0.0 };
-    body__add_boundary_forces(s, 0, &load, &report);
-    micro__body.destroy(s);
-    return load.force;
+    return force_at(
+        &h, vec2_sub(vec2_sub(vec2_scale(second, along), vec2_scale(normal, 1e-5)), to_corner));
 }
 
 static void a_corner_presses_the_plate_that_it_is_on(void **state)
