@@ -342,8 +342,10 @@ static double torque_of(const hand_on_context *x, const swept_cells_plate *plate
     if (r == 0.0)
         return 0.0;
     const double factor = macro_belt_factor(x->solver, belt);
-    const double grip =
-        belt < cargo->around.n_belts ? belt_grip(&cargo->around.belts[belt], cargo->conveyor) : 1.0;
+    const double friction_ratio =
+        belt < cargo->around.n_belts
+            ? belt_friction_ratio(&cargo->around.belts[belt], cargo->conveyor)
+            : 1.0;
     const vec2 e = vec2_scale(vec2_turn_left(to), copysign(1.0, w) / r);
     const vec2 slip =
         vec2_sub(vec2_scale(e, fabs(w) * lever),
@@ -351,7 +353,7 @@ static double torque_of(const hand_on_context *x, const swept_cells_plate *plate
     const double speed = vec2_length(slip), against = fmax(vec2_dot(slip, e), 0.0);
     return against == 0.0
                ? 0.0
-               : cargo->weight * grip * density_of(x, cell) *
+               : cargo->weight * friction_ratio * density_of(x, cell) *
                      tanh(cargo->conveyor->tanh_linear * speed) * (against / speed) * lever;
 }
 

@@ -3,6 +3,7 @@
 #include "core/macro/mollifier.h"
 #include "core/run/prediction_load.h"
 #include "core/run/run_priv.h"
+#include "core/scene/belt.h"
 
 #include <math.h>
 
@@ -78,15 +79,6 @@ static void set_grid(const scene *s, const prediction_load *load, double *amount
     amounts[PREDICTION_SNAPSHOT_CELLS] = n_cells * n_snapshots;
 }
 
-static bool is_coupled(const scene *s)
-{
-    bool is_coupled = false;
-
-    for (size_t k = 0; k < s->n_belts; k++)
-        is_coupled |= s->belts[k].turn != 0.0 || s->belts[k].velocity.y != 0.0;
-    return is_coupled;
-}
-
 static void set_macro(const scene *s, const prediction_load *load, prediction_work *work)
 {
     const bf_grid grid = scene_grid(s);
@@ -104,7 +96,7 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
         scene_has_moving_obstacles(s) ? (double)grid_cells(&grid) * steps : 0.0;
     amounts[PREDICTION_COVERED_STEPS] = load->area * cells;
     amounts[PREDICTION_SATURATED_STEPS] = load->saturated_area * cells;
-    if (work->kind == PREDICTION_CONGESTED && is_coupled(s))
+    if (work->kind == PREDICTION_CONGESTED && !belt_are_forward(s->n_belts, s->belts))
         amounts[PREDICTION_COUPLED_STEPS] = load->pressed_area * cells;
     if (work->kind != PREDICTION_CONGESTED)
         amounts[PREDICTION_SATURATED_STEPS] =

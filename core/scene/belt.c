@@ -19,7 +19,7 @@ double belt_largest_friction(size_t n_belts, const scene_belt *belts, const scen
     double largest = n_belts > 0 ? 0.0 : 1.0;
 
     for (size_t k = 0; k < n_belts; k++)
-        largest = fmax(largest, belt_grip(&belts[k], conveyor));
+        largest = fmax(largest, belt_friction_ratio(&belts[k], conveyor));
     return largest * conveyor->friction;
 }
 
@@ -29,8 +29,18 @@ double belt_smallest_friction(size_t n_belts, const scene_belt *belts,
     double smallest = n_belts > 0 ? INFINITY : 1.0;
 
     for (size_t k = 0; k < n_belts; k++)
-        smallest = fmin(smallest, belt_grip(&belts[k], conveyor));
+        smallest = fmin(smallest, belt_friction_ratio(&belts[k], conveyor));
     return smallest * conveyor->friction;
+}
+
+bool belt_are_forward(size_t n_belts, const scene_belt *belts)
+{
+    bool are = true;
+
+    for (size_t k = 0; k < n_belts; k++)
+        are =
+            are && belts[k].velocity.y == 0.0 && belts[k].velocity.x >= 0.0 && belts[k].turn == 0.0;
+    return are;
 }
 
 bool belt_arc_spans(const scene_arc *arc, vec2 from_centre)

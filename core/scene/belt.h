@@ -33,11 +33,14 @@ static inline vec2 belt_velocity(const scene_belt *belt, vec2 at)
 }
 
 /// The friction of cargo on a belt over that of contacts, by which what the latter does is multiplied; 1 where that is 0.
-static inline double belt_grip(const scene_belt *belt, const scene_contact *conveyor)
+static inline double belt_friction_ratio(const scene_belt *belt, const scene_contact *conveyor)
 {
     return belt->friction > 0.0 && conveyor->friction > 0.0 ? belt->friction / conveyor->friction
                                                             : 1.0;
 }
+
+/// True if every belt runs along +x1: then the congested closure has a law for each direction by itself.
+bool belt_are_forward(size_t n_belts, const scene_belt *belts);
 
 /// The largest and the smallest friction of cargo on any of these belts; that of contacts without belts.
 double belt_largest_friction(size_t n_belts, const scene_belt *belts,

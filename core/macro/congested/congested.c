@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/congested/congested_priv.h"
+#include "core/scene/belt.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,16 +23,6 @@ static congested_kernels kernels_of(cpu_level level)
     };
 
     return *builds[level];
-}
-
-static bool are_forward(size_t n_belts, const scene_belt *belts)
-{
-    bool are = true;
-
-    for (size_t k = 0; k < n_belts; k++)
-        are =
-            are && belts[k].velocity.y == 0.0 && belts[k].velocity.x >= 0.0 && belts[k].turn == 0.0;
-    return are;
 }
 
 static void copy_faces(const macro_solver *s, const macro_def *def)
@@ -152,7 +143,7 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     if (c == NULL)
         return BF_ENOMEM;
     c->kernels = kernels_of(cpu_best());
-    c->is_forward = are_forward(def->n_belts, def->belts);
+    c->is_forward = belt_are_forward(def->n_belts, def->belts);
     c->jam_density = def->jam_density;
     c->slip_rate = def->slip_rate;
     c->n_belts = def->n_belts;

@@ -28,7 +28,7 @@ static body_belt belt_of(const scene_belt *belt, const micro_def *def, double fa
     const vec2 v = belt_velocity(belt, (vec2){ 0.0, 0.0 });
 
     return (body_belt){ v.x * factor, v.y * factor, belt->turn * factor,
-                        belt_grip(belt, &def->contact[SCENE_CONVEYOR_CARGO]) };
+                        belt_friction_ratio(belt, &def->contact[SCENE_CONVEYOR_CARGO]) };
 }
 
 bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
@@ -38,7 +38,7 @@ bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
     for (size_t k = 0; k < def->n_belts; k++)
         s->belts[k] = belt_of(&def->belts[k], def, 1.0);
-    s->belts[def->n_belts].grip = 1.0;
+    s->belts[def->n_belts].friction_ratio = 1.0;
     return micro__copy_surroundings(def, &s->common.around, err);
 }
 
@@ -190,7 +190,7 @@ static bool find_flat_pressure(const body_state *s, const body_body *body, belt_
 
 /// The torque of friction (8), implicit, so that it never turns the body past the belt's angular velocity.
 static double find_spin_torque(const body_state *s, const body_body *body, const belt_pressure *p,
-                               double turn, double grip)
+                               double turn, double friction_ratio)
 {
     const body_kind *kind = &s->kinds[body->kind];
     const micro_law *law = &kind->belt_law;
@@ -199,8 +199,8 @@ static double find_spin_torque(const body_state *s, const body_body *body, const
     double inverse_inertia = up.x * up.x / kind->inertia.x + up.y * up.y / kind->inertia.y +
                              up.z * up.z / kind->inertia.z;
 
-    double spin_secant = friction_secant(grip * law->friction * kind->spin_radius * flat, p->sum,
-                                         law->tanh_spin, fabs(slip));
+    double spin_secant = friction_secant(friction_ratio * law->friction * kind->spin_radius * flat,
+                                         p->sum, law->tanh_spin, fabs(slip));
     return -spin_secant * slip / (1.0 + s->def.dt * spin_secant * inverse_inertia);
 }
 
@@ -212,25 +212,26 @@ static void add_friction(body_state *s, size_t k, const belt_pressure *p, const 
     const body_body *body = &s->bodies[k];
     const micro_law *law = &s->kinds[body->kind].belt_law;
     vec3 velocity = body__velocity(body, p->middle);
-    double turn = belt != NULL ? belt->turn : 0.0, grip = belt != NULL ? belt->grip : 0.0;
+    double turn = belt != NULL ? belt->turn : 0.0,
+           friction_ratio = belt != NULL ? belt->friction_ratio : 0.0;
 
     velocity.z = 0.0;
     if (belt != NULL) {
         const vec3 slip = vec3_sub(velocity, body__belt_velocity(belt, p->middle));
         body__add_force(load, body, p->middle,
-                        body__friction_force(law, belt->grip * p->sum, slip));
+                        body__friction_force(law, belt->friction_ratio * p->sum, slip));
     }
     for (size_t m = 0; belt == NULL && m < p->n; m++) {
         const body_belt *under = body__belt_at(s, k, p->at[m]);
         const vec3 slip = vec3_sub(velocity, body__belt_velocity(under, p->middle));
         body__add_force(load, body, p->at[m],
-                        body__friction_force(law, under->grip * p->force[m], slip));
+                        body__friction_force(law, under->friction_ratio * p->force[m], slip));
         turn += under->turn * fabs(p->force[m]) / p->sum;
-        grip += under->grip * fabs(p->force[m]);
+        friction_ratio += under->friction_ratio * fabs(p->force[m]);
     }
     if (belt == NULL)
-        grip /= p->sum;
-    load->torque.z += find_spin_torque(s, body, p, turn, grip);
+        friction_ratio /= p->sum;
+    load->torque.z += find_spin_torque(s, body, p, turn, friction_ratio);
 }
 
 void body__add_belt_forces(body_state *s, size_t k, body_load *load)

@@ -13,10 +13,10 @@
 
 /// A belt in a step: its velocity is (vx - turn y, vy + turn x).
 typedef struct body_belt {
-    double vx;   ///< at the origin, m/s
-    double vy;   ///< same
-    double turn; ///< angular velocity, rad/s
-    double grip; ///< belt_grip()
+    double vx;             ///< at the origin, m/s
+    double vy;             ///< same
+    double turn;           ///< angular velocity, rad/s
+    double friction_ratio; ///< belt_friction_ratio()
 } body_belt;
 
 /// The neighbourhood in which one belt, or none, lies under all of a part.

@@ -295,7 +295,7 @@ static void set_belts(body_state *s, size_t k, body_constraint *constraint)
     const vec3 halfway = vec3_along(middle, 0.5 * s->def.dt, s->bodies[k].v);
     const body_belt *whole = body__whole_belt(s, k);
 
-    double grip = 0.0;
+    double friction_ratio = 0.0;
 
     constraint->belt_turn = 0.0;
     for (uint32_t m = 0; m < constraint->n; m++) {
@@ -305,9 +305,9 @@ static void set_belts(body_state *s, size_t k, body_constraint *constraint)
         const vec3 velocity = body__belt_velocity(belt, halfway);
         constraint->belt_velocity[m] = (vec2){ velocity.x, velocity.y };
         constraint->belt_turn += belt->turn / constraint->n;
-        grip += belt->grip;
+        friction_ratio += belt->friction_ratio;
     }
-    constraint->law.friction *= grip / constraint->n;
+    constraint->law.friction *= friction_ratio / constraint->n;
 }
 
 static void find_belt_contact(body_state *s, size_t k, double margin, visitor *v)

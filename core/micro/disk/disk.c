@@ -146,7 +146,7 @@ const disk_belt *disk__belts_in_step(const disk_state *s, uint64_t n_before, dis
     for (size_t k = 0; k <= s->common.around.n_belts; k++) {
         const disk_belt *belt = &s->belts.of[k];
         room->of[k] = (disk_belt){ belt->vx * factors[k], belt->vy * factors[k],
-                                   belt->turn * factors[k], belt->grip };
+                                   belt->turn * factors[k], belt->friction_ratio };
     }
     return room->of;
 }
@@ -192,7 +192,7 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
         const vec2 v = belt_velocity(&def->belts[k], (vec2){ 0.0, 0.0 });
         s->belts.of[k] =
             (disk_belt){ v.x, v.y, def->belts[k].turn,
-                         belt_grip(&def->belts[k], &def->contact[SCENE_CONVEYOR_CARGO]) };
+                         belt_friction_ratio(&def->belts[k], &def->contact[SCENE_CONVEYOR_CARGO]) };
         s->has_turning = s->has_turning || def->belts[k].turn != 0.0;
     }
     bf_status status = micro__copy_surroundings(def, &s->common.around, err);

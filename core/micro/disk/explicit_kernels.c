@@ -139,12 +139,12 @@ INLINED void add_pairs(const explicit_step *step, const pair_law *law, size_t bl
 // What a step needs beyond laws.
 typedef struct motion {
     simd dt, dt_force, damping_factor, spin_damping_factor;
-    simd belt_rate2, spin_rate2; // (lambda/8)^2
-    simd belt_secant;            // dt mu g lambda
-    simd inv_mass, inv_inertia;  // if uniform
-    simd belt_x, belt_y, grip;   // same
-    simd belt_turn;              // unless uniform
-    simd spin_secant;            // same: dt A lambda
+    simd belt_rate2, spin_rate2;         // (lambda/8)^2
+    simd belt_secant;                    // dt mu g lambda
+    simd inv_mass, inv_inertia;          // if uniform
+    simd belt_x, belt_y, friction_ratio; // same
+    simd belt_turn;                      // unless uniform
+    simd spin_secant;                    // same: dt A lambda
 } motion;
 
 INLINED motion make_motion(const explicit_step *step)
@@ -166,7 +166,7 @@ INLINED motion make_motion(const explicit_step *step)
         .inv_inertia = simd_all(2.0 * kind->inv_mass / (kind->radius * kind->radius)),
         .belt_x = simd_all(belt->vx),
         .belt_y = simd_all(belt->vy),
-        .grip = simd_all(belt->grip),
+        .friction_ratio = simd_all(belt->friction_ratio),
         .spin_secant = simd_all(step->dt_force * law->tanh_spin * s->uniform_deceleration),
     };
 }
@@ -176,7 +176,7 @@ INLINED motion make_own_motion(const motion *common, const explicit_step *step, 
                                const parts *own)
 {
     const disk_state *s = step->state;
-    double belt_x[SIMD_LANES], belt_y[SIMD_LANES], turn[SIMD_LANES], grip[SIMD_LANES];
+    double belt_x[SIMD_LANES], belt_y[SIMD_LANES], turn[SIMD_LANES], friction_ratio[SIMD_LANES];
     motion m = *common;
 
     m.inv_mass = own->inv_mass;
@@ -187,12 +187,12 @@ INLINED motion make_own_motion(const motion *common, const explicit_step *step, 
         belt_x[k] = belt->vx;
         belt_y[k] = belt->vy;
         turn[k] = belt->turn;
-        grip[k] = belt->grip;
+        friction_ratio[k] = belt->friction_ratio;
     }
     m.belt_turn = simd_load_any(turn);
     m.belt_x = simd_load_any(belt_x) - m.belt_turn * own->y;
     m.belt_y = simd_load_any(belt_y) + m.belt_turn * own->x;
-    m.grip = simd_load_any(grip);
+    m.friction_ratio = simd_load_any(friction_ratio);
     return m;
 }
 
@@ -201,7 +201,7 @@ INLINED void move(const motion *m, parts *own, const simd_quad *force)
 {
     simd sx = own->vx - m->belt_x, sy = own->vy - m->belt_y;
     friction_quotient t = friction_theta((sx * sx + sy * sy) * m->belt_rate2);
-    simd secant = m->grip * m->belt_secant * t.up / t.down;
+    simd secant = m->friction_ratio * m->belt_secant * t.up / t.down;
     simd impulse = m->dt_force * m->inv_mass;
 
     own->vx = m->damping_factor * own->vx + (impulse * force->column[0] - secant * sx);
@@ -216,7 +216,7 @@ INLINED void turn(const motion *m, parts *own, simd torque, bool turning)
     simd w = m->spin_damping_factor * own->spin + m->dt_force * m->inv_inertia * torque;
     simd slip = turning ? w - m->belt_turn : w;
     friction_quotient t = friction_theta(slip * slip * m->spin_rate2);
-    simd rest = slip * t.down / (t.down + m->grip * m->spin_secant * t.up);
+    simd rest = slip * t.down / (t.down + m->friction_ratio * m->spin_secant * t.up);
 
     own->spin = turning ? m->belt_turn + rest : rest;
 }

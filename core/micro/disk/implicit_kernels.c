@@ -187,20 +187,20 @@ static void solve(solver_body *bodies, const implicit_blocks *blocks)
 // Belts under SIMD_LANES parts, in the middle of their ways in the step: a velocity at its beginning would lead a part off the
 // circle of a belt that turns.
 typedef struct belt_lanes {
-    simd vx, vy, turn, grip;
+    simd vx, vy, turn, friction_ratio;
 } belt_lanes;
 
 static inline belt_lanes load_belts(const disk_state *s, const disk_belt *belts, size_t slot)
 {
     const disk_belt uniform = belts[s->uniform_belt];
     belt_lanes g = { simd_all(uniform.vx), simd_all(uniform.vy), simd_all(0.0),
-                     simd_all(uniform.grip) };
+                     simd_all(uniform.friction_ratio) };
 
     for (size_t k = 0; !s->is_uniform && k < SIMD_LANES; k++) {
         const disk_belt *belt = &belts[s->belt_under[slot + k]];
         g.vx[k] = belt->vx;
         g.vy[k] = belt->vy;
-        g.grip[k] = belt->grip;
+        g.friction_ratio[k] = belt->friction_ratio;
         if (!s->has_turning)
             continue;
         const disk *part = &s->now[slot + k];
@@ -218,7 +218,8 @@ static inline void belt_friction_lanes(const disk_state *s, double belt_secant, 
     simd ux = v[0] - g->vx, uy = v[1] - g->vy;
     friction_quotient theta =
         friction_theta_quick(s->belt.tanh_linear * simd_sqrt(ux * ux + uy * uy));
-    simd secant = g->grip * belt_secant * theta.up, ratio = secant / (theta.down + secant);
+    simd secant = g->friction_ratio * belt_secant * theta.up,
+         ratio = secant / (theta.down + secant);
     simd new_dvx = ratio * (*dvx - ux), new_dvy = ratio * (*dvy - uy);
 
     v[0] += new_dvx - *dvx;
@@ -295,8 +296,8 @@ static driver_extremes predict(const disk_state *s, const implicit_step *step,
         simd *x = row.column, spin = more.column[0], r = more.column[1], inv_mass = more.column[3];
         simd damped = s->spin_damping * spin;
         friction_quotient theta = friction_theta_quick(s->belt.tanh_spin * size_of(spin - g.turn));
-        simd loose =
-            theta.down / (theta.down + rate * g.grip * load_decelerations(s, slot) * theta.up);
+        simd loose = theta.down / (theta.down + rate * g.friction_ratio *
+                                                    load_decelerations(s, slot) * theta.up);
         simd spun = s->has_turning ? g.turn + (damped - g.turn) * loose : damped * loose;
         simd_quad body = { { step->damping_factor * x[2], step->damping_factor * x[3], spun,
                              2.0 * inv_mass / (r * r) * loose } };

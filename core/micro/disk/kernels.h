@@ -81,10 +81,10 @@ typedef struct disk_surface {
 
 /// The belt under a part, at a time: its velocity is (vx - turn y, vy + turn x).
 typedef struct disk_belt {
-    double vx;   ///< at the origin, m/s
-    double vy;   ///< same
-    double turn; ///< angular velocity, rad/s
-    double grip; ///< belt_grip(), 0 off every belt
+    double vx;             ///< at the origin, m/s
+    double vy;             ///< same
+    double turn;           ///< angular velocity, rad/s
+    double friction_ratio; ///< belt_friction_ratio(), 0 off every belt
 } disk_belt;
 
 /// All belts at a time, by index; the one after the last stands for places off every belt.
