@@ -293,9 +293,9 @@ http *http_stop(http *h)
     if (h->daemon != NULL)
         wait_for_requests(h);
     http__watch_stop(h);
+    http__probe_end(h);
     if (h->daemon != NULL)
         MHD_stop_daemon(h->daemon);
-    http__probe_end(h);
     h->pool = http__pool_free(h->pool);
     if (h->listen_fd >= 0)
         (void)close(h->listen_fd);

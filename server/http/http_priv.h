@@ -185,7 +185,8 @@ void http__watch_stop(http *h);
 
 // probe.c
 
-/// Close what the last probes have left open.
+/// Wait for the answers to the last probes, then close them. MHD's threads take a connection that was handed
+/// to them under a lock, but close one that they have not taken yet, when they are stopped, without it.
 void http__probe_end(http *h);
 
 // request.c: what MHD's callbacks for requests call

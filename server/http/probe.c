@@ -10,14 +10,17 @@
 #include "server/http/http_priv.h"
 #include "server/http/pool.h"
 
+#include "server/base/clock.h"
+
 #include <fcntl.h>
 #include <microhttpd.h>
+#include <poll.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
-enum { PROBE_TRIES = 64 };
+enum { PROBE_TRIES = 64, PROBE_END_MS = 2000 };
 
 static const char question[] =
     "GET /livez HTTP/1.1\r\nHost: localhost\r\nUser-Agent: watchdog\r\nConnection: close\r\n\r\n";
@@ -108,6 +111,13 @@ bool http_is_alive(http *h)
 
 void http__probe_end(http *h)
 {
-    for (unsigned i = 0; i < HTTP_PROBES_MAX; i++)
+    int64_t deadline_ms = clock_monotonic_ms() + PROBE_END_MS;
+
+    for (unsigned i = 0; i < HTTP_PROBES_MAX; i++) {
+        int64_t left_ms = deadline_ms - clock_monotonic_ms();
+        struct pollfd answered = { .fd = h->probes[i], .events = POLLIN };
+        if (h->probes[i] > 0 && left_ms > 0)
+            (void)poll(&answered, 1, (int)left_ms);
         (void)collect(&h->probes[i]);
+    }
 }

@@ -118,6 +118,17 @@ static void a_server_that_works_gives_signs_of_life(void **state)
         server_await_sign_of_life();
 }
 
+// A thread that were stopped with the connection of a probe still in its queue would race with http_is_alive().
+static void a_server_stops_after_its_last_probes_are_answered(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 50; i++) {
+        server = fake_serve(&server_services, three_threads);
+        assert_true(http_is_alive(server)); // was never asked before
+        server = http_stop(server);
+    }
+}
+
 static void request_threads_that_all_hang_give_none(void **state)
 {
     (void)state;
@@ -303,6 +314,7 @@ int main(void)
         CASE(requests_are_counted_by_their_templates),
         CASE(metrics_are_answered_when_all_connections_but_the_reserve_are_taken),
         CASE(a_server_that_works_gives_signs_of_life),
+        CASE(a_server_stops_after_its_last_probes_are_answered),
         CASE(request_threads_that_all_hang_give_none),
         CASE(figures_do_not_hold_up_signs_of_life),
         CASE(one_thread_of_several_that_hangs_is_found),
