@@ -108,6 +108,24 @@ test("a study is paused, resumed, cancelled and deleted", async (t) => {
   assert.equal((await d.get(`/v1/studies/${id}`)).status, 404);
 });
 
+test("a method can be chosen before the scenario is read", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  let read;
+  await page.route("**/v1/examples/*", async (route) => {
+    await new Promise((resolve) => (read = resolve));
+    await route.continue();
+  });
+  await visit(page, "#/studies/new");
+  await page.locator("[name=method]").selectOption("Fit to counts");
+  await page.getByRole("button", { name: "Start the study" }).click();
+  await page.getByRole("status").getByText("From: ").waitFor();
+  assert.equal(await page.locator("[name=parameter] option").count(), 0);
+  read();
+  await page.locator("[name=parameter]").selectOption("belt speed");
+  assert.equal(await page.locator("[name=method] option:checked").innerText(), "Fit to counts");
+});
+
 test("what both models say of the best points, and how a fit agrees with the counts", async (t) => {
   const d = await daemon(t);
   const scenario = plate(2, { micro: { integrator: "implicit", modulus_reduction: 1e4 } });

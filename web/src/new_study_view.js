@@ -25,6 +25,8 @@ const numberIn = (box) => readNumber(box.value).value;
 export class NewStudyView {
   constructor() {
     this.title = "New study";
+    this.scenario = {}; // until what the study begins with is read
+    this.parameters = [];
     this.method = "grid";
     this.model = "macro";
   }
