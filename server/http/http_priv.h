@@ -185,8 +185,7 @@ void http__watch_stop(http *h);
 
 // probe.c
 
-/// Wait for the answers to the last probes, then close them. MHD's threads take a connection that was handed
-/// to them under a lock, but close one that they have not taken yet, when they are stopped, without it.
+/// Wait for the answers to the last probes, and close them: MHD, when stopped, closes what no thread has taken yet without a lock.
 void http__probe_end(http *h);
 
 // request.c: what MHD's callbacks for requests call
