@@ -7,20 +7,23 @@
 #include <stdint.h>
 
 enum {
-    API_OWNER_SIZE = 65,  ///< bytes of an owner's name with its terminator
-    API_SCOPES_SIZE = 40, ///< bytes of a list of all scopes with its terminator
-    API_TICKET_SIZE = 65, ///< bytes of a ticket with its terminator
+    API_OWNER_SIZE = 65,    ///< bytes of an owner's name with its terminator
+    API_SCOPES_SIZE = 48,   ///< bytes of a list of all scopes with its terminator
+    API_TOKEN_SIZE = 48,    ///< bytes of a token with its terminator
+    API_TICKET_SIZE = 65,   ///< bytes of a ticket with its terminator
+    API_RESOURCE_SIZE = 56, ///< bytes of the path of a run or study with its terminator
 };
 
 /// What a token allows, X(scope, flag, word). API_SCOPE_ADMIN includes all others; API_SCOPE_READ the figures of API_SCOPE_METRICS
-/// that tell nothing of owners.
+/// that tell nothing of owners. API_SCOPE_GRANTED reads one run or study, that of the identity, and nothing else.
 #define API_SCOPE_LIST(X)                                                                          \
     X(API_SCOPE_READ, 1, "read")                                                                   \
     X(API_SCOPE_SUBMIT, 2, "submit")                                                               \
     X(API_SCOPE_WORK, 4, "work")                                                                   \
     X(API_SCOPE_ADMIN, 8, "admin")                                                                 \
     X(API_SCOPE_PRIORITY, 16, "priority")                                                          \
-    X(API_SCOPE_METRICS, 32, "metrics")
+    X(API_SCOPE_METRICS, 32, "metrics")                                                            \
+    X(API_SCOPE_GRANTED, 64, "granted")
 
 /// The scopes, as flags.
 typedef enum api_scope {
@@ -45,9 +48,10 @@ typedef enum api_credential {
 
 /// Whose token it is.
 typedef struct api_identity {
-    uint64_t token;             ///< its number; 0: there is none
-    char owner[API_OWNER_SIZE]; ///< whose it is; "": nobody's
-    unsigned scopes;            ///< flags of api_scope
+    uint64_t token;                   ///< its number; 0: there is none
+    char owner[API_OWNER_SIZE];       ///< whose it is; "": nobody's
+    unsigned scopes;                  ///< flags of api_scope
+    char resource[API_RESOURCE_SIZE]; ///< of API_SCOPE_GRANTED: "/v1/runs/ID"; else ""
 } api_identity;
 
 /// What stands for a token in the query of a GET for a short time, where no header can be sent.

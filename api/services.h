@@ -9,6 +9,7 @@
 
 #include "api/access.h"
 #include "api/event.h"
+#include "api/grants.h"
 #include "api/leases.h"
 #include "api/measurements.h"
 #include "api/quotas.h"
@@ -105,6 +106,15 @@ typedef struct api_services {
     /// Make a ticket that stands for a token; and read one, which leaves open whether its token still counts.
     void (*make_ticket)(api_service *service, uint64_t token, api_ticket *ret_ticket);
     api_credential (*read_ticket)(api_service *service, const char *ticket, uint64_t *ret_token);
+    /// Make a grant with resource and owner of *grant, for expires_in_s seconds; the rest of *grant is filled. Durable when this
+    /// returns. BF_ECONFLICT: there are no tokens; BF_ELIMIT: the owner has API_GRANTS_MAX that count, or no more can be stored.
+    bf_status (*add_grant)(api_service *service, uint32_t expires_in_s, api_grant *grant,
+                           bf_error *err);
+    /// The grants of an owner ("": of all) that count. *ret_list is the caller's.
+    bf_status (*list_grants)(api_service *service, const char *owner, api_grant_list *ret_list,
+                             bf_error *err);
+    /// Revoke a grant of an owner ("": whosever). BF_ENOTFOUND: there is none that counts.
+    bf_status (*revoke_grant)(api_service *service, const char *owner, uint64_t id, bf_error *err);
     /// Accept a run: durable when this returns, together with its key. *ret_acceptance is the caller's.
     /// Checked in this order: BF_EINPUT: the key was used with another body; BF_ECONFLICT: a submission
     /// with it is under way; BF_ENOSPACE: the disk is nearly full, or the owner's quota of bytes is

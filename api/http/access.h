@@ -11,7 +11,8 @@
 #include "api/http/routes.h"
 #include "core/base/status.h"
 
-/// The HTTP status of the refusal: 401 without a valid token, 403 with one that lacks the route's scope; 0: go on.
+/// The HTTP status of the refusal: 401 without a valid token, 403 with one that lacks the route's scope; 0: go on. A granted
+/// token may use what reads runs and studies one at a time; which one it is access_find_run() and _study() decide.
 int access_decide(const route *r, api_credential credential, unsigned scopes);
 
 /// True if a ticket may stand for the token: the route reads, and needs a token.
@@ -26,8 +27,8 @@ BF_MUST_CHECK bf_status access_check_priority(exchange *x, int priority, bf_erro
 /// What a list that the sender asks for is narrowed to: the sender's name; "": everybody's.
 const char *access_list_owner(const exchange *x);
 
-/// Find a run, a study or a measurement that the sender may see: without tokens all, with the scope admin all, else those
-/// of the same owner. BF_ENOTFOUND: there is none of this id, or it is somebody else's, which looks the same.
+/// Find a run, a study or a measurement that the sender may see: without tokens all, with the scope admin all, with a granted
+/// token its run, or its study with the runs of that, else those of the same owner. BF_ENOTFOUND: there is none of this id, or it is somebody else's, which looks the same.
 BF_MUST_CHECK bf_status access_find_run(const exchange *x, const char *id, api_run *ret_run,
                                         bf_error *err);
 BF_MUST_CHECK bf_status access_find_study(const exchange *x, const char *id, api_study *ret_study,

@@ -235,15 +235,12 @@ route_handler_fn handlers_leases_list;
 /// Comparisons of runs and measurements.
 route_handler_fn handlers_compare_runs;
 
+/// Grants, which read one run or study each.
+route_handler_fn handlers_grants_of_run, handlers_grants_of_study;
+route_handler_fn handlers_grants_list, handlers_grants_revoke;
+
 /// The service itself.
-route_handler_fn handlers_meta_examples;
-route_handler_fn handlers_meta_example;
-route_handler_fn handlers_meta_goods;
-route_handler_fn handlers_meta_ticket;
-route_handler_fn handlers_meta_quota;
-route_handler_fn handlers_meta_livez;
-route_handler_fn handlers_meta_readyz;
-route_handler_fn handlers_meta_metrics;
-route_handler_fn handlers_meta_version;
-route_handler_fn handlers_meta_problem;
-route_handler_fn handlers_meta_openapi;
+route_handler_fn handlers_meta_examples, handlers_meta_example, handlers_meta_goods;
+route_handler_fn handlers_meta_ticket, handlers_meta_quota, handlers_meta_metrics;
+route_handler_fn handlers_meta_livez, handlers_meta_readyz;
+route_handler_fn handlers_meta_version, handlers_meta_problem, handlers_meta_openapi;

@@ -66,6 +66,14 @@ const param routes__trial_number = { .name = "number",
                                      .is_required = true,
                                      .help = "Which trial, from 0" };
 
+const param routes__grant_number = { .name = "number",
+                                     .in = "path",
+                                     .kind = &param_whole,
+                                     .type = "#Count",
+                                     .most = UINT64_MAX,
+                                     .is_required = true,
+                                     .help = "Which grant" };
+
 const param routes__measurement_id = {
     .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which measurement"
 };

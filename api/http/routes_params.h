@@ -9,6 +9,7 @@ extern const param routes__run_id;
 extern const param routes__measurement_id;
 extern const param routes__study_id;
 extern const param routes__lease_id;
+extern const param routes__grant_number;
 extern const param routes__trial_number;
 extern const param routes__snapshot_n;
 extern const param routes__example_name;

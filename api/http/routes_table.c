@@ -4,6 +4,7 @@
 #include "api/http/routes.h"
 #include "api/http/routes_params.h"
 #include "api/results/annotations_json.h"
+#include "api/results/grant_json.h"
 #include "api/results/lease_json.h"
 #include "api/results/measurement.h"
 #include "api/scenario/submission.h"
@@ -507,6 +508,30 @@ static const route table[] = {
       .summary = "Usual goods, and how much surfaces rub on each other",
       .help = "What `goods`, `surface` and `surfaces` of a scenario stand for, with the sources.",
       .answers = { { 200, "Goods", CACHED, "The lists" }, UNCHANGED } },
+    CHANGES("POST", "/v1/runs/{id}/grants", handlers_grants_of_run, "Grants", "grantRun",
+            .params = PARAMS(&routes__run_id),
+            .summary = "Share a run with somebody who has no access token",
+            .help = "The answer has an access token that reads this run alone, until it expires or "
+                    "is revoked. The page opens with it as "
+                    "`#/runs/ID?grant=TOKEN`. 409 where the service has no tokens: then everybody "
+                    "may read. 429 where 50 grants of the sender's owner count.",
+            .body = &grant_json_request_members, .refusals = "409",
+            .answers = { { 201, "Grant", "Location Cache-Control", "The grant, with its token" } }),
+    CHANGES("POST", "/v1/studies/{id}/grants", handlers_grants_of_study, "Grants", "grantStudy",
+            .params = PARAMS(&routes__study_id),
+            .summary = "Share a study with somebody who has no access token",
+            .help = "As of a run; the token reads the study, its trials and their runs.",
+            .body = &grant_json_request_members, .refusals = "409",
+            .answers = { { 201, "Grant", "Location Cache-Control", "The grant, with its token" } }),
+    READS("/v1/grants", handlers_grants_list, "Grants", "listGrants", .formats = "json",
+          .params = NO_PARAMS, .summary = "List the grants of one's owner that count",
+          .help = "Without their tokens, which are shown only when they are made. With `admin` "
+                  "those of all owners.",
+          .answers = { { 200, "GrantList", "Cache-Control", "The grants" } }),
+    CHANGES("DELETE", "/v1/grants/{number}", handlers_grants_revoke, "Grants", "revokeGrant",
+            .params = PARAMS(&routes__grant_number), .summary = "Revoke a grant",
+            .help = "Its token does not count any more.",
+            .answers = { { 204, NULL, "Cache-Control", "The grant was revoked" } }),
     { .method = "POST",
       .path = "/v1/tickets",
       .handle = handlers_meta_ticket,

@@ -40,6 +40,7 @@ static const struct {
     { "Events", "Events of a run or a study as a stream." },
     { "Comparison", "Measured curves and comparisons of results." },
     { "Scenarios", "Ready scenarios and validation." },
+    { "Grants", "Links to one run or study for who has no access token." },
     { "Workers", "Runs for workers on other machines." },
     { "Service", "State and version of the service." },
 };

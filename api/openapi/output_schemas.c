@@ -7,6 +7,7 @@
 #include "api/http/problem.h"
 #include "api/results/compare_json.h"
 #include "api/results/events.h"
+#include "api/results/grant_json.h"
 #include "api/results/lease_json.h"
 #include "api/results/measurement.h"
 #include "api/results/results.h"
@@ -350,6 +351,8 @@ static const openapi_schema table[] = {
     OBJECT(service_json_ready_members, "Runs are accepted"),
     OBJECT(service_json_version_members, "Version of the service"),
     OBJECT(service_json_ticket_members, "What stands for an access token in a URL"),
+    OBJECT(grant_json_list_members, "Grants that count"),
+    OBJECT(grant_json_members, "An access token that reads one run or study"),
     OBJECT(service_json_quotas_members, "What an owner uses and may use"),
     OBJECT(service_json_quota_members, "What is used of a quota"),
     OBJECT(lease_json_lease, "Jobs that a worker has for a time"),

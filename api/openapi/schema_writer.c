@@ -5,6 +5,7 @@
 #include "api/openapi/openapi_priv.h"
 
 #include "api/results/annotations_json.h"
+#include "api/results/grant_json.h"
 #include "api/results/lease_json.h"
 #include "api/results/measurement.h"
 #include "api/scenario/scenario_members.h"
@@ -265,6 +266,7 @@ void openapi__write_input_schemas(json_out *w)
     write_tables(w, &measurement_members, MEMBER_GIVEN, &given);
     write_tables(w, &annotations_json_run, MEMBER_GIVEN, &given);
     write_tables(w, &annotations_json_study, MEMBER_GIVEN, &given);
+    write_tables(w, &grant_json_request_members, MEMBER_GIVEN, &given);
     write_tables(w, &lease_json_worker_members, MEMBER_GIVEN, &given);
     write_tables(w, &lease_json_renewal_members, MEMBER_GIVEN, &given);
     write_tables(w, &scenario_members, MEMBER_RESOLVED, &resolved);

@@ -235,7 +235,7 @@ static bf_status read_wanted(const maintenance_token *wanted, tokens_record *tok
     const char *scopes = wanted->scopes == NULL ? "read,submit" : wanted->scopes;
     const char *owner = wanted->owner == NULL ? wanted->name : wanted->owner;
 
-    if (!api_access_read_scopes(scopes, &token->scopes))
+    if (!api_access_read_scopes(scopes, &token->scopes) || (token->scopes & API_SCOPE_GRANTED) != 0)
         return bf_fail(
             err, BF_EINPUT, "",
             "--scopes wants words of read,submit,work,admin,priority,metrics, not '%.40s'", scopes);
@@ -258,7 +258,7 @@ static int print_new(const tokens_record *token, const char *text)
 int maintenance_token_add(const char *directory, const maintenance_token *wanted)
 {
     tokens_record token = { 0 };
-    char text[TOKENS_TEXT_SIZE];
+    char text[API_TOKEN_SIZE];
     bf_error err = { 0 };
 
     bf_status status = read_wanted(wanted, &token, &err);
@@ -287,7 +287,7 @@ static const char *state_of(const tokens_record *token)
 {
     if (token->revoked_ms != 0)
         return "revoked";
-    return token->expires_ms != 0 && token->expires_ms <= clock_unix_ms() ? "expired" : "valid";
+    return tokens_counts(token, clock_unix_ms()) ? "valid" : "expired";
 }
 
 static void print_token(void *context, const tokens_record *token)
@@ -295,19 +295,20 @@ static void print_token(void *context, const tokens_record *token)
     char scopes[API_SCOPES_SIZE], created[TIME_SIZE], expires[TIME_SIZE], used[TIME_SIZE];
 
     (void)context;
-    (void)printf(
-        "%-4" PRIu64 " %-8s %-16s %-16s %-18s %-20s %-20s %s\n", token->id, state_of(token),
-        token->name, token->owner, api_access_write_scopes(token->scopes, scopes),
-        write_time(token->created_ms, "-", created),
-        write_time(token->expires_ms, "never", expires), write_time(token->used_ms, "never", used));
+    (void)printf("%-4" PRIu64 " %-8s %-16s %-16s %-18s %-20s %-20s %-20s %s\n", token->id,
+                 state_of(token), token->name, token->owner,
+                 api_access_write_scopes(token->scopes, scopes),
+                 write_time(token->created_ms, "-", created),
+                 write_time(token->expires_ms, "never", expires),
+                 write_time(token->used_ms, "never", used), token->resource);
 }
 
 int maintenance_token_list(const char *directory)
 {
     bf_error err = { 0 };
 
-    (void)printf("%-4s %-8s %-16s %-16s %-18s %-20s %-20s %s\n", "id", "state", "name", "owner",
-                 "scopes", "created", "expires", "last use");
+    (void)printf("%-4s %-8s %-16s %-16s %-18s %-20s %-20s %-20s %s\n", "id", "state", "name",
+                 "owner", "scopes", "created", "expires", "last use", "reads only");
     if (tokens_list(directory, print_token, NULL, &err) != BF_OK)
         return complain(&err);
     return fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
@@ -322,7 +323,7 @@ static bf_status read_id(const char *word, const char *id, uint64_t *ret_id, bf_
 
 int maintenance_token_rotate(const char *directory, const char *id, const char *overlap)
 {
-    char text[TOKENS_TEXT_SIZE];
+    char text[API_TOKEN_SIZE];
     int64_t overlap_ms = 0;
     tokens_record token;
     uint64_t number = 0;

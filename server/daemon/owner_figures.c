@@ -12,9 +12,10 @@ static bf_status write_head(bf_buffer *out, const char *name, const char *help)
     return buffer_printf(out, "# HELP %s %s\n# TYPE %s gauge\n", name, help, name);
 }
 
-static bool counts(const tokens_record *token, int64_t now_ms)
+// Grants are made to expire, and nobody need know when.
+static bool is_told(const tokens_record *token, int64_t now_ms)
 {
-    return token->revoked_ms == 0 && (token->expires_ms == 0 || token->expires_ms > now_ms);
+    return token->expires_ms != 0 && token->resource[0] == '\0' && tokens_counts(token, now_ms);
 }
 
 static bf_status write_tokens(const tokens_record *all, size_t n, int64_t now_ms, bf_buffer *out)
@@ -23,7 +24,7 @@ static bf_status write_tokens(const tokens_record *all, size_t n, int64_t now_ms
                                   "Until a token that counts and does not last for ever expires");
 
     for (size_t i = 0; i < n && status == BF_OK; i++)
-        if (all[i].expires_ms != 0 && counts(&all[i], now_ms))
+        if (is_told(&all[i], now_ms))
             status = buffer_printf(out,
                                    "beltflow_token_expires_in_seconds{token=\"%" PRIu64
                                    "\",name=\"%s\",owner=\"%s\"} %" PRId64 "\n",

@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "server/daemon/grants.h"
 #include "server/daemon/owner_figures.h"
 
 #include <math.h>
@@ -39,6 +40,21 @@ static void make_ticket(service *s, uint64_t token, api_ticket *ret_ticket)
 static api_credential read_ticket(service *s, const char *ticket, uint64_t *ret_token)
 {
     return tickets_read(&s->tickets, ticket, clock_monotonic_ms(), ret_token);
+}
+
+static bf_status add_grant(service *s, uint32_t expires_in_s, api_grant *grant, bf_error *err)
+{
+    return grants_add(s->tokens, expires_in_s, grant, err);
+}
+
+static bf_status list_grants(service *s, const char *owner, api_grant_list *ret_list, bf_error *err)
+{
+    return grants_list(s->tokens, owner, ret_list, err);
+}
+
+static bf_status revoke_grant(service *s, const char *owner, uint64_t id, bf_error *err)
+{
+    return grants_revoke(s->tokens, owner, id, err);
 }
 
 static bf_status submit(service *s, const api_submission *submission,
@@ -215,6 +231,9 @@ api_services service_table(service *s)
                            .identify_by_id = identify_by_id,
                            .make_ticket = make_ticket,
                            .read_ticket = read_ticket,
+                           .add_grant = add_grant,
+                           .list_grants = list_grants,
+                           .revoke_grant = revoke_grant,
                            .submit = submit,
                            .read_quotas = store_read_quotas,
                            .find = find,

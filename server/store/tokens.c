@@ -43,8 +43,9 @@ static void log_change(const char *event, const tokens_record *about)
 {
     char scopes[API_SCOPES_SIZE];
 
-    log_event(LOG_LEVEL_INFO, event, "token=%" PRIu64 " name=%s owner=%s scopes=%s", about->id,
-              about->name, about->owner, api_access_write_scopes(about->scopes, scopes));
+    log_event(LOG_LEVEL_INFO, event, "token=%" PRIu64 " name=%s owner=%s scopes=%s%s%s", about->id,
+              about->name, about->owner, api_access_write_scopes(about->scopes, scopes),
+              about->resource[0] == '\0' ? "" : " resource=", about->resource);
 }
 
 // What was read takes the place of what was there; uses that are only in memory stay.
@@ -146,7 +147,7 @@ static store__token *find_text(tokens *t, const char *text)
     unsigned char hash[STORE__TOKEN_HASH_BYTES];
     store__token *found = NULL;
 
-    if (strnlen(text, TOKENS_TEXT_SIZE) != TOKENS_TEXT_SIZE - 1)
+    if (strnlen(text, API_TOKEN_SIZE) != API_TOKEN_SIZE - 1)
         return NULL;
     store__hash_token(text, hash);
     for (size_t i = 0; i < t->n; i++) {
@@ -154,6 +155,24 @@ static store__token *find_text(tokens *t, const char *text)
             found = &t->all[i];
     }
     return found;
+}
+
+bool tokens_counts(const tokens_record *token, int64_t now_ms)
+{
+    return token->revoked_ms == 0 && (token->expires_ms == 0 || token->expires_ms > now_ms);
+}
+
+const char *tokens_directory(const tokens *t)
+{
+    return t->directory;
+}
+
+void tokens_read_again(tokens *t)
+{
+    lock_acquire(&t->lock);
+    t->read_ms = INT64_MIN / 2;
+    refresh(t);
+    lock_release(&t->lock);
 }
 
 static api_credential judge(store__token *e, int64_t now_ms, api_identity *ret_who)
@@ -170,6 +189,7 @@ static api_credential judge(store__token *e, int64_t now_ms, api_identity *ret_w
     }
     *ret_who = (api_identity){ .token = about->id, .scopes = about->scopes };
     memcpy(ret_who->owner, about->owner, sizeof ret_who->owner);
+    memcpy(ret_who->resource, about->resource, sizeof ret_who->resource);
     return API_CREDENTIAL_VALID;
 }
 

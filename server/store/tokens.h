@@ -14,6 +14,7 @@
 #pragma once
 
 #include "api/access.h"
+#include "api/grants.h"
 #include "core/base/status.h"
 
 #include <stdbool.h>
@@ -21,22 +22,23 @@
 #include <stdint.h>
 
 enum {
-    TOKENS_MAX = 1000,      ///< that are stored
-    TOKENS_NAME_SIZE = 65,  ///< bytes of a name with its terminator
-    TOKENS_TEXT_SIZE = 48,  ///< bytes of a token with its terminator
-    TOKENS_FRESH_MS = 1000, ///< a change by others counts after so long at the latest
+    TOKENS_MAX = 1000,       ///< that are stored
+    TOKENS_GRANTS_MAX = 800, ///< of them grants that count, so that an operator can still add one
+    TOKENS_NAME_SIZE = 65,   ///< bytes of a name with its terminator
+    TOKENS_FRESH_MS = 1000,  ///< a change by others counts after so long at the latest
 };
 
 /// A stored token, without its secret.
 typedef struct tokens_record {
-    uint64_t id;                 ///< from 1, never used again
-    char name[TOKENS_NAME_SIZE]; ///< what it is for
-    char owner[API_OWNER_SIZE];  ///< whose it is
-    unsigned scopes;             ///< flags of api_scope
-    int64_t created_ms;          ///< Unix time, ms
-    int64_t expires_ms;          ///< from then on it does not count; 0: never
-    int64_t used_ms;             ///< last use, to a minute; 0: never
-    int64_t revoked_ms;          ///< 0: it was not
+    uint64_t id;                      ///< from 1, never used again
+    char name[TOKENS_NAME_SIZE];      ///< what it is for
+    char owner[API_OWNER_SIZE];       ///< whose it is
+    unsigned scopes;                  ///< flags of api_scope
+    int64_t created_ms;               ///< Unix time, ms
+    int64_t expires_ms;               ///< from then on it does not count; 0: never
+    int64_t used_ms;                  ///< last use, to a minute; 0: never
+    int64_t revoked_ms;               ///< 0: it was not
+    char resource[API_RESOURCE_SIZE]; ///< path of what a grant reads; "": it is none
 } tokens_record;
 
 /// The tokens as a daemon knows them; opaque.
@@ -64,9 +66,19 @@ size_t tokens_copy(tokens *t, tokens_record *ret_tokens);
 /// Write down when tokens were last used. Waits for the disk: not for the way of a request.
 void tokens_save_uses(tokens *t);
 
-/// Add a token to a data directory with name, owner, scopes and expires_ms of *token; id and created_ms follow.
-/// ret_text (TOKENS_TEXT_SIZE bytes) is the token itself. BF_EINPUT: name or owner is none; BF_ELIMIT:
-/// TOKENS_MAX are stored, and none of them has expired or was revoked.
+/// True if a token was not revoked and has not expired at now_ms, Unix time.
+bool tokens_counts(const tokens_record *token, int64_t now_ms);
+
+/// Read the file at once, so that what was changed counts from now on.
+void tokens_read_again(tokens *t);
+
+/// The data directory whose tokens they are; borrowed.
+const char *tokens_directory(const tokens *t);
+
+/// Add a token to a data directory with name, owner, scopes, expires_ms and resource of *token; id and created_ms follow.
+/// ret_text (API_TOKEN_SIZE bytes) is the token itself. BF_EINPUT: name or owner is none; BF_ELIMIT:
+/// TOKENS_MAX are stored, and none of them has expired or was revoked; or of grants, the owner has API_GRANTS_MAX that
+/// count, or TOKENS_GRANTS_MAX are stored.
 BF_MUST_CHECK bf_status tokens_add(const char *directory, tokens_record *token, char *ret_text,
                                    bf_error *err);
 

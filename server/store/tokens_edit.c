@@ -30,7 +30,7 @@ static void make_text(char *ret_text)
 
     randombytes_buf(secret, sizeof secret);
     memcpy(ret_text, prefix, n_prefix);
-    (void)sodium_bin2base64(ret_text + n_prefix, TOKENS_TEXT_SIZE - n_prefix, secret, sizeof secret,
+    (void)sodium_bin2base64(ret_text + n_prefix, API_TOKEN_SIZE - n_prefix, secret, sizeof secret,
                             sodium_base64_VARIANT_URLSAFE_NO_PADDING);
     sodium_memzero(secret, sizeof secret);
 }
@@ -50,6 +50,25 @@ static bf_status make_room(store__connection *c, int64_t now_ms, bf_error *err)
     return status;
 }
 
+// Grants are made by whoever may submit: they leave room for tokens that an operator adds.
+static bf_status check_grants(store__connection *c, const char *owner, int64_t now_ms,
+                              bf_error *err)
+{
+    int64_t n_own = 0, n_all = 0;
+
+    bf_status status =
+        store__find_number(c, STORE__SQL_COUNT_GRANTS, &n_own, err, INTEGER(now_ms), TEXT(owner));
+    if (status == BF_OK)
+        status =
+            store__find_number(c, STORE__SQL_COUNT_GRANTS, &n_all, err, INTEGER(now_ms), TEXT(""));
+    if (status == BF_OK && n_own >= API_GRANTS_MAX)
+        return bf_fail(err, BF_ELIMIT, "", "%d grants of yours count, the limit: revoke some first",
+                       API_GRANTS_MAX);
+    if (status == BF_OK && n_all >= TOKENS_GRANTS_MAX)
+        return bf_fail(err, BF_ELIMIT, "", "%d grants are stored, the limit", TOKENS_GRANTS_MAX);
+    return status;
+}
+
 static bf_status insert(store__connection *c, tokens_record *token, const char *text, bf_error *err)
 {
     unsigned char hash[STORE__TOKEN_HASH_BYTES];
@@ -57,12 +76,15 @@ static bf_status insert(store__connection *c, tokens_record *token, const char *
 
     store__hash_token(text, hash);
     (void)api_access_write_scopes(token->scopes, scopes);
-    bf_status status = make_room(c, token->created_ms, err);
+    bf_status status =
+        token->resource[0] == '\0' ? BF_OK : check_grants(c, token->owner, token->created_ms, err);
+    if (status == BF_OK)
+        status = make_room(c, token->created_ms, err);
     if (status != BF_OK)
         return status;
     status = store__exec(c, STORE__SQL_INSERT_TOKEN, err, TEXT(token->name), TEXT(token->owner),
                          BLOB(hash, sizeof hash), TEXT(scopes), INTEGER(token->created_ms),
-                         INTEGER(token->expires_ms));
+                         INTEGER(token->expires_ms), TEXT(token->resource));
     if (status == BF_OK)
         token->id = (uint64_t)sqlite3_last_insert_rowid(c->db);
     return status;
@@ -99,8 +121,7 @@ static bf_status find_valid(store__connection *c, uint64_t id, int64_t now_ms,
                                        : store__read_tokens(c, entries, &n, err);
     for (size_t i = 0; status == BF_OK && i < n; i++) {
         const tokens_record *about = &entries[i].about;
-        if (about->id == id && about->revoked_ms == 0 &&
-            (about->expires_ms == 0 || about->expires_ms > now_ms)) {
+        if (about->id == id && tokens_counts(about, now_ms)) {
             *ret_token = *about;
             is_found = true;
         }

@@ -37,6 +37,23 @@ static bf_status create_table(store__connection *c, bf_error *err)
     return status == BF_OK ? store__run_plain(c, STORE__SQL_CREATE_TOKENS, err) : status;
 }
 
+// Files of versions without grants lack their column. Another process may add it at this moment.
+static bf_status add_resource(store__connection *c, bf_error *err)
+{
+    int64_t n = 0;
+
+    bf_status status = store__read_number(c, STORE__SQL_HAS_TOKEN_RESOURCE, &n, err);
+    if (status != BF_OK || n > 0)
+        return status;
+    status = store__run_plain(c, STORE__SQL_BEGIN_WRITE, err);
+    if (status != BF_OK)
+        return status;
+    status = store__read_number(c, STORE__SQL_HAS_TOKEN_RESOURCE, &n, err);
+    if (status == BF_OK && n == 0)
+        status = store__run_plain(c, STORE__SQL_ADD_TOKEN_RESOURCE, err);
+    return store__end_transaction(c, status, err);
+}
+
 bf_status store__open_tokens(const char *directory, bool is_new, store__connection *c,
                              bf_error *err)
 {
@@ -54,7 +71,12 @@ bf_status store__open_tokens(const char *directory, bool is_new, store__connecti
         status = bf_fail(err, BF_EINPUT, "", "there are no tokens in %.400s", directory);
     if (status == BF_OK)
         status = store__connect(path, STORE__READ_WRITE, c, err);
-    if (status == BF_OK && (status = create_table(c, err)) != BF_OK)
+    if (status != BF_OK)
+        return status;
+    status = create_table(c, err);
+    if (status == BF_OK)
+        status = add_resource(c, err);
+    if (status != BF_OK)
         store__disconnect(c);
     return status;
 }
@@ -72,6 +94,7 @@ static bf_status read_entry(const store__query *q, store__token *ret_token, bf_e
     store__column_text(q, 1, e.about.name, sizeof e.about.name);
     store__column_text(q, 2, e.about.owner, sizeof e.about.owner);
     store__column_text(q, 4, scopes, sizeof scopes);
+    store__column_text(q, 9, e.about.resource, sizeof e.about.resource);
     // A word that this version does not know allows nothing.
     if (!api_access_read_scopes(scopes, &e.about.scopes))
         e.about.scopes = 0;

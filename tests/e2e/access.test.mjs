@@ -252,7 +252,7 @@ async function neighbours(t) {
     body: csv,
   });
   assert.equal(added.status, 201, added.text);
-  return { d, alice, bob, root, submit, run, measurement: added.json };
+  return { d, data, alice, bob, root, submit, run, measurement: added.json };
 }
 
 test("what is somebody else's looks as if it were not there", async (t) => {
@@ -463,4 +463,72 @@ test("a stream ends when its token is revoked, also one that waits, and no other
   }
   assert.equal((await d.request("POST", `/v1/runs/${queued}/cancel`, { headers: root })).status, 200);
   assert.equal((await within(other.until("end"), "the end of the run")).data.status, "cancelled");
+});
+
+// A link of alice's to what `path` names: the header that presents its token, and the answer.
+async function grantOf(d, alice, path, body = {}) {
+  const { status, json, text } = await d.post(`${path}/grants`, body, alice);
+  assert.equal(status, 201, text);
+  assert.match(json.token, /^bft_[\w-]{43}$/);
+  return { grant: json, guest: { authorization: `Bearer ${json.token}` } };
+}
+
+test("a grant reads one run, whole and live, and nothing else", async (t) => {
+  const { d, alice, run } = await neighbours(t);
+  const { json: other } = await d.post("/v1/runs", submission(), alice);
+  const { grant, guest } = await grantOf(d, alice, `/v1/runs/${run.id}`);
+  assert.equal(grant.resource, `/v1/runs/${run.id}`);
+  const days = (Date.parse(grant.expires_at) - Date.parse(grant.created_at)) / 86400000;
+  assert.ok(Math.abs(days - 30) < 0.01, `${days} days`);
+  for (const of of ["", "/scenario", "/summary", "/curve.csv", "/key_figures", "/snapshots", "/snapshots/0.png", "/results.zip"]) {
+    const { status, text } = await d.get(`/v1/runs/${run.id}${of}`, guest);
+    assert.equal(status, 200, `${of}: ${text.slice(0, 200)}`);
+  }
+  const ticket = await ticketOf(d, guest);
+  assert.match((await d.get(`/v1/events?runs=${run.id}&${ticket}`)).text, /^event: end$/m);
+  const lookups = [`/v1/runs/${other.id}`, `/v1/runs/${other.id}/curve`, `/v1/events?runs=${run.id},${other.id}`];
+  for (const path of lookups) assert.equal((await d.get(path, guest)).status, 404, path);
+  for (const path of ["/v1/runs", "/v1/studies", "/v1/measurements", "/v1/grants", "/v1/quota", "/metrics", `/v1/compare?a=${run.id}&b=${run.id}`]) {
+    assert.equal((await d.get(path, guest)).status, 403, path);
+  }
+  assert.equal((await d.post("/v1/runs", submission(), guest)).status, 403);
+  assert.equal((await d.post(`/v1/runs/${run.id}/grants`, {}, guest)).status, 403);
+  assert.equal((await d.request("DELETE", `/v1/runs/${run.id}`, { headers: guest })).status, 403);
+});
+
+test("a grant of a study reads its trials and their runs", async (t) => {
+  const { d, alice, run } = await neighbours(t);
+  const { status, json: study } = await d.post("/v1/runs", { scenario: fed(), replications: 2 }, alice);
+  assert.equal(status, 201, JSON.stringify(study));
+  await until(async () => (await d.get(`/v1/studies/${study.id}`, alice)).json.status === "succeeded", "the study to end");
+  const { guest } = await grantOf(d, alice, `/v1/studies/${study.id}`);
+  const { trials } = (await d.get(`/v1/studies/${study.id}/trials`, guest)).json;
+  assert.equal(trials.length, 1); // a density has no chance in it
+  for (const trial of trials) assert.equal((await d.get(`/v1/runs/${trial.run}/curve`, guest)).status, 200);
+  assert.equal((await d.get(`/v1/runs/${run.id}`, guest)).status, 404);
+});
+
+test("a grant is its owner's, ends by itself or is revoked, and is not made where nobody needs one", async (t) => {
+  const { d, data, alice, bob, run } = await neighbours(t);
+  const { grant, guest } = await grantOf(d, alice, `/v1/runs/${run.id}`, { expires_in_s: 3600 });
+  assert.equal((await d.post(`/v1/runs/${run.id}/grants`, {}, bob)).status, 404);
+  const { status, json } = await d.post(`/v1/runs/${run.id}/grants`, { expires_in_s: 59 }, alice);
+  assert.deepEqual([status, json.errors[0].pointer], [422, "/expires_in_s"]);
+  const { token, ...stored } = grant;
+  assert.deepEqual((await d.get("/v1/grants", alice)).json.grants, [stored]);
+  assert.deepEqual((await d.get("/v1/grants", bob)).json.grants, []);
+  assert.match(beltflowd(data, "token", "list").stdout, new RegExp(`granted .* /v1/runs/${run.id}$`, "m"));
+  assert.equal((await d.request("DELETE", `/v1/grants/${grant.id}`, { headers: bob })).status, 404);
+  assert.equal((await d.request("DELETE", "/v1/grants/1", { headers: alice })).status, 404); // a token that is no grant
+  assert.equal((await d.request("DELETE", `/v1/grants/${grant.id}`, { headers: alice })).status, 204);
+  assert.equal((await d.get(`/v1/runs/${run.id}`, guest)).status, 401);
+  assert.deepEqual((await d.get("/v1/grants", alice)).json.grants, []);
+  assert.ok(!d.log.includes(token.slice(4)), d.log);
+  assert.match(beltflowd(data, "token", "add", "x", "--scopes", "granted").stderr, /--scopes wants words/);
+
+  const open = await daemon(t);
+  const { json: anybodys } = await open.post("/v1/runs", submission());
+  const refused = await open.post(`/v1/runs/${anybodys.id}/grants`, {});
+  assert.equal(refused.status, 409);
+  assert.match(refused.json.detail, /no access tokens/);
 });

@@ -132,6 +132,49 @@ test("a token that is revoked while one watches is asked for again, and the view
   await page.locator(".pill", { hasText: "cancelled" }).waitFor();
 });
 
+test("a link shows one run to who has no token, until it is revoked", async (t) => {
+  const { d, token, headers } = await guarded(t);
+  const id = await submit(d, headers, { scenario: tiny({ name: "Hers" }) });
+  const page = await openPage(t, d);
+  await visit(page, `#/runs/${id}`);
+  await signIn(page, token);
+  await page.getByRole("button", { name: "Share …" }).click();
+  const dialog = page.getByRole("dialog", { name: "Share this run" });
+  await dialog.getByLabel("Counts for").selectOption("7 days");
+  await dialog.getByRole("button", { name: "Make a link" }).click();
+  const link = await dialog.locator("code.address").innerText();
+  await assertAccessible(page, "the dialog of links");
+  await takePicture(page, "share", "wide");
+
+  const guest = await openPage(t, d);
+  await guest.goto(link);
+  await guest.getByRole("heading", { name: "Hers" }).waitFor();
+  await guest.getByText("Parts at start").waitFor();
+  assert.ok(!guest.url().includes("bft_"), guest.url());
+  for (const name of ["Share …", "Rename …", "Delete", "Star"]) assert.equal(await guest.getByRole("button", { name }).count(), 0, name);
+  assert.equal(await guest.getByRole("navigation", { name: "Views" }).isVisible(), false);
+  await guest.reload();
+  await guest.getByRole("heading", { name: "Hers" }).waitFor();
+  assert.equal((await saved(guest, "Curve, CSV")).name, "curve.csv");
+  await assertAccessible(guest, "a guest's run");
+
+  await dialog.getByRole("button", { name: "Revoke link 2" }).click();
+  await dialog.locator("li").waitFor({ state: "detached" });
+  await guest.reload();
+  await dialogOf(guest).getByText("the access token was revoked").waitFor();
+});
+
+test("without tokens a run is shared by its address", async (t) => {
+  const d = await daemon(t);
+  const id = await submit(d, {}, { scenario: tiny({ name: "Anybody's" }) });
+  const page = await openPage(t, d);
+  await visit(page, `#/runs/${id}`);
+  await page.getByRole("button", { name: "Share …" }).click();
+  const dialog = page.getByRole("dialog", { name: "Share this run" });
+  assert.equal(await dialog.locator("code.address").innerText(), `${d.url}#/runs/${id}`);
+  assert.equal(await dialog.getByRole("button", { name: "Make a link" }).count(), 0);
+});
+
 test("without tokens nobody is asked", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);

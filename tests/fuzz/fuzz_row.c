@@ -24,9 +24,9 @@ typedef struct database {
 
 static helper_store h;
 static database of_store, of_tokens;
-static char tokens_made[N_TOKENS][TOKENS_TEXT_SIZE]; // one counts, one was revoked
-static char runs[N_RUNS][API_ID_SIZE];               // that ended, is running, waits
-static char measurements[2][API_ID_SIZE];            // a curve, a profile
+static char tokens_made[N_TOKENS][API_TOKEN_SIZE]; // one counts, one was revoked
+static char runs[N_RUNS][API_ID_SIZE];             // that ended, is running, waits
+static char measurements[2][API_ID_SIZE];          // a curve, a profile
 
 static void append(bf_buffer *buffer, const void *bytes, size_t n)
 {

@@ -1,42 +1,57 @@
 // Who uses the page: the access token, for services that want one, and the dialog that asks for it. The token is kept for
-// this tab alone, and never stands in an address.
+// this tab alone, and stands in no address but that of a link to one run or study, from which it is taken at once.
 
 import { h } from "./dom.js";
 
 const KEY = "beltflow-token";
+const GUEST = "beltflow-guest";
 
-let token = stored();
+let token = stored(KEY);
+let isLink = stored(GUEST) !== null; // the token came with a link to one run or study
 let asking = null; // the promise of a sign-in that is open
 let listener = () => {};
 
 // Where the browser stores nothing, a sign-in lasts until the page is loaded again.
-function stored() {
+function stored(key) {
   try {
-    return sessionStorage.getItem(KEY);
+    return sessionStorage.getItem(key);
   } catch {
     return null;
   }
 }
 
-function keep(text) {
+function keep(text, isOfLink = false) {
   token = text;
+  isLink = isOfLink;
   try {
-    if (text === null) sessionStorage.removeItem(KEY);
-    else sessionStorage.setItem(KEY, text);
+    for (const [key, value] of [[KEY, text], [GUEST, isLink ? "1" : null]]) {
+      if (value === null) sessionStorage.removeItem(key);
+      else sessionStorage.setItem(key, value);
+    }
   } catch {
     // See above.
   }
-  listener(token !== null);
+  listener(token !== null, isLink);
 }
 
 export function currentToken() {
   return token;
 }
 
-// onChange(isSignedIn), now and at each change.
+// Whether the token is that of a link: it reads one run or study and changes nothing.
+export function isGuest() {
+  return isLink;
+}
+
+// The token of a link that was opened.
+export function enter(text) {
+  keep(text, true);
+}
+
+// onChange(isSignedIn, isGuest), now and at each change.
 export function onAccess(onChange) {
   listener = onChange;
-  listener(token !== null);
+  listener(token !== null, isLink);
 }
 
 // Options of a request, with the token.

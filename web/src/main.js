@@ -12,7 +12,7 @@ import "../style/board.css";
 import "../style/studies.css";
 import "../style/print.css";
 
-import { onAccess, signOut } from "./access.js";
+import { enter, onAccess, signOut } from "./access.js";
 import { getJson } from "./api.js";
 import { CompareView } from "./compare_view.js";
 import { onConnection } from "./connection.js";
@@ -20,7 +20,7 @@ import { h, link } from "./dom.js";
 import { showHelp } from "./help.js";
 import { NewStudyView } from "./new_study_view.js";
 import { NewView } from "./new_view.js";
-import { startRouter } from "./router.js";
+import { note, startRouter } from "./router.js";
 import { RunView } from "./run_view.js";
 import { RunsView } from "./runs_view.js";
 import { StudiesView } from "./studies_view.js";
@@ -46,6 +46,10 @@ function explain(title, text) {
 }
 
 async function show(route) {
+  if (route.query.has("grant")) {
+    enter(route.query.get("grant"));
+    note({ grant: "" });
+  }
   view?.unmount();
   view = viewOf(route);
   root.replaceChildren();
@@ -105,8 +109,9 @@ document.addEventListener("keydown", (event) => {
 });
 const signOutButton = document.getElementById("sign-out");
 signOutButton.addEventListener("click", signOut);
-onAccess((isSignedIn) => {
+onAccess((isSignedIn, isGuest) => {
   signOutButton.hidden = !isSignedIn;
+  document.querySelector("nav").hidden = isGuest;
 });
 onConnection(showConnection);
 showVersion().catch(() => {});

@@ -1,6 +1,6 @@
 // Below a run's animation: its figures, warnings, scenario and downloads.
 
-import { currentToken } from "./access.js";
+import { currentToken, isGuest } from "./access.js";
 import { ticketed } from "./api.js";
 import { h, iconButton, link } from "./dom.js";
 import { fixed, modelOf, moment, number, parts, percent, quantity, readable, span } from "./format.js";
@@ -123,7 +123,7 @@ export function scenarioPanel({ scenario, id }) {
     h("details", {}, h("summary", {}, "Show the JSON"),
       h("pre", { class: "json", tabindex: "0", role: "region", "aria-label": "Scenario as JSON" }, code)),
     h("p", { class: "row" },
-      link(`#/new?from=${id}`, "Run again with changes", { class: "button" }),
+      isGuest() ? null : link(`#/new?from=${id}`, "Run again with changes", { class: "button" }),
       iconButton("copy", "Copy the JSON", () => copy(text, code), { shown: true })));
 }
 

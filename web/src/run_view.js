@@ -1,5 +1,6 @@
 // One run: the animation, the outflow curve beside it, and below the results. Live while it is solved.
 
+import { isGuest } from "./access.js";
 import { annotate } from "./annotate.js";
 import { isOver, patch, paths } from "./api.js";
 import { Cinema } from "./cinema.js";
@@ -8,6 +9,7 @@ import { CurvePlot } from "./curve_plot.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { follow } from "./events.js";
 import { age, fileNameOf, modelOf, nameOf, percent, span } from "./format.js";
+import { shareButton } from "./grants.js";
 import { KeyFiguresPanel } from "./key_figures.js";
 import { KeyStrip } from "./key_strip.js";
 import { drawPicture } from "./picture.js";
@@ -84,16 +86,16 @@ export class RunView {
     [this.nameText, this.labelText, this.notesText] = [h("h1", {}), h("span", { class: "label" }), h("p", { class: "hint" })];
     this.starButton = iconButton("star", "Star", () => this.keep({ starred: this.data.run.starred !== true }).catch(tellFault), { class: "star" });
     this.showNames();
+    const report = iconButton("download", "Save report", () => this.report(), { shown: true });
     return h("div", { class: "view-head" },
       h("div", { class: "heading" }, this.nameText,
         h("p", { class: "meta" }, this.state.pill, this.bar, this.progress,
           h("span", { class: "model", data: { model: run.model } }, modelOf(run)), this.labelText,
           h("time", { datetime: run.created_at }, age(run.created_at))), this.notesText,
         h("p", { class: "fault", role: "status", hidden: !run.suspect }, suspicion)),
-      h("div", { class: "actions" },
-        this.starButton, h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"),
-        iconButton("download", "Save report", () => this.report(), { shown: true }),
-        link(address("compare", "", { runs: run.id }), "Compare", { class: "button" }), this.cancelButton, remove));
+      h("div", { class: "actions" }, isGuest() ? report : [
+        this.starButton, h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"), report, shareButton("runs", run.id),
+        link(address("compare", "", { runs: run.id }), "Compare", { class: "button" }), this.cancelButton, remove]));
   }
 
   showNames() {

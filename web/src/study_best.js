@@ -34,7 +34,7 @@ function sentences(study, { best, is_ended: isEnded, verdicts = [] }, words, doc
 }
 
 export class BestPanel {
-  // document: of the study, as the server keeps it; onMake(document): another one is to be made.
+  // document: of the study, as the server keeps it; onMake(document): another one is to be made; null: nobody may.
   constructor(words, figures, document, onMake) {
     Object.assign(this, { words, figures, document, onMake });
     this.body = h("div", { class: "best-panel" });
@@ -51,7 +51,7 @@ export class BestPanel {
     this.body.replaceChildren(...[
       best && this.words.size > 0 ? h("p", { class: "best-words" }, parametersWords(best.parameters, this.words)) : null,
       ...sentences(study, found, this.words, this.document).flatMap(({ text, advised }) => [h("p", { class: "hint" }, text),
-        advised && h("button", { type: "button", on: { click: () => this.onMake(advised.document) } }, advised.text)]),
+        advised && this.onMake && h("button", { type: "button", on: { click: () => this.onMake(advised.document) } }, advised.text)]),
       best ? this.values(best) : null,
       front.length > 1 ? this.front(front) : null,
       confirmed?.length > 0 ? this.confirmed(confirmed) : null,

@@ -1,10 +1,12 @@
 // One study: a figure against a parameter while it is made, what is best, and of a fit the curves that were fitted.
 
+import { isGuest } from "./access.js";
 import { annotate } from "./annotate.js";
 import { ask, isOver, patch, post, ticketed } from "./api.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { figureNames, figureTitle, figureUnit } from "./figures.js";
 import { age, fileNameOf } from "./format.js";
+import { shareButton } from "./grants.js";
 import { parameterAt } from "./parameters.js";
 import { saveReport } from "./report.js";
 import { address, go, note } from "./router.js";
@@ -51,7 +53,7 @@ export class StudyView {
   }
 
   build() {
-    this.best = new BestPanel(this.words, this.figures, this.data.document, (document) => this.make(document));
+    this.best = new BestPanel(this.words, this.figures, this.data.document, isGuest() ? null : (document) => this.make(document));
     this.fit = this.data.document.curves?.length > 0 ? new FitPanel(this.data, this.words) : null;
     this.pictures = new StudyPictures(this.data);
     this.chart = new StudyChart((point) => this.open(point));
@@ -68,17 +70,19 @@ export class StudyView {
     this.bar = h("progress", { max: "1", "aria-label": "Trials that have ended" });
     const action = (text, what) => h("button", { type: "button", on: { click: () => this.data.post(what).catch(tellFault) } }, text);
     this.buttons = { pause: action("Pause", "pause"), resume: action("Resume", "resume"), cancel: action("Cancel", "cancel") };
+    const saved = [
+      iconButton("download", "Save report", () => saveReport({ title: this.title, name: `${fileNameOf(this.title)}.html`, pieces: this.cards }), { shown: true }),
+      iconButton("download", "Trials as CSV", () => this.download(), { shown: true })];
     return h("div", { class: "view-head" },
       h("div", { class: "heading" }, this.nameText = h("h1", {}, this.title),
         h("p", { class: "meta" }, this.state.pill, this.bar, this.count, h("span", {}, methodWords(study)),
           h("time", { datetime: study.created_at }, age(study.created_at))),
         h("p", { class: "fault", role: "status", hidden: !study.suspect },
           "Results of a trial may be wrong, and so may be what is said here. Start the study again.")),
-      h("div", { class: "actions" }, Object.values(this.buttons), h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"),
-        iconButton("download", "Save report", () => saveReport({ title: this.title, name: `${fileNameOf(this.title)}.html`, pieces: this.cards }), { shown: true }),
-        iconButton("download", "Trials as CSV", () => this.download(), { shown: true }),
+      h("div", { class: "actions" }, isGuest() ? saved : [
+        Object.values(this.buttons), h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"), saved, shareButton("studies", study.id),
         link(address("runs", "", { study: study.id }), "Its runs", { class: "button" }),
-        iconButton("trash", "Delete", () => this.remove(), { shown: true })));
+        iconButton("trash", "Delete", () => this.remove(), { shown: true })]));
   }
 
   chartCard() {
@@ -174,6 +178,7 @@ export class StudyView {
 
   // Runs of trials have curves only, so that the trial is solved again with all its output, unless that was done before.
   async open({ trials: [trial] }) {
+    if (isGuest()) return;
     try {
       const run = await post(`${this.data.path}/trials/${trial.trial}/run`, "");
       go(address("runs", run.id));

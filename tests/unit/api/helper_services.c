@@ -355,11 +355,48 @@ static bf_status do_read_quotas(api_store *store, const char *owner, api_quotas 
     return BF_OK;
 }
 
+// One grant, of number 7, made to count until 2026.
+static bf_status add_grant(api_service *service, uint32_t expires_in_s, api_grant *grant,
+                           bf_error *err)
+{
+    (void)service;
+    (void)err;
+    assert_int_equal(expires_in_s, 3600);
+    grant->id = 7;
+    grant->created_ms = 1767225600000 - 3600000;
+    grant->expires_ms = 1767225600000;
+    (void)snprintf(grant->token, sizeof grant->token, "a-token");
+    return BF_OK;
+}
+
+static bf_status list_grants(api_service *service, const char *owner, api_grant_list *ret_list,
+                             bf_error *err)
+{
+    (void)service;
+    (void)err;
+    assert_string_equal(owner, "");
+    *ret_list = (api_grant_list){ .n = 1, .grants = memory_alloc(1, sizeof(api_grant)) };
+    assert_non_null(ret_list->grants);
+    ret_list->grants[0] =
+        (api_grant){ .id = 7, .resource = "/v1/runs/1", .expires_ms = 1767225600000 };
+    return BF_OK;
+}
+
+static bf_status revoke_grant(api_service *service, const char *owner, uint64_t id, bf_error *err)
+{
+    (void)service;
+    assert_string_equal(owner, "");
+    return id == 7 ? BF_OK : bf_fail(err, BF_ENOTFOUND, "", "there is no grant");
+}
+
 api_services helper_services(helper_daemon *d)
 {
     api_services services = { .store = (void *)d,
                               .service = (void *)d,
                               .make_ticket = make_ticket,
+                              .add_grant = add_grant,
+                              .list_grants = list_grants,
+                              .revoke_grant = revoke_grant,
                               .submit = do_submit,
                               .read_quotas = do_read_quotas,
                               .find = do_find,

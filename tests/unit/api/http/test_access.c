@@ -60,6 +60,49 @@ static void every_route_is_decided_for_every_scope(void **state)
     }
 }
 
+// What a granted token may use, of all routes; what is missing here is refused.
+static void a_granted_token_may_use_what_reads_runs_and_studies_by_name(void **state)
+{
+    static const char *const paths[] = {
+        "/v1/runs/{id}",
+        "/v1/runs/{id}/scenario",
+        "/v1/runs/{id}/summary",
+        "/v1/runs/{id}/curve",
+        "/v1/runs/{id}/photo_eyes",
+        "/v1/runs/{id}/key_figures",
+        "/v1/runs/{id}/snapshots",
+        "/v1/runs/{id}/snapshots/{n}",
+        "/v1/runs/{id}/snapshots.pvd",
+        "/v1/runs/{id}/parts/{n}",
+        "/v1/runs/{id}/parts.pvd",
+        "/v1/runs/{id}/results.zip",
+        "/v1/runs/{id}/events",
+        "/v1/events",
+        "/v1/studies/{id}",
+        "/v1/studies/{id}/document",
+        "/v1/studies/{id}/trials",
+
+        "/v1/studies/{id}/best",
+        "/v1/studies/{id}/events",
+    };
+    size_t n = 0, n_allowed = 0;
+    const route *table = routes_list(&n);
+
+    (void)state;
+    for (size_t i = 0; i < n; i++) {
+        bool may = is_public(&table[i]) || strcmp(table[i].path, "/v1/tickets") == 0;
+        for (size_t k = 0; k < sizeof paths / sizeof *paths; k++) {
+            const bool is_it =
+                strcmp(table[i].method, "GET") == 0 && strcmp(table[i].path, paths[k]) == 0;
+            n_allowed += is_it;
+            may = may || is_it;
+        }
+        if (access_decide(&table[i], API_CREDENTIAL_VALID, API_SCOPE_GRANTED) != (may ? 0 : 403))
+            fail_msg("%s %s", table[i].method, table[i].path);
+    }
+    assert_int_equal(n_allowed, sizeof paths / sizeof *paths);
+}
+
 static void scopes_of_a_token_that_does_not_count_are_worth_nothing(void **state)
 {
     size_t n = 0;
@@ -98,6 +141,7 @@ static void scopes_are_read_as_they_are_written(void **state)
     assert_string_equal(api_access_write_scopes(63, text),
                         "read,submit,work,admin,priority,metrics");
     assert_true(api_access_includes(API_SCOPE_READ, API_SCOPE_METRICS));
+    assert_false(api_access_includes(API_SCOPE_GRANTED, API_SCOPE_METRICS));
     assert_false(api_access_includes(API_SCOPE_SUBMIT, API_SCOPE_METRICS));
     assert_false(api_access_includes(API_SCOPE_METRICS, API_SCOPE_READ));
     assert_string_equal(api_access_write_scopes(0, text), "");
@@ -332,6 +376,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_route_is_decided_for_every_scope),
+        cmocka_unit_test(a_granted_token_may_use_what_reads_runs_and_studies_by_name),
         cmocka_unit_test(scopes_of_a_token_that_does_not_count_are_worth_nothing),
         cmocka_unit_test(tickets_are_for_what_reads_and_needs_a_token),
         cmocka_unit_test(scopes_are_read_as_they_are_written),

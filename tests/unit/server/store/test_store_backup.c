@@ -373,7 +373,7 @@ static void a_copy_is_restored_with_its_tokens(void **state)
 {
     helper_store *h = *state;
     tokens_record token = { .name = "ada", .owner = "ada", .scopes = API_SCOPE_READ };
-    char copy[128], text[TOKENS_TEXT_SIZE], other[160], path[1200];
+    char copy[128], text[API_TOKEN_SIZE], other[160], path[1200];
     store_restored restored;
     api_run ended, running;
     struct stat facts;

@@ -203,7 +203,7 @@ static void count_token(void *context, const tokens_record *token)
 static bf_status add_token(helper_store *h, bf_error *err)
 {
     tokens_record token = { .name = "press", .owner = "hall-3", .scopes = API_SCOPE_READ };
-    char text[TOKENS_TEXT_SIZE];
+    char text[API_TOKEN_SIZE];
 
     const bf_status status = tokens_add(h->directory, &token, text, err);
     n_tokens += status == BF_OK;

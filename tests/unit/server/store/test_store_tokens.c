@@ -86,13 +86,13 @@ static void without_tokens_nobody_needs_one(void **state)
 
 static void a_token_tells_who_has_it(void **state)
 {
-    char first[TOKENS_TEXT_SIZE], second[TOKENS_TEXT_SIZE], other[TOKENS_TEXT_SIZE];
+    char first[API_TOKEN_SIZE], second[API_TOKEN_SIZE], other[API_TOKEN_SIZE];
     api_identity who = { 0 };
 
     (void)state;
     (void)add("alice", API_SCOPE_READ | API_SCOPE_SUBMIT, 0, first);
     (void)add("bob", API_SCOPE_ADMIN, 0, second);
-    assert_int_equal(strlen(first), TOKENS_TEXT_SIZE - 1);
+    assert_int_equal(strlen(first), API_TOKEN_SIZE - 1);
     assert_memory_equal(first, "bft_", 4);
     assert_string_not_equal(first, second);
     tokens *t = open_tokens();
@@ -118,7 +118,7 @@ static void a_token_tells_who_has_it(void **state)
 
 static void the_file_has_no_token_and_is_for_its_owner_alone(void **state)
 {
-    char text[TOKENS_TEXT_SIZE], path[80], bytes[65536];
+    char text[API_TOKEN_SIZE], path[80], bytes[65536];
     struct stat info;
 
     (void)state;
@@ -137,7 +137,7 @@ static void the_file_has_no_token_and_is_for_its_owner_alone(void **state)
 
 static void what_is_expired_or_revoked_does_not_count(void **state)
 {
-    char old[TOKENS_TEXT_SIZE], later[TOKENS_TEXT_SIZE], revoked[TOKENS_TEXT_SIZE];
+    char old[API_TOKEN_SIZE], later[API_TOKEN_SIZE], revoked[API_TOKEN_SIZE];
     int64_t now_ms = clock_unix_ms();
     api_identity who = { 0 };
 
@@ -170,7 +170,7 @@ static void what_is_expired_or_revoked_does_not_count(void **state)
 
 static void a_daemon_sees_what_is_changed_beside_it(void **state)
 {
-    char text[TOKENS_TEXT_SIZE];
+    char text[API_TOKEN_SIZE];
     tokens *t = open_tokens();
 
     (void)state;
@@ -192,7 +192,7 @@ static void take_first(void *context, const tokens_record *token)
 
 static void the_last_use_is_written_down_later(void **state)
 {
-    char text[TOKENS_TEXT_SIZE];
+    char text[API_TOKEN_SIZE];
     tokens_record before = { .id = 0 }, after = { .id = 0 };
     api_identity who;
 
@@ -217,7 +217,7 @@ static void the_last_use_is_written_down_later(void **state)
 
 static void a_scope_of_a_later_version_allows_nothing(void **state)
 {
-    char text[TOKENS_TEXT_SIZE];
+    char text[API_TOKEN_SIZE];
     api_identity who;
 
     (void)state;
@@ -229,9 +229,85 @@ static void a_scope_of_a_later_version_allows_nothing(void **state)
     assert_null(tokens_close(t));
 }
 
+// A token for one run or study.
+static bf_status add_grant(const char *owner, const char *resource, int64_t expires_ms,
+                           char *ret_text, uint64_t *ret_id)
+{
+    tokens_record token = { .name = "grant",
+                            .scopes = API_SCOPE_GRANTED,
+                            .expires_ms = expires_ms };
+
+    (void)snprintf(token.owner, sizeof token.owner, "%s", owner);
+    (void)snprintf(token.resource, sizeof token.resource, "%s", resource);
+    const bf_status status = tokens_add(directory, &token, ret_text, NULL);
+    *ret_id = token.id;
+    return status;
+}
+
+static void a_grant_names_what_it_reads(void **state)
+{
+    static const char path[] = "/v1/studies/0190a0b0-0000-7000-8000-000000000001";
+    char text[API_TOKEN_SIZE];
+    api_identity who;
+    uint64_t id = 0;
+
+    (void)state;
+    assert_true(strlen(path) < API_RESOURCE_SIZE);
+    assert_int_equal(add_grant("alice", path, INT64_MAX, text, &id), BF_OK);
+    tokens *t = open_tokens();
+    assert_int_equal(tokens_identify(t, text, &who), API_CREDENTIAL_VALID);
+    assert_string_equal(who.resource, path);
+    assert_string_equal(who.owner, "alice");
+    assert_int_equal(who.scopes, API_SCOPE_GRANTED);
+    assert_int_equal(tokens_revoke(directory, id, NULL), BF_OK);
+    tokens_read_again(t);
+    assert_int_equal(tokens_identify(t, text, &who), API_CREDENTIAL_REVOKED);
+    assert_null(tokens_close(t));
+}
+
+static void grants_have_limits_and_leave_room_for_tokens(void **state)
+{
+    char text[API_TOKEN_SIZE];
+    uint64_t id = 0;
+
+    (void)state;
+    (void)add("first", API_SCOPE_READ, 0, text);
+    for (int i = 0; i < API_GRANTS_MAX; i++)
+        assert_int_equal(add_grant("alice", "/v1/runs/1", INT64_MAX, text, &id), BF_OK);
+    assert_int_equal(add_grant("alice", "/v1/runs/1", INT64_MAX, text, &id), BF_ELIMIT);
+    assert_int_equal(add_grant("bob", "/v1/runs/1", INT64_MAX, text, &id), BF_OK);
+    assert_int_equal(tokens_revoke(directory, 2, NULL), BF_OK);
+    assert_int_equal(add_grant("alice", "/v1/runs/1", INT64_MAX, text, &id), BF_OK);
+    run_sql("WITH RECURSIVE k(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM k WHERE i < 749) "
+            "INSERT INTO tokens (name, owner, hash, scopes, created_ms, expires_ms, resource) "
+            "SELECT 'grant', 'o' || i, randomblob(32), 'granted', 1, 9e15, '/v1/runs/1' FROM k");
+    assert_int_equal(add_grant("carol", "/v1/runs/1", INT64_MAX, text, &id), BF_ELIMIT);
+    (void)add("operator", API_SCOPE_READ, 0, text);
+}
+
+// As a version without grants left it.
+static void a_file_without_grants_gets_their_column(void **state)
+{
+    char text[API_TOKEN_SIZE], other[API_TOKEN_SIZE];
+    api_identity who;
+    uint64_t id = 0;
+
+    (void)state;
+    (void)add("alice", API_SCOPE_READ, 0, text);
+    run_sql("ALTER TABLE tokens DROP COLUMN resource");
+    tokens *t = open_tokens();
+    assert_int_equal(tokens_identify(t, text, &who), API_CREDENTIAL_VALID);
+    assert_string_equal(who.resource, "");
+    assert_int_equal(add_grant("alice", "/v1/runs/1", INT64_MAX, other, &id), BF_OK);
+    tokens_read_again(t);
+    assert_int_equal(tokens_identify(t, other, &who), API_CREDENTIAL_VALID);
+    assert_string_equal(who.resource, "/v1/runs/1");
+    assert_null(tokens_close(t));
+}
+
 static void a_row_without_a_hash_is_no_token(void **state)
 {
-    char text[TOKENS_TEXT_SIZE];
+    char text[API_TOKEN_SIZE];
     tokens *t = NULL;
 
     (void)state;
@@ -243,7 +319,7 @@ static void a_row_without_a_hash_is_no_token(void **state)
 static void names_and_their_number_have_limits(void **state)
 {
     static const char *const bad[] = { "", "a b", "a\nb", "a=b", "\"", "ä" };
-    char text[TOKENS_TEXT_SIZE];
+    char text[API_TOKEN_SIZE];
     bf_error err = { 0 };
 
     (void)state;
@@ -268,7 +344,7 @@ static void names_and_their_number_have_limits(void **state)
 
 static void damage_is_no_open_door(void **state)
 {
-    char text[TOKENS_TEXT_SIZE], path[80];
+    char text[API_TOKEN_SIZE], path[80];
     tokens *t = NULL;
     bf_error err = { 0 };
 
@@ -296,6 +372,9 @@ int main(void)
         TOKENS_TEST(a_daemon_sees_what_is_changed_beside_it),
         TOKENS_TEST(the_last_use_is_written_down_later),
         TOKENS_TEST(a_scope_of_a_later_version_allows_nothing),
+        TOKENS_TEST(a_grant_names_what_it_reads),
+        TOKENS_TEST(grants_have_limits_and_leave_room_for_tokens),
+        TOKENS_TEST(a_file_without_grants_gets_their_column),
         TOKENS_TEST(a_row_without_a_hash_is_no_token),
         TOKENS_TEST(names_and_their_number_have_limits),
         TOKENS_TEST(damage_is_no_open_door),
