@@ -204,6 +204,12 @@ test("counts are pasted as a spreadsheet copies them, and how they are read is s
     return [svg.localName, ...["polyline", "circle"].map((name) => svg.querySelectorAll(name).length), svg.textContent.includes("pasted counts, 1.5 s earlier")];
   }, readFileSync(await drawing.path(), "utf8"));
   assert.deepEqual(shapes, ["svg", 1, 3, true]);
+  const [picture] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save the plot as PNG" }).click()]);
+  assert.equal(picture.suggestedFilename(), "curves-of-the-runs.png");
+  const png = readFileSync(await picture.path());
+  assert.equal(png.subarray(1, 4).toString(), "PNG");
+  const seen = await page.locator(".plot canvas").first().evaluate(({ width, height }) => [width, height]);
+  assert.ok(png.readUInt32BE(16) > seen[0] && png.readUInt32BE(20) > seen[1], "the drawing, and what its curves are");
 });
 
 test("a run is renamed and noted on, and its address and the list say so", async (t) => {

@@ -69,6 +69,11 @@ test("a study is begun by the form, shows what it finds, and its points open the
   assert.equal(await page.locator(".study-point.best").count(), 1);
   const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Trials as CSV" }).click()]);
   assert.equal(readFileSync(await file.path(), "utf8"), (await d.get(`/v1/studies/${id}/trials?format=csv`)).text);
+  const [drawing] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save the curves as SVG" }).click()]);
+  assert.match(drawing.suggestedFilename(), /against-angle\.svg$/);
+  assert.equal(readFileSync(await drawing.path(), "utf8").match(/<circle /g).length, 4);
+  const [picture] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save the plot as PNG" }).click()]);
+  assert.match(picture.suggestedFilename(), /against-angle\.png$/);
 
   // Trials are not in the list of runs; the one that is opened is.
   assert.deepEqual((await d.get("/v1/runs")).json.runs.map((one) => one.id), [run.id]);

@@ -3,10 +3,10 @@
 
 import uPlot from "uplot";
 
-import { h, iconButton, setText, strokeMark } from "./dom.js";
-import { fileNameOf, fixed, number } from "./format.js";
+import { h, setText, strokeMark } from "./dom.js";
+import { fixed, number } from "./format.js";
 import { axisOf, longest } from "./plot_axis.js";
-import { saveCurves } from "./plot_file.js";
+import { saveButtons } from "./plot_file.js";
 import { indexBefore, valueAt } from "./series.js";
 import { color, onTheme } from "./theme.js";
 
@@ -36,9 +36,8 @@ export class CurvePlot {
     Object.assign(this, { height, onSeek, curves: [], t: 0, end: 0 });
     this.box = h("div", { class: "plot-box", role: "img", "aria-label": label });
     this.legend = h("ul", { class: "plot-legend" });
-    const save = () => saveCurves({ curves: this.curves, end: this.end, unit: this.unit, title: label, name: `${fileNameOf(label)}.svg` });
-    this.element = h("div", { class: "plot" }, this.box, h("div", { class: "plot-foot" }, this.legend,
-      iconButton("download", "Save the curves as SVG", save, { class: "bare" })));
+    const what = () => ({ curves: this.curves, from: 0, to: this.end, axes: ["Time (s)", this.unit], title: label });
+    this.element = h("div", { class: "plot" }, this.box, h("div", { class: "plot-foot" }, this.legend, saveButtons(what, () => this.plot)));
     this.line = h("div", { class: "plot-now" });
     this.tip = h("div", { class: "tip", hidden: true });
     this.unit = "Parts";

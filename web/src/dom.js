@@ -43,6 +43,7 @@ const paths = {
   film: "M1 3h10v10H1zM12 7l3-2.5v7L12 9z",
   star: "M8 1l2.1 4.6 5 .5-3.8 3.3 1.1 4.9L8 11.8l-4.4 2.5 1.1-4.9L.9 6.1l5-.5z",
   add: "M7 2h2v5h5v2H9v5H7V9H2V7h5z",
+  picture: "M1 3h14v10H1zM2.5 11.5h11L10 7l-2.5 3L6 8.5z",
   download: "M7 1h2v7h3l-4 4.5L4 8h3zM2 13h12v2H2z",
 };
 

@@ -1,7 +1,7 @@
-// Curves as an SVG file, as a plot shows them: for a paper, a slide, or to be worked on.
+// A plot as a file, for a paper or a slide: its curves as SVG, to be worked on, or as a PNG of what is seen.
 
-import { svg } from "./dom.js";
-import { number } from "./format.js";
+import { h, iconButton, svg } from "./dom.js";
+import { fileNameOf, number } from "./format.js";
 import { saveBlob } from "./picture.js";
 import { ticksOf } from "./scenery.js";
 import { color } from "./theme.js";
@@ -14,18 +14,30 @@ const thinned = (items) => {
   return items.filter((_, k) => k % step === 0 || k === items.length - 1);
 };
 
-// curves: as CurvePlot has them; end: of the axis of time, s; unit: what the other axis is called; title: what the file says of itself.
-export function saveCurves({ curves, end, unit, title, name }) {
-  const values = curves.flatMap(({ v }) => [Math.min(...thinned(v)), Math.max(...thinned(v))]).filter(Number.isFinite);
-  const [low, high] = [Math.min(0, ...values) * 1.05, Math.max(1, ...values) * 1.05];
+// The range of the axis of values: from 0 on, if it is that of a time.
+function rangeOf(curves, hasZero) {
+  const known = curves.flatMap(({ v, low = [], high = [] }) => [v, low, high].flatMap((values) => {
+    const shown = thinned(values).filter(Number.isFinite);
+    return shown.length > 0 ? [Math.min(...shown), Math.max(...shown)] : [];
+  }));
+  const [least, most] = [Math.min(...known, hasZero ? 0 : Infinity), Math.max(...known, hasZero ? 1 : -Infinity)];
+  const room = 0.05 * (most - least || Math.abs(most) || 1);
+  return [least === 0 ? 0 : least - room, most + room];
+}
+
+// curves: as CurvePlot has them, or points with intervals (low, high); axes: what they are called; from, to: of the first axis.
+function saveCurves({ curves, from, to, axes: [across, unit], title }) {
+  const [low, high] = rangeOf(curves, from === 0);
   const bottom = HEIGHT - BOTTOM;
-  const x = (t) => LEFT + ((WIDTH - LEFT - RIGHT) * t) / (end || 1);
+  const x = (t) => LEFT + ((WIDTH - LEFT - RIGHT) * (t - from)) / (to - from || 1);
   const y = (v) => bottom - ((bottom - TOP) * (v - low)) / (high - low);
   const at = (value) => value.toFixed(2);
   const text = (px, py, words, more = {}) => svg("text", { x: at(px), y: at(py), ...more }, words);
-  const lines = curves.map(({ color: c, dash, points, t, v }) => {
+  const lines = curves.map(({ color: c, dash, points, t, v, low: lows = [], high: highs = [] }) => {
     const places = thinned(t.map((time, k) => [x(time), y(v[k])]).filter((place) => place.every(Number.isFinite)));
-    if (points) return svg("g", { fill: color(c) }, places.map(([px, py]) => svg("circle", { cx: at(px), cy: at(py), r: "2.5" })));
+    const spans = t.flatMap((time, k) => (Number.isFinite(lows[k]) ? [svg("path", { d: `M${at(x(time))} ${at(y(lows[k]))}V${at(y(highs[k]))}`,
+      stroke: color(c), "stroke-width": "1.5" })] : []));
+    if (points) return svg("g", { fill: color(c) }, spans, places.map(([px, py]) => svg("circle", { cx: at(px), cy: at(py), r: "2.5" })));
     return svg("polyline", { points: places.map((place) => place.map(at).join()).join(" "), fill: "none", stroke: color(c), "stroke-width": "2",
       "stroke-dasharray": (dash ?? []).join(" ") });
   });
@@ -36,13 +48,49 @@ export function saveCurves({ curves, end, unit, title, name }) {
   });
   const grid = [...ticksOf(low, high, 6).flatMap(({ value }) => [
     svg("line", { x1: String(LEFT), x2: String(WIDTH - RIGHT), y1: at(y(value)), y2: at(y(value)), stroke: "#d5dbe1" }), text(LEFT - 8, y(value) + 4, number(value, 9), { "text-anchor": "end" })]),
-  ...ticksOf(0, end || 1, 8).flatMap(({ value, text: words }) => [
+  ...ticksOf(from, to || 1, 8).flatMap(({ value, text: words }) => [
     svg("line", { x1: at(x(value)), x2: at(x(value)), y1: String(TOP), y2: String(bottom), stroke: "#d5dbe1" }), text(x(value), bottom + 18, words, { "text-anchor": "middle" })])];
   const height = HEIGHT + ROW * curves.length;
   const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${height}`, width: String(WIDTH), height: String(height),
     "font-family": "system-ui, sans-serif", "font-size": "13", fill: "#1b2430" },
   svg("title", {}, title), svg("rect", { width: "100%", height: "100%", fill: "#fff" }), grid, lines,
-  text((LEFT + WIDTH - RIGHT) / 2, bottom + 38, "Time (s)", { "text-anchor": "middle" }),
+  text((LEFT + WIDTH - RIGHT) / 2, bottom + 38, across, { "text-anchor": "middle" }),
   text(16, (TOP + bottom) / 2, unit, { "text-anchor": "middle", transform: `rotate(-90 16 ${(TOP + bottom) / 2})` }), names);
-  saveBlob(new Blob([new XMLSerializer().serializeToString(drawing)], { type: "image/svg+xml" }), name);
+  saveBlob(new Blob([new XMLSerializer().serializeToString(drawing)], { type: "image/svg+xml" }), `${fileNameOf(title)}.svg`);
+}
+
+// The drawing of a uPlot as it is seen, below what it is and above what its curves are.
+function savePicture(plot, { curves, title }) {
+  const { canvas: seen } = plot.ctx;
+  const ratio = devicePixelRatio;
+  const [margin, row] = [16 * ratio, 20 * ratio];
+  const canvas = h("canvas", { width: String(seen.width + 2 * margin), height: String(seen.height + (curves.length + 3) * row) });
+  const context = canvas.getContext("2d");
+  const write = (text, x, y, weight = "") => {
+    context.font = `${weight} ${13 * ratio}px system-ui, sans-serif`;
+    context.fillStyle = color("text");
+    context.fillText(text, x, y);
+  };
+  context.fillStyle = color("surface");
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  write(title, margin, 1.2 * row, "600");
+  context.drawImage(seen, margin, 1.5 * row);
+  curves.forEach(({ name, group, color: c, dash = [], points }, k) => {
+    const y = seen.height + (2.5 + k) * row;
+    context.strokeStyle = color(c);
+    context.lineWidth = (points ? 6 : 2) * ratio;
+    context.setLineDash(points ? [] : dash.map((length) => length * ratio));
+    context.beginPath();
+    context.moveTo(margin, y - 4 * ratio);
+    context.lineTo(margin + (points ? 6 : 24) * ratio, y - 4 * ratio);
+    context.stroke();
+    write(group ? `${group}: ${name}` : name, margin + 32 * ratio, y);
+  });
+  canvas.toBlob((blob) => saveBlob(blob, `${fileNameOf(title)}.png`), "image/png");
+}
+
+// Buttons that save a plot: what() as for saveCurves(), plot() the uPlot, or null.
+export function saveButtons(what, plot) {
+  return [iconButton("download", "Save the curves as SVG", () => saveCurves(what()), { class: "bare" }),
+    iconButton("picture", "Save the plot as PNG", () => plot() && savePicture(plot(), what()), { class: "bare" })];
 }

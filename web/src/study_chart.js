@@ -5,6 +5,7 @@ import uPlot from "uplot";
 import { h } from "./dom.js";
 import { models, quantity } from "./format.js";
 import { axisOf, longest } from "./plot_axis.js";
+import { saveButtons } from "./plot_file.js";
 import { color, onTheme } from "./theme.js";
 
 const COLORS = { macro: "run-1", micro: "run-2" };
@@ -15,7 +16,7 @@ export class StudyChart {
     Object.assign(this, { onOpen, points: [], axes: ["", ""] });
     this.box = h("div", { class: "plot-box", role: "group" });
     this.legend = h("ul", { class: "plot-legend" });
-    this.element = h("div", { class: "plot study-chart" }, this.box, this.legend);
+    this.element = h("div", { class: "plot study-chart" }, this.box, h("div", { class: "plot-foot" }, this.legend, saveButtons(() => this.what(), () => this.plot)));
     this.layer = h("div");
     this.buttons = new Map();
     this.observer = new ResizeObserver(() => this.rebuild());
@@ -38,6 +39,21 @@ export class StudyChart {
     if (!this.plot || !isSame) this.rebuild();
     else this.plot.setData(this.data());
     this.showLegend();
+  }
+
+  // As saveCurves() takes it.
+  what() {
+    const [from, to] = this.rangeOf(this.points.map(({ x }) => x), 0.06);
+    const curves = this.seen().map((model) => {
+      const points = this.points.filter((point) => point.model === model);
+      return { name: models[model], color: COLORS[model], points: true, t: points.map(({ x }) => x), v: points.map(({ mean }) => mean),
+        low: points.map(({ low }) => low), high: points.map(({ high }) => high) };
+    });
+    return { curves, from, to, axes: this.axes, title: `${this.axes[1]} against ${this.axes[0]}` };
+  }
+
+  seen() {
+    return ["macro", "micro"].filter((model) => this.points.some((point) => point.model === model));
   }
 
   data() {
@@ -123,14 +139,13 @@ export class StudyChart {
   }
 
   showLegend() {
-    const seen = ["macro", "micro"].filter((model) => this.points.some((point) => point.model === model));
     const mark = (model) => {
       const dot = h("i", { class: "mark dots" });
       dot.style.color = color(COLORS[model]);
       return dot;
     };
     const best = this.points.find(({ isBest }) => isBest);
-    this.legend.replaceChildren(...seen.map((model) => h("li", {}, mark(model), h("span", {}, models[model]))),
+    this.legend.replaceChildren(...this.seen().map((model) => h("li", {}, mark(model), h("span", {}, models[model]))),
       best ? h("li", {}, h("i", { class: "best-mark" }), h("span", {}, `best: ${quantity(best.x, "", 4)}`)) : "");
   }
 }

@@ -80,7 +80,7 @@ export class StudyView {
         h("p", { class: "fault", role: "status", hidden: !study.suspect },
           "Results of a trial may be wrong, and so may be what is said here. Start the study again.")),
       h("div", { class: "actions" }, isGuest() ? saved : [
-        Object.values(this.buttons), h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"), saved, shareButton("studies", study.id),
+        ...Object.values(this.buttons), h("button", { type: "button", on: { click: () => this.rename() } }, "Rename …"), ...saved, shareButton("studies", study.id),
         link(address("runs", "", { study: study.id }), "Its runs", { class: "button" }),
         iconButton("trash", "Delete", () => this.remove(), { shown: true })]));
   }
