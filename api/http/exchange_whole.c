@@ -6,6 +6,7 @@
 #include "api/results/array_file.h"
 
 #include <inttypes.h>
+#include <math.h>
 
 bool exchange__accepts_plain(const exchange *x)
 {
@@ -45,5 +46,53 @@ bf_status exchange__send_array(exchange *x, array_file *file, bf_error *err)
         status = array_file_read(file, x->services, x->response->body.n, EXCHANGE_PIECE_BYTES,
                                  &x->response->body, err);
     array_file_fini(file);
+    return status;
+}
+
+bool exchange__wants_several(const exchange *x)
+{
+    return exchange__whole(x, "count") > 1;
+}
+
+// Appends the file of a snapshot, if it fits. *ret_is_over: it does not.
+static bf_status append_file(exchange *x, const char *id, uint64_t index, array_file_form form,
+                             bool *ret_is_over, bf_error *err)
+{
+    bf_buffer *body = &x->response->body;
+    array_file file = { .item_size = 0 };
+    const size_t n = body->n;
+
+    bf_status status = array_file_open(x->services, id, index, form, &file, err);
+    if (status != BF_OK)
+        return status;
+    const uint64_t size = array_file_size(&file);
+    *ret_is_over = n > 0 && n + size > EXCHANGE_SEVERAL_BYTES;
+    if (n == 0)
+        status = exchange__reserve(x, 2.0 * fmax((double)size, EXCHANGE_SEVERAL_BYTES), err);
+    while (status == BF_OK && !*ret_is_over && body->n < n + size)
+        status = array_file_read(&file, x->services, body->n - n, EXCHANGE_PIECE_BYTES, body, err);
+    array_file_fini(&file);
+    return status;
+}
+
+// What comes later to a run that goes on is missing here, so that the tag has the number of those that there are.
+bf_status exchange__send_several(exchange *x, const api_run *of, uint64_t index, bool is_parts,
+                                 bf_error *err)
+{
+    const array_file_form form = is_parts ? ARRAY_FILE_PARTS_NPY : ARRAY_FILE_NPY;
+    const uint64_t count = exchange__whole(x, "count"), left = of->n_snapshots - index;
+    const uint64_t end = index + (count < left ? count : left);
+    bool is_over = false;
+    bf_status status = BF_OK;
+
+    if (count <= left)
+        exchange__cache_immutable(x);
+    else
+        exchange__cache_revalidate(x);
+    if (exchange__is_unchanged(x, "%s-%s-%" PRIu64 "-%" PRIu64 "-npy", of->id,
+                               is_parts ? "parts" : "densities", index, end))
+        return BF_OK;
+    for (uint64_t i = index; status == BF_OK && !is_over && i < end; i++)
+        status = append_file(x, of->id, i, form, &is_over, err);
     return status;
 }

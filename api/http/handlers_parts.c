@@ -101,6 +101,8 @@ bf_status handlers_results_parts(exchange *x, bf_error *err)
         status = exchange__find_snapshot(x, &record, &index, err);
     if (status != BF_OK)
         return status;
+    if (exchange__wants_several(x))
+        return exchange__send_several(x, &record, index, true, err);
     if (is_sent_in_pieces(x, &record.parts))
         return send_parts(x, record.id, index, err);
     status = reserve_parts(x, record.id, index, err);

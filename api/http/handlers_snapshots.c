@@ -176,6 +176,8 @@ bf_status handlers_results_snapshot(exchange *x, bf_error *err)
         status = exchange__find_snapshot(x, &record, &index, err);
     if (status != BF_OK)
         return status;
+    if (exchange__wants_several(x))
+        return exchange__send_several(x, &record, index, false, err);
     exchange__cache_immutable(x);
     if (has_it_already(x, record.id, index, &wanted))
         return BF_OK;

@@ -44,9 +44,11 @@ bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf
 BF_MUST_CHECK bf_status exchange__reserve(const exchange *x, double n, bf_error *err);
 
 enum {
-    EXCHANGE_WHOLE_MAX = 4000000,    ///< numbers of an answer that is made as a whole
-    EXCHANGE_PIECE_BYTES = 131072,   ///< arrays up to so many bytes are sent faster as a whole
-    EXCHANGE_ENCODED_BYTES = 524288, ///< the same where they are encoded
+    EXCHANGE_WHOLE_MAX = 4000000,     ///< numbers of an answer that is made as a whole
+    EXCHANGE_PIECE_BYTES = 131072,    ///< arrays up to so many bytes are sent faster as a whole
+    EXCHANGE_ENCODED_BYTES = 524288,  ///< the same where they are encoded
+    EXCHANGE_SNAPSHOTS_MAX = 64,      ///< snapshots in one answer, and
+    EXCHANGE_SEVERAL_BYTES = 4194304, ///< of how many bytes, where they are more than one
 };
 
 /// Take room for an answer of n numbers that is made as a whole: as text, or as an array with a content coding. BF_EINPUT
@@ -61,6 +63,11 @@ size_t exchange__whole_bytes(const exchange *x);
 
 /// Send the file, which is taken over: piece by piece, if it is not small.
 BF_MUST_CHECK bf_status exchange__send_array(exchange *x, struct array_file *file, bf_error *err);
+
+/// Answer the parameter `count`: the NumPy files of densities, or parts, from a snapshot on. False: it asks for one.
+bool exchange__wants_several(const exchange *x);
+BF_MUST_CHECK bf_status exchange__send_several(exchange *x, const api_run *of, uint64_t index,
+                                               bool is_parts, bf_error *err);
 
 /// A request header's value, or NULL.
 const char *exchange__header(const exchange *x, const char *name);
@@ -225,12 +232,8 @@ BF_MUST_CHECK bf_status handlers__write_density(exchange *x, json_out *w, const 
                                                 const char *b, size_t n_pairs, bf_error *err);
 
 /// Leases of workers: take, read its jobs, deliver frames, renew, leave; and the list of workers.
-route_handler_fn handlers_leases_take;
-route_handler_fn handlers_leases_jobs;
-route_handler_fn handlers_leases_deliver;
-route_handler_fn handlers_leases_renew;
-route_handler_fn handlers_leases_leave;
-route_handler_fn handlers_leases_list;
+route_handler_fn handlers_leases_take, handlers_leases_jobs, handlers_leases_deliver;
+route_handler_fn handlers_leases_renew, handlers_leases_leave, handlers_leases_list;
 
 /// Comparisons of runs and measurements.
 route_handler_fn handlers_compare_runs;

@@ -294,6 +294,18 @@ const param routes__format = { .name = "format",
                                .help =
                                    "The format, in preference to what the Accept header asks for" };
 
+const param routes__snapshot_count = {
+    .name = "count",
+    .in = "query",
+    .kind = &param_whole,
+    .least = 1,
+    .most = EXCHANGE_SNAPSHOTS_MAX,
+    .help = "So many snapshots from this one on, their files one after the other, as numpy.load() "
+            "reads "
+            "them from one file: as many as there are, and as 4 MB hold. Default: 1",
+    .formats = "npy"
+};
+
 const param routes__picture_width = { .name = "width",
                                       .in = "query",
                                       .kind = &param_whole,

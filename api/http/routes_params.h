@@ -43,6 +43,7 @@ extern const param routes__page_limit;
 extern const param routes__page_cursor;
 extern const param routes__wait_s;
 extern const param routes__format;
+extern const param routes__snapshot_count;
 extern const param routes__picture_width;
 extern const param routes__picture_colormap;
 extern const param routes__picture_max;

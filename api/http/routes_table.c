@@ -166,21 +166,21 @@ static const route table[] = {
            .summary = "List the density snapshots so far",
            .help = "Their times, largest densities and addresses, and their common grid.",
            .answers = { { 200, "SnapshotList", CACHED, "The list" }, UNCHANGED }),
-    RESULT("snapshots/{n}", handlers_results_snapshot, "getSnapshot", .text_cost = API_COST_WORK,
-           .formats = "npy json csv png vti",
-           .params = PARAMS(&routes__run_id, &routes__snapshot_n, &routes__format,
-                            &routes__picture_width, &routes__picture_colormap, &routes__picture_max,
-                            CONDITIONS, &routes__range, &routes__if_range),
-           .summary = "One density snapshot",
-           .help =
-               "Density on the grid, rows along y; 1 is close packing. A microscopic run has its "
-               "parts as a density on the same grid. A snapshot never changes and may be cached "
-               "without limit. 406 if the grid is too large for the format.",
-           .refusals = "422",
-           .answers = { { 200, "Snapshot", CACHED " Accept-Ranges Content-Disposition",
-                          "The density" },
-                        PART("npy png vti"),
-                        UNCHANGED }),
+    RESULT(
+        "snapshots/{n}", handlers_results_snapshot, "getSnapshot", .text_cost = API_COST_WORK,
+        .formats = "npy json csv png vti",
+        .params = PARAMS(&routes__run_id, &routes__snapshot_n, &routes__format,
+                         &routes__snapshot_count, &routes__picture_width, &routes__picture_colormap,
+                         &routes__picture_max, CONDITIONS, &routes__range, &routes__if_range),
+        .summary = "One density snapshot",
+        .help = "Density on the grid, rows along y; 1 is close packing. A microscopic run has its "
+                "parts as a density on the same grid. A snapshot never changes and may be cached "
+                "without limit. 406 if the grid is too large for the format.",
+        .refusals = "422",
+        .answers = { { 200, "Snapshot", CACHED " Accept-Ranges Content-Disposition",
+                       "The density" },
+                     PART("npy png vti"),
+                     UNCHANGED }),
     RESULT("snapshots.pvd", handlers_results_snapshots, "getSnapshotSeries", .formats = "pvd",
            .params = PARAMS(&routes__run_id, CONDITIONS),
            .summary = "The snapshots of results.zip?vtk=1 in time, for ParaView",
@@ -188,8 +188,8 @@ static const route table[] = {
            .answers = { { 200, NULL, CACHED " Content-Disposition", "The series" }, UNCHANGED }),
     RESULT("parts/{n}", handlers_results_parts, "getParts", .text_cost = API_COST_WORK,
            .formats = "npy json csv vtp",
-           .params = PARAMS(&routes__run_id, &routes__snapshot_n, &routes__format, CONDITIONS,
-                            &routes__range, &routes__if_range),
+           .params = PARAMS(&routes__run_id, &routes__snapshot_n, &routes__format,
+                            &routes__snapshot_count, CONDITIONS, &routes__range, &routes__if_range),
            .summary = "The parts at the time of a snapshot (micro)",
            .help =
                "One row for each part, in the order of their placement: place, heading, velocity "

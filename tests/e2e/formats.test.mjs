@@ -102,6 +102,32 @@ test("parts in space have their quaternions in every format", async (t) => {
   assert.deepEqual(found.parts, { n: 6, columns: spatial });
 });
 
+test("one request gets several snapshots, as files one after the other", async (t) => {
+  const d = await daemon(t);
+  const { id } = await d.submit(shortMix(), { model: "micro" });
+  await d.reached(id, "succeeded");
+  const { snapshots } = (await d.get(`/v1/runs/${id}/snapshots`)).json;
+  assert.ok(snapshots.length >= 3);
+  for (const what of ["snapshots", "parts"]) {
+    const each = await Promise.all(snapshots.map(({ n }) => d.get(`/v1/runs/${id}/${what}/${n}`)));
+    const joined = (from, count) => Buffer.concat(each.slice(from, from + count).map(({ body }) => body));
+    const two = await d.get(`/v1/runs/${id}/${what}/0?count=2`);
+    assert.ok(two.body.equals(joined(0, 2)));
+    assert.match(two.headers["cache-control"], /immutable/);
+    // As many as there are; more may come to a run that goes on, so that who keeps them asks again.
+    const rest = await d.get(`/v1/runs/${id}/${what}/1?count=64`);
+    assert.ok(rest.body.equals(joined(1, snapshots.length)));
+    assert.doesNotMatch(rest.headers["cache-control"], /immutable/);
+    assert.notEqual(rest.headers.etag, two.headers.etag);
+    assert.equal((await d.get(`/v1/runs/${id}/${what}/1?count=64`, { "if-none-match": rest.headers.etag })).status, 304);
+    assert.ok((await d.get(`/v1/runs/${id}/${what}/0?count=1`)).body.equals(each[0].body));
+    for (const wrong of ["count=65", "count=0", "count=2&format=json"]) {
+      assert.equal((await d.get(`/v1/runs/${id}/${what}/0?${wrong}`)).status, 400, wrong);
+    }
+    assert.equal((await d.get(`/v1/runs/${id}/${what}/${snapshots.length}?count=2`)).status, 404);
+  }
+});
+
 test("a picture is in proportion and as wide as asked, and what it cannot be is said", async (t) => {
   const d = await daemon(t);
   const run = await d.submit(tiny());

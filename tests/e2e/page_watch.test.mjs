@@ -7,6 +7,7 @@ import test, { after } from "node:test";
 import { closeBrowser, numberIn, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
 import { jam } from "./scenarios.mjs";
+import { until } from "./setup.mjs";
 
 after(closeBrowser);
 
@@ -243,6 +244,22 @@ async function slowDown(page) {
   await session.send("Network.emulateNetworkConditions",
     { offline: false, latency: 100, downloadThroughput: 500e3, uploadThroughput: 500e3 });
 }
+
+test("one request gets several pictures that follow each other", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(jam(6, { curve_every_s: 0.5, snapshot_every_s: 0.1 }));
+  await d.reached(run.id, "succeeded");
+  const page = await openPage(t, d);
+  const asked = []; // pictures of each request
+  page.on("request", (request) => {
+    const { pathname, searchParams } = new URL(request.url());
+    if (/snapshots\/\d+$/.test(pathname)) asked.push(Number(searchParams.get("count") ?? 1));
+  });
+  await visit(page, `#/runs/${run.id}?t=0`);
+  // The first ones come one by one, so that something is shown soon; 48 are fetched ahead.
+  await until(() => asked.reduce((sum, n) => sum + n, 0) >= 48, "48 pictures to be asked for");
+  assert.ok(asked.length <= 20, `${asked.length} requests: ${asked}`);
+});
 
 test("on a slow connection every picture that is asked for arrives, and the clock of a live run is its time", async (t) => {
   const d = await daemon(t);

@@ -2,14 +2,14 @@
 
 const kinds = { "<f4": Float32Array, "<f8": Float64Array };
 
-// { shape: [rows, columns], data } of the bytes; data is a view where its place allows.
-export function readNpy(buffer) {
-  const view = new DataView(buffer);
-  if (buffer.byteLength < 12 || view.getUint32(0) !== 0x934e554d || view.getUint16(4) !== 0x5059) {
+// { shape: [rows, columns], data, end } of the file that begins at a byte of the buffer; data is a view where its place allows.
+export function readNpy(buffer, begin = 0) {
+  const view = new DataView(buffer, begin);
+  if (view.byteLength < 12 || view.getUint32(0) !== 0x934e554d || view.getUint16(4) !== 0x5059) {
     throw new Error("This is no NPY file.");
   }
   const isLong = view.getUint8(6) > 1;
-  const start = isLong ? 12 : 10;
+  const start = begin + (isLong ? 12 : 10);
   const length = isLong ? view.getUint32(8, true) : view.getUint16(8, true);
   const header = new TextDecoder("latin1").decode(new Uint8Array(buffer, start, length));
   const kind = kinds[/'descr':\s*'([^']*)'/.exec(header)?.[1]];
@@ -22,5 +22,5 @@ export function readNpy(buffer) {
   if (buffer.byteLength < offset + n * kind.BYTES_PER_ELEMENT) throw new Error("This NPY file is cut off.");
   const isAligned = offset % kind.BYTES_PER_ELEMENT === 0;
   const data = isAligned ? new kind(buffer, offset, n) : new kind(buffer.slice(offset), 0, n);
-  return { shape, data };
+  return { shape, data, end: offset + n * kind.BYTES_PER_ELEMENT };
 }
