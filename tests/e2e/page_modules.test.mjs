@@ -85,6 +85,7 @@ test("an arc moves along its circle, at its speed in the middle, and nowhere els
 test("numbers and places of messages are written for people", () => {
   assert.deepEqual([parts(-1e-12), parts(1.686e-12), parts(173.25), fixed(-0.001, 1), quantity(-3e-13, "parts").replace(/\s/, " ")],
     ["0", "0", "173.3", "0.0", "0 parts"]);
+  assert.equal(readable("-9.2 % (-3 to 5) on 2026-11-26"), "−9.2 % (−3 to 5) on 2026-11-26");
   assert.equal(readable("/obstacles/0/from_m is 0.12000000000000001, of 1.5e-3 at /v1/runs"),
     "obstacles 1 from is 0.12, of 0.0015 at /v1/runs");
 });

@@ -101,10 +101,11 @@ export function placeOf(pointer) {
     .replace(/[/_]/g, " ");
 }
 
-// A message of the server with numbers and places as people read them.
+// A message of the server with numbers, their signs and places as people read them.
 export function readable(text) {
   return text.replace(/(^|[\s'"“(])((?:\/(?!v1\b)[a-z]\w*(?:\/\w+)*))(?=$|[\s'"”),.:;])/g, (all, before, pointer) => before + placeOf(pointer))
-    .replace(/-?\d+(?:\.\d+)?e[+-]?\d+\b|-?\d+\.\d{5,}/gi, (digits) => number(Number(digits), 4));
+    .replace(/-?\d+(?:\.\d+)?e[+-]?\d+\b|-?\d+\.\d{5,}/gi, (digits) => number(Number(digits), 4))
+    .replace(/(^|[\s(])-(?=\d)/g, "$1−");
 }
 
 // The run's name, or what stands for it.
