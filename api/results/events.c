@@ -166,7 +166,15 @@ typedef struct change_event {
     uint64_t item;
     uint32_t state;
     double turn_deg;
+    vec2 shift;
 } change_event;
+
+static bool is_shifted(const void *item)
+{
+    const change_event *change = item;
+
+    return change->shift.x != 0.0 || change->shift.y != 0.0;
+}
 
 static const char *const eye_states[] = { "clear", "blocked", NULL };
 const char *const results__drive_states[] = { "as_told", "behind", "stalled", NULL };
@@ -192,7 +200,7 @@ static const member drive_members[] = {
     MEMBER("run", string, AT(run), RUN, .type = "#Id"),
     MEMBER("t_s", number, AT(t), "When it was so", .unit = "s"),
     MEMBER("obstacle", string, AT(id), "Its id", .type = "#ScenarioId"),
-    RESULTS__DRIVE_MEMBERS,
+    RESULTS__DRIVE_MEMBERS(is_shifted),
 };
 const member_table events_drive_data = { MEMBER_TABLE("DriveEvent", drive_members) };
 #undef AT
@@ -212,7 +220,8 @@ bf_status events_change(const char *run_id, const frame_change *c, bf_buffer *ou
                                  .id = c->id,
                                  .item = c->item,
                                  .state = c->state,
-                                 .turn_deg = c->turn * 180.0 / M_PI };
+                                 .turn_deg = c->turn * 180.0 / M_PI,
+                                 .shift = c->shift };
 
     if (c->type >= FRAME_CHANGE_TYPE_COUNT || c->state >= kinds[c->type].n_states)
         return bf_fail(err, BF_ECORRUPT, "", "a change of no known kind or state");

@@ -67,8 +67,9 @@ static bool read_drive(json_t *json, results_drive *ret_drive)
     const char *id, *state;
     results_drive drive = { .state = 0 };
 
-    if (json_unpack(json, "{s:F, s:s, s:s, s:F}", "t_s", &drive.t, "obstacle", &id, "state", &state,
-                    "turn_deg", &drive.turn_deg) != 0)
+    if (json_unpack(json, "{s:F, s:s, s:s, s:F, s?[FF]}", "t_s", &drive.t, "obstacle", &id, "state",
+                    &state, "turn_deg", &drive.turn_deg, "shift_m", &drive.shift.x,
+                    &drive.shift.y) != 0)
         return false;
     while (results__drive_states[drive.state] != NULL &&
            strcmp(results__drive_states[drive.state], state) != 0)
@@ -147,11 +148,18 @@ const member_table results_action_members = { MEMBER_TABLE("PhotoEyeAction", act
                                               .size = sizeof(results_action) };
 #undef AT
 
+static bool is_shifted(const void *item)
+{
+    const results_drive *drive = item;
+
+    return drive->shift.x != 0.0 || drive->shift.y != 0.0;
+}
+
 #define AT(place) offsetof(results_drive, place)
 static const member drive_members[] = {
     MEMBER("t_s", number, AT(t), "When it was so", .unit = "s"),
     MEMBER("obstacle", text, AT(id), "Its id", .type = "#ScenarioId"),
-    RESULTS__DRIVE_MEMBERS,
+    RESULTS__DRIVE_MEMBERS(is_shifted),
 };
 const member_table results_drive_members = { MEMBER_TABLE("Drive", drive_members),
                                              .size = sizeof(results_drive) };
@@ -176,7 +184,7 @@ static const member changes_members[] = {
            .table = &results_action_members),
     MEMBER("drives", list, AT(drives),
            "How obstacles that cargo holds back follow what they are told: a change of state, and "
-           "every 2 degrees that they turn while behind",
+           "every 2 degrees that they turn, or 10 mm that they are shifted, while behind",
            .offset_n = AT(n_drives), .table = &results_drive_members),
     MEMBER("is_cut", bool, AT(is_cut),
            "There are as many as a run keeps, and what came later is not among them"),

@@ -106,6 +106,7 @@ typedef struct results_drive {
     char id[SCENE_ID_SIZE]; ///< of the obstacle
     uint32_t state;         ///< plate_drive_state
     double turn_deg;        ///< of its path, counter-clockwise
+    vec2 shift;             ///< of its path, m
 } results_drive;
 
 /// What the photo eyes of a run saw and did, and drives under load, so far. Zero-initialise; results_changes_fini().

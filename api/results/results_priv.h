@@ -11,12 +11,15 @@
 /// Words of plate_drive_state.
 extern const char *const results__drive_states[];
 
-/// Members of a drive in its event and in the list of all; AT() is the place of `state` and `turn_deg` in their structs.
-#define RESULTS__DRIVE_MEMBERS                                                                     \
+/// Members of a drive in its event and in the list of all; AT() is the place of `state`, `turn_deg` and `shift` in their structs,
+/// of which is_shifted tells whether the last one is not 0.
+#define RESULTS__DRIVE_MEMBERS(is_shifted)                                                         \
     MEMBER("state", enum, AT(state), "How it follows what it is told from then on",                \
            .words = results__drive_states),                                                        \
         MEMBER("turn_deg", number, AT(turn_deg), "By which its path is turned, counter-clockwise", \
-               .unit = "deg")
+               .unit = "deg"),                                                                     \
+        MEMBER("shift_m", point, AT(shift), "By which its path is shifted; none without it",       \
+               .unit = "m", .applies = is_shifted)
 
 /// Samples of a curve, as results_curve_members writes them.
 typedef struct results__samples {

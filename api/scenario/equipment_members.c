@@ -133,7 +133,7 @@ const member_table scenario__belt_members = { MEMBER_TABLE("belt", belt_members)
                                               .post_read = check_outline };
 #undef AT
 
-// What turns an obstacle. A pivot is all there is where only actions turn it.
+// What moves an obstacle. A pivot is all there is where only actions turn it.
 #define AT(place) offsetof(scene_obstacle, place)
 static bool has_no_motion(const void *item)
 {
@@ -143,17 +143,33 @@ static bool has_no_motion(const void *item)
     return o->turn.n_times == 0 && !has_pivot;
 }
 
+// A schedule that only shifts it has angles, too, once it is resolved.
+static bool has_no_turn(const void *item)
+{
+    const scene_obstacle *o = item;
+    bool is_turned = o->n_shifts == 0 && o->turn.n_values > 0;
+
+    for (size_t k = 0; k < o->turn.n_values; k++)
+        is_turned = is_turned || o->turn.values[k] != 0.0;
+    return !is_turned;
+}
+
 static const member motion_members[] = {
     MEMBER("pivot_m", point, AT(pivot), "about which it turns", .unit = "m",
            .default_text = "the start of its path"),
-    MEMBER("t_s", numbers, AT(turn.times), "times of the angles, rising", .unit = "s",
+    MEMBER("t_s", numbers, AT(turn.times), "times of turn_deg and shift_m, rising", .unit = "s",
            .offset_n = AT(turn.n_times), .range = &scene_range_instant, .least = 1,
            .limit = SCENE_SERIES_MAX, .flags = MEMBER_OMIT_EMPTY,
-           .default_text = "it turns by actions only"),
+           .default_text = "it moves by actions only"),
     MEMBER("turn_deg", angles, AT(turn.values),
            "by which its path is turned, counter-clockwise, one for each time; linear between",
            .unit = "deg", .offset_n = AT(turn.n_values), .least = 1, .limit = SCENE_SERIES_MAX,
-           .flags = MEMBER_OMIT_EMPTY, .default_text = "it turns by actions only"),
+           .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_turn,
+           .default_text = "it turns by actions only"),
+    MEMBER("shift_m", points, AT(shifts),
+           "by which its path and its pivot are shifted, one for each time; linear between",
+           .unit = "m", .offset_n = AT(n_shifts), .least = 1, .limit = SCENE_SERIES_MAX,
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "it is shifted by actions only"),
     MEMBER("repeat_s", number, AT(turn.repeat), "after which it begins again", .unit = "s",
            .range = &scene_range_time, .flags = MEMBER_OMIT_EMPTY, .default_text = "never"),
 };
@@ -209,16 +225,18 @@ static const member obstacle_members[] = {
            .range = &scene_range_length,
            .default_text = TEXT_OF(SCENE_SLIDE_FACTOR) "/sqrt(sigma) if sealed, else " TEXT_OF(
                SCENE_SLIDE_WIDTH)),
-    MEMBER("motion", object, 0, "how it turns", .table = &motion_table, .flags = MEMBER_OMIT_EMPTY,
-           .is_empty = has_no_motion, .default_text = "it does not turn"),
+    MEMBER("motion", object, 0, "how it turns and is shifted", .table = &motion_table,
+           .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_motion,
+           .default_text = "it does not move"),
     MEMBER("present", object, AT(presence), "when it stands there; before the first time it does",
            .table = &presence_table, .offset_n = AT(presence.n_times), .flags = MEMBER_OMIT_EMPTY,
            .default_text = "at all times"),
-    MEMBER("force_limit_n", step, AT(force_limit),
-           "of what moves it, at the point farthest from its pivot: slower from half of it on, and "
-           "stalled at it; auto: twice what pushes a full belt",
-           .unit = "N", .range = &scene_range_force_limit, .flags = MEMBER_OMIT_EMPTY,
-           .is_empty = has_no_force_limit, .default_text = "auto"),
+    MEMBER(
+        "force_limit_n", step, AT(force_limit),
+        "of what moves it, at the point farthest from its pivot, or along its shift: slower from "
+        "half of it on, and stalled at it; auto: twice what turns it against a full belt",
+        .unit = "N", .range = &scene_range_force_limit, .flags = MEMBER_OMIT_EMPTY,
+        .is_empty = has_no_force_limit, .default_text = "auto"),
 };
 const member_table scenario_members_obstacle = {
     MEMBER_TABLE("obstacle", obstacle_members), .size = sizeof(scene_obstacle),
@@ -259,22 +277,25 @@ static const member_table when_table = { MEMBER_TABLE("actionWhen", when_members
 static const char *const belt_form[] = { "factor", "belt", NULL };
 static const char *const turn_form[] = { "turn_deg", "obstacle", "over_s", NULL };
 static const char *const presence_form[] = { "present", "obstacle", NULL };
+static const char *const shift_form[] = { "shift_m", "obstacle", "over_s", NULL };
 static const char *const feed_form[] = { "hold", "feed", NULL };
-static const char *const *const action_forms[] = { [SCENE_ACTION_BELT] = belt_form,
-                                                   [SCENE_ACTION_TURN] = turn_form,
-                                                   [SCENE_ACTION_PRESENCE] = presence_form,
-                                                   [SCENE_ACTION_FEED] = feed_form,
-                                                   [SCENE_ACTION_COUNT] = NULL };
+static const char *const *const action_forms[] = {
+    [SCENE_ACTION_BELT] = belt_form,         [SCENE_ACTION_TURN] = turn_form,
+    [SCENE_ACTION_PRESENCE] = presence_form, [SCENE_ACTION_FEED] = feed_form,
+    [SCENE_ACTION_SHIFT] = shift_form,       [SCENE_ACTION_COUNT] = NULL
+};
 
 static const member do_members[] = {
     MEMBER_OF("belt", &scenario__belt_id, AT(target), "id of a belt that gets another speed"),
     MEMBER("factor", number, AT(value), "of velocity_m_s, reached with the belt's accelerations",
            .range = &scene_range_speed_factor),
     MEMBER_OF("obstacle", &scenario__obstacle_id, AT(target),
-              "id of an obstacle that turns, comes or goes"),
+              "id of an obstacle that moves, comes or goes"),
     MEMBER("turn_deg", degrees, AT(value),
            "by which its path is then turned, as in motion, counter-clockwise", .unit = "deg"),
-    MEMBER("over_s", number, AT(over), "how long the turn takes", .unit = "s",
+    MEMBER("shift_m", point, AT(shift), "by which its path is then shifted, as in motion",
+           .unit = "m"),
+    MEMBER("over_s", number, AT(over), "how long the turn or the shift takes", .unit = "s",
            .range = &scene_range_time, .flags = MEMBER_INIT),
     MEMBER("present", flag, AT(value), "true: it comes, false: it goes"),
     MEMBER_OF("feed", &scenario__feed_id, AT(target), "id of a feed"),

@@ -2,7 +2,9 @@
 
 #include "core/base/memory.h"
 #include "core/macro/swept_cells.h"
+#include "core/scene/plate_range.h"
 
+#include <float.h>
 #include <math.h>
 
 // How far a point of a plate may move before the field is made again, cells.
@@ -13,22 +15,22 @@ static const double pressed = 1.1;
 
 // Where the field has an obstacle.
 typedef struct place {
-    double angle;    // rad
+    plate_motion_place at;
     double presence; // 1 or 0
 } place;
 
 // An obstacle of the scene.
 typedef struct plate {
     place place;
-    double radius;      // plate_motion_radius()
-    uint64_t n_steps;   // between two loads of its drive; 0: it does not turn
+    double radius;      // plate_range_radius()
+    uint64_t n_steps;   // between two loads of its drive; 0: it neither turns nor is shifted
     size_t n_lines;     // 0: it closes nothing
-    closed_line *lines; // at angle 0
+    closed_line *lines; // as in the document
     vec2 *path;         // at its place
 } plate;
 
 struct moving_plates {
-    const scene *scene;        // as it is at angle 0
+    const scene *scene;        // as in the document
     double dt;                 // step of the solver, s
     double edge;               // shorter one of a cell, m
     scene now;                 // the same with the plates that are there, at their places
@@ -58,7 +60,7 @@ static bf_status init_plate(const scene *s, const scene_obstacle *o, plate *p)
     p->lines = memory_alloc(o->n_points - 1, sizeof *p->lines);
     if (p->path == NULL || p->lines == NULL)
         return BF_ENOMEM;
-    p->radius = plate_motion_radius(o);
+    p->radius = plate_range_radius(o);
     if (closed_lines_has(s, o))
         (void)closed_lines_visit_one(&around, o, add_line, p);
     return BF_OK;
@@ -74,7 +76,7 @@ static double full_density(const scene *s)
 static void find_places(const moving_plates *p, double t, place *ret_places)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
-        ret_places[k] = (place){ plate_motion_angle(p->motion, k, t),
+        ret_places[k] = (place){ plate_motion_at(p->motion, k, t),
                                  plate_motion_is_present(p->motion, k, t) ? 1.0 : 0.0 };
 }
 
@@ -85,12 +87,12 @@ static void set_places(moving_plates *p, const place *places)
 
     p->now.n_obstacles = 0;
     for (size_t k = 0; k < s->n_obstacles; k++) {
-        const plate_motion_pose pose = plate_motion_pose_at(p->motion, k, places[k].angle);
+        const plate_motion_pose pose = plate_motion_pose_at(p->motion, k, places[k].at);
         p->plates[k].place = places[k];
         if (places[k].presence == 0.0)
             continue;
         for (size_t m = 0; m < s->obstacles[k].n_points; m++)
-            p->plates[k].path[m] = plate_motion_place(&pose, s->obstacles[k].path[m]);
+            p->plates[k].path[m] = plate_motion_move(&pose, s->obstacles[k].path[m]);
         p->obstacles[p->now.n_obstacles] = s->obstacles[k];
         p->obstacles[p->now.n_obstacles++].path = p->plates[k].path;
     }
@@ -112,9 +114,9 @@ static bf_status init_arrays(moving_plates *p, bf_error *err)
         status = init_plate(s, &s->obstacles[k], &p->plates[k]);
     for (size_t k = 0; status == BF_OK && k < s->n_obstacles; k++) {
         plate *of = &p->plates[k];
-        if (p->drives[k].rate > 0.0)
-            of->n_steps = (uint64_t)fmax(
-                floor(most_moved * p->edge / (p->drives[k].rate * of->radius * p->dt)), 1.0);
+        const double speed = p->drives[k].rate * of->radius + p->drives[k].speed;
+        if (speed > 0.0)
+            of->n_steps = (uint64_t)fmax(floor(most_moved * p->edge / (speed * p->dt)), 1.0);
     }
     p->now.obstacles = p->obstacles;
     return status == BF_OK ? BF_OK : bf_fail(err, status, "/obstacles", "no memory for obstacles");
@@ -137,7 +139,7 @@ bf_status moving_plates_create(const scene *s, bf_world *w, moving_plates **ret_
     p->edge = scene_cell_edge(s);
     // The field has room for all obstacles, and is then made for those that are there at the start.
     if ((status = init_arrays(p, err)) != BF_OK ||
-        (status = swept_cells_create(&grid, &p->swept, err)) != BF_OK ||
+        (status = swept_cells_create(&grid, s->edges, &p->swept, err)) != BF_OK ||
         (status = velocity_field_create(s, &p->field, err)) != BF_OK) {
         moving_plates_destroy(p);
         return status;
@@ -171,6 +173,13 @@ const velocity_field *moving_plates_field(const moving_plates *p)
     return p->field;
 }
 
+// How far a point of an obstacle moves at most from one place to another, m.
+static double way_of(const plate *p, const plate_motion_place *from, const plate_motion_place *to)
+{
+    return p->radius * fabs(to->angle - from->angle) +
+           vec2_length(vec2_sub(to->shift, from->shift));
+}
+
 // True if the field has to be made again for the step that begins at t, when plates are at `after`.
 static bool is_due(const moving_plates *p, double t)
 {
@@ -179,11 +188,11 @@ static bool is_due(const moving_plates *p, double t)
     for (size_t k = 0; k < p->scene->n_obstacles && !is; k++) {
         const plate *of = &p->plates[k];
         const place *to = &p->after[k];
-        const double moved = of->radius * fabs(to->angle - of->place.angle);
+        const double moved = way_of(of, &of->place.at, &to->at);
         is = to->presence != of->place.presence;
         if (!is && to->presence == 1.0 && moved > 0.0)
             is = moved >= most_moved * p->edge ||
-                 plate_motion_angular_velocity(p->motion, k, t, t + p->dt) == 0.0;
+                 plate_motion_is_same(to->at, plate_motion_at(p->motion, k, t + p->dt));
     }
     return is;
 }
@@ -193,15 +202,15 @@ static bool find_sweep(const moving_plates *p, size_t k, swept_cells_plate *ret_
 {
     const plate *of = &p->plates[k];
     const place *from = &p->before[k], *to = &p->after[k];
-    const double turned = to->angle - from->angle;
+    const double moved = way_of(of, &from->at, &to->at);
 
     *ret_sweep = (swept_cells_plate){ .n_lines = of->n_lines,
                                       .lines = of->lines,
-                                      .before = plate_motion_pose_at(p->motion, k, from->angle),
-                                      .after = plate_motion_pose_at(p->motion, k, to->angle),
-                                      .turned = turned,
-                                      .moved = of->radius * fabs(turned) };
-    return turned != 0.0 && from->presence == 1.0 && to->presence == 1.0;
+                                      .before = plate_motion_pose_at(p->motion, k, from->at),
+                                      .after = plate_motion_pose_at(p->motion, k, to->at),
+                                      .turned = to->at.angle - from->at.angle,
+                                      .moved = moved };
+    return moved > 0.0 && from->presence == 1.0 && to->presence == 1.0;
 }
 
 // Lets the drive of a plate follow until its next load is found.
@@ -225,13 +234,19 @@ static void follow(moving_plates *p, size_t k, macro_solver *s)
                                           plate_drive_mass_per_area(of) * grid.d1 * grid.d2,
                                       belt,
                                       moving->radius };
-    plate_load load = { 0.0, 0.0 };
+    plate_load load = { .torque = 0.0 };
     p->before[k] = moving->place;
     p->after[k] = moving->place;
-    p->after[k].angle = plate_motion_told_angle(p->motion, k, until);
+    p->after[k].at = plate_motion_told(p->motion, k, until);
     if (find_sweep(p, k, &sweep)) {
-        const double w = copysign(p->drives[k].rate, sweep.turned);
-        load.torque = -copysign(swept_cells_load(p->swept, &sweep, &cargo, p->field, w, s), w);
+        const vec2 shifted = vec2_sub(p->after[k].at.shift, p->before[k].at.shift);
+        const double way = vec2_length(shifted);
+        const vec2 along = way > 0.0 ? vec2_scale(shifted, 1.0 / way) : shifted;
+        const double w = sweep.turned != 0.0 ? copysign(p->drives[k].rate, sweep.turned) : 0.0;
+        const swept_cells_load of_cargo = swept_cells_find_load(
+            p->swept, &sweep, &cargo, p->field, w, vec2_scale(along, p->drives[k].speed), s);
+        load.torque = -copysign(of_cargo.torque, w);
+        load.resultant = vec2_scale(along, -fmin(of_cargo.force, DBL_MAX));
     }
     plate_drive_follow(p->motion, k, &p->drives[k], &load, t, until);
 }
@@ -269,7 +284,9 @@ void moving_plates_save(const moving_plates *p, checkpoint_writer *w)
 bool moving_plates_load(moving_plates *p, macro_solver *s, checkpoint_reader *r)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
-        if (!checkpoint_read(r, &p->after[k], sizeof p->after[k]) || !isfinite(p->after[k].angle) ||
+        if (!checkpoint_read(r, &p->after[k], sizeof p->after[k]) ||
+            !isfinite(p->after[k].at.angle) || !isfinite(p->after[k].at.shift.x) ||
+            !isfinite(p->after[k].at.shift.y) ||
             (p->after[k].presence != 0.0 && p->after[k].presence != 1.0))
             return false;
     set_places(p, p->after);

@@ -1,4 +1,4 @@
-/// Obstacles that turn, come and go in the macroscopic model.
+/// Obstacles that turn, are shifted, come and go in the macroscopic model.
 ///
 /// The velocity field, the closed faces and, for the congested closure, apertures and transverse velocities are made
 /// again for the plates' present places before a step

@@ -7,6 +7,7 @@
 
 struct swept_cells {
     bf_grid grid;
+    scene_edge edges[SCENE_SIDE_COUNT];
     uint8_t *closed1;   // of the field before the plates moved
     uint8_t *closed2;   // same
     uint32_t round;     // of the marks below
@@ -20,12 +21,14 @@ struct swept_cells {
     vec2 ahead[SWEPT_CELLS_SEARCH]; // and the way that this one is pushed
 };
 
-bf_status swept_cells_create(const bf_grid *grid, swept_cells **ret_cells, bf_error *err)
+bf_status swept_cells_create(const bf_grid *grid, const scene_edge *edges, swept_cells **ret_cells,
+                             bf_error *err)
 {
     swept_cells *c = memory_alloc(1, sizeof *c);
 
     if (c != NULL) {
         c->grid = *grid;
+        memcpy(c->edges, edges, sizeof c->edges);
         c->closed1 = memory_alloc((grid->n1 + 1) * grid->n2, sizeof *c->closed1);
         c->closed2 = memory_alloc(grid->n1 * (grid->n2 + 1), sizeof *c->closed2);
         c->swept_in = memory_alloc(grid_cells(grid), sizeof *c->swept_in);
@@ -75,24 +78,22 @@ void swept_cells_begin(swept_cells *c, const velocity_field *f)
 // What is done with a cell that a line has swept over; ahead is the line's normal on the side that it moves to.
 typedef void swept_fn(void *context, size_t cell, vec2 ahead);
 
-static plate_motion_pose inverse_of(const plate_motion_pose *pose)
-{
-    return (plate_motion_pose){ pose->pivot, pose->cos, -pose->sin };
-}
-
 static void visit_row(const bf_grid *g, const swept_cells_plate *plate, const closed_line *l,
                       size_t j, size_t i_min, size_t i_max, swept_fn *visit, void *context)
 {
-    const plate_motion_pose from = inverse_of(&plate->before), to = inverse_of(&plate->after);
+    const plate_motion_pose from = plate_motion_inverse(&plate->before);
+    const plate_motion_pose to = plate_motion_inverse(&plate->after);
+    const vec2 shifted = vec2_sub(plate->after.shift, plate->before.shift);
     const vec2 along = plate_motion_turn(&plate->after, vec2_sub(l->end, l->start));
     const vec2 normal = vec2_scale(vec2_turn_left(along), 1.0 / vec2_length(along));
 
     for (size_t i = i_min; i < i_max; i++) {
         const vec2 centre = { grid_x1(g, i), grid_x2(g, j) };
-        if (!closed_line_crosses(l, plate_motion_place(&from, centre),
-                                 plate_motion_place(&to, centre)))
+        if (!closed_line_crosses(l, plate_motion_move(&from, centre),
+                                 plate_motion_move(&to, centre)))
             continue;
-        const vec2 velocity = plate_motion_velocity(plate->after.pivot, plate->turned, centre);
+        const vec2 velocity = plate_motion_velocity(plate_motion_pivot(&plate->after),
+                                                    plate->turned, shifted, centre);
         visit(context, j * g->n1 + i,
               vec2_dot(velocity, normal) < 0.0 ? vec2_scale(normal, -1.0) : normal);
     }
@@ -112,8 +113,8 @@ static void visit_swept(const bf_grid *g, const swept_cells_plate *plate, swept_
 
     for (size_t k = 0; k < plate->n_lines; k++) {
         const closed_line *l = &plate->lines[k];
-        const vec2 a = plate_motion_place(&plate->after, l->start);
-        const vec2 b = plate_motion_place(&plate->after, l->end);
+        const vec2 a = plate_motion_move(&plate->after, l->start);
+        const vec2 b = plate_motion_move(&plate->after, l->end);
         const double first = (fmin(a.y, b.y) - margin - g->lower2) / g->d2 - 0.5;
         const double last = (fmax(a.y, b.y) + margin - g->lower2) / g->d2 + 0.5;
         for (size_t j = clamp_index(floor(first), g->n2); j < clamp_index(ceil(last), g->n2); j++) {
@@ -172,6 +173,18 @@ static bool is_closed(const bf_grid *g, const uint8_t *closed1, const uint8_t *c
     return (d.dj < 0 ? j == 0 : j + 1 == g->n2) || closed2[(j + (d.dj > 0)) * g->n1 + i] != 0;
 }
 
+// The side of the grid at which a cell lies in a direction; SCENE_SIDE_COUNT: none.
+static scene_side side_of(const bf_grid *g, size_t cell, direction d)
+{
+    const size_t i = cell % g->n1, j = cell / g->n1;
+
+    if (d.di != 0 && (d.di < 0 ? i == 0 : i + 1 == g->n1))
+        return d.di < 0 ? SCENE_WEST : SCENE_EAST;
+    if (d.dj != 0 && (d.dj < 0 ? j == 0 : j + 1 == g->n2))
+        return d.dj < 0 ? SCENE_SOUTH : SCENE_NORTH;
+    return SCENE_SIDE_COUNT;
+}
+
 // A search for room.
 typedef struct hand_on_context {
     swept_cells *cells;
@@ -192,6 +205,15 @@ static bool is_behind(const bf_grid *g, size_t start, size_t cell, vec2 ahead)
                        grid_x2(g, cell / g->n1) - grid_x2(g, start / g->n1) };
 
     return vec2_dot(way, ahead) < -SCENE_TOLERANCE;
+}
+
+// True if cargo that goes on from a cell in a direction leaves the domain there, and not behind the line.
+static bool leads_out(const hand_on_context *x, size_t cell, direction d, vec2 ahead)
+{
+    const scene_side side = side_of(&x->cells->grid, cell, d);
+
+    return side < SCENE_SIDE_COUNT && x->cells->edges[side] == SCENE_EDGE_OUTFLOW &&
+           vec2_dot((vec2){ d.di, d.dj }, ahead) > 0.0;
 }
 
 // The cell next to `from` in a direction, if the search may go there; else `from`.
@@ -233,6 +255,8 @@ static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, dou
     for (size_t k = 0; k < c->n_queue; k++) {
         for (int m = 0; m < 4 && c->n_queue < SWEPT_CELLS_SEARCH; m++) {
             const size_t from = c->queue[k], to = next_cell(x, from, order[m], start, ahead);
+            if (leads_out(x, from, order[m], ahead))
+                return 0.0;
             if (to == from)
                 continue;
             c->found_in[to] = c->search;
@@ -312,11 +336,41 @@ static void add_origin(void *context, size_t cell, vec2 ahead)
     c->queue[c->n_queue++] = cell;
 }
 
-// True if a part fits between a cell, itself included, and what is closed beyond it, away from the pivot.
-static bool is_wide(const hand_on_context *x, vec2 pivot, double width, size_t cell)
+// The plate as its load has it.
+typedef struct pushed {
+    const swept_cells_plate *plate;
+    const swept_cells_cargo *cargo;
+    double w;    // rad/s
+    vec2 v;      // m/s
+    vec2 middle; // of its path
+} pushed;
+
+static vec2 middle_of(const swept_cells_plate *plate)
+{
+    vec2 sum = { 0.0, 0.0 };
+
+    for (size_t k = 0; k < plate->n_lines; k++)
+        sum = vec2_add(sum, vec2_add(plate->lines[k].start, plate->lines[k].end));
+    return plate_motion_move(&plate->before, vec2_scale(sum, 0.5 / (double)plate->n_lines));
+}
+
+// The way around a plate's free end: away from the pivot of one that turns, away from the middle of another, across its way.
+static vec2 outwards(const pushed *p, vec2 at)
+{
+    const vec2 from_middle = vec2_sub(at, p->middle);
+
+    if (p->w != 0.0)
+        return vec2_sub(at, plate_motion_pivot(&p->plate->before));
+    return vec2_sub(from_middle,
+                    vec2_scale(p->v, vec2_dot(from_middle, p->v) / vec2_dot(p->v, p->v)));
+}
+
+// True if a part fits between a cell, itself included, and what is closed beyond it, out from the plate.
+static bool is_wide(const hand_on_context *x, const pushed *p, size_t cell)
 {
     const bf_grid *g = &x->cells->grid;
-    const vec2 out = { grid_x1(g, cell % g->n1) - pivot.x, grid_x2(g, cell / g->n1) - pivot.y };
+    const double width = 2.0 * p->cargo->around.bridge;
+    const vec2 out = outwards(p, (vec2){ grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) });
     direction order[4];
 
     order_directions(out, order);
@@ -329,41 +383,52 @@ static bool is_wide(const hand_on_context *x, vec2 pivot, double width, size_t c
     return free >= width;
 }
 
-// The torque of a cell's cargo that moves with a plate.
-static double torque_of(const hand_on_context *x, const swept_cells_plate *plate,
-                        const swept_cells_cargo *cargo, double w, size_t cell)
+// The force against a cell's cargo that moves in a direction at a speed, N.
+static double force_against(const hand_on_context *x, const swept_cells_cargo *cargo, size_t cell,
+                            vec2 at, vec2 e, double speed)
 {
-    const bf_grid *g = &x->cells->grid;
-    const vec2 at = { grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) };
-    const vec2 to = vec2_sub(at, plate->before.pivot);
-    const double r = vec2_length(to), lever = fmin(r, cargo->radius);
     const size_t belt = surroundings_belt_at(&cargo->around, at);
-
-    if (r == 0.0)
-        return 0.0;
     const double factor = macro_belt_factor(x->solver, belt);
     const double friction_ratio =
         belt < cargo->around.n_belts
             ? belt_friction_ratio(&cargo->around.belts[belt], cargo->conveyor)
             : 1.0;
-    const vec2 e = vec2_scale(vec2_turn_left(to), copysign(1.0, w) / r);
     const vec2 slip =
-        vec2_sub(vec2_scale(e, fabs(w) * lever),
+        vec2_sub(vec2_scale(e, speed),
                  vec2_scale(surroundings_velocity_at(&cargo->around, belt, at), factor));
-    const double speed = vec2_length(slip), against = fmax(vec2_dot(slip, e), 0.0);
-    return against == 0.0
-               ? 0.0
-               : cargo->weight * friction_ratio * density_of(x, cell) *
-                     tanh(cargo->conveyor->tanh_linear * speed) * (against / speed) * lever;
+    const double slides = vec2_length(slip), against = fmax(vec2_dot(slip, e), 0.0);
+    return against == 0.0 ? 0.0
+                          : cargo->weight * friction_ratio * density_of(x, cell) *
+                                tanh(cargo->conveyor->tanh_linear * slides) * (against / slides);
 }
 
-double swept_cells_load(swept_cells *c, const swept_cells_plate *plate,
-                        const swept_cells_cargo *cargo, const velocity_field *f, double w,
-                        macro_solver *s)
+// Adds what a cell's cargo that moves with a plate takes.
+static void add_load(const hand_on_context *x, const pushed *p, size_t cell, swept_cells_load *load)
+{
+    const bf_grid *g = &x->cells->grid;
+    const vec2 at = { grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) };
+    const vec2 to = vec2_sub(at, plate_motion_pivot(&p->plate->before));
+    const double r = vec2_length(to), lever = fmin(r, p->cargo->radius);
+    const double speed = vec2_length(p->v);
+
+    if (p->w != 0.0 && r > 0.0) {
+        const vec2 e = vec2_scale(vec2_turn_left(to), copysign(1.0, p->w) / r);
+        load->torque += force_against(x, p->cargo, cell, at, e, fabs(p->w) * lever) * lever;
+    }
+    if (speed > 0.0)
+        load->force += force_against(x, p->cargo, cell, at, vec2_scale(p->v, 1.0 / speed), speed);
+}
+
+swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *plate,
+                                       const swept_cells_cargo *cargo, const velocity_field *f,
+                                       double w, vec2 v, macro_solver *s)
 {
     const vec2 anywhere = { 0.0, 0.0 };
+    const swept_cells_load without_room = { INFINITY, INFINITY };
     hand_on_context x = { c, f, s, cargo->full };
-    double torque = 0.0, left = 0.0; // what has found no room
+    const pushed p = { plate, cargo, w, v, middle_of(plate) };
+    swept_cells_load load = { 0.0, 0.0 };
+    double left = 0.0; // what has found no room
 
     c->round = next_mark(c->round, c->swept_in, grid_cells(&c->grid));
     c->search = next_mark(c->search, c->found_in, grid_cells(&c->grid));
@@ -372,17 +437,19 @@ double swept_cells_load(swept_cells *c, const swept_cells_plate *plate,
     for (size_t k = 0; k < c->n_queue; k++) {
         left += density_of(&x, c->queue[k]);
         if (density_of(&x, c->queue[k]) > cargo->most)
-            return INFINITY;
+            return without_room;
     }
     for (size_t k = 0; k < c->n_queue && left > 0.0; k++) {
         const size_t from = c->queue[k], origin = c->origin[k];
         direction order[4];
         order_directions(c->ahead[origin], order);
-        torque += torque_of(&x, plate, cargo, w, from);
+        add_load(&x, &p, from, &load);
         for (int m = 0; m < 4 && c->n_queue < SWEPT_CELLS_SEARCH; m++) {
             const size_t to = next_cell(&x, from, order[m], from, anywhere);
+            if (leads_out(&x, from, order[m], c->ahead[origin]))
+                left = 0.0;
             if (to == from || (is_behind(&c->grid, c->queue[origin], to, c->ahead[origin]) &&
-                               !is_wide(&x, plate->before.pivot, 2.0 * cargo->around.bridge, to)))
+                               !is_wide(&x, &p, to)))
                 continue;
             c->found_in[to] = c->search;
             c->origin[c->n_queue] = origin;
@@ -390,5 +457,5 @@ double swept_cells_load(swept_cells *c, const swept_cells_plate *plate,
             left -= fmax(0.0, cargo->full - density_of(&x, to));
         }
     }
-    return left > 0.0 ? INFINITY : torque;
+    return left > 0.0 ? without_room : load;
 }

@@ -1,12 +1,13 @@
 /// Cells that plates sweep over hand their cargo on to the side that the plates move towards.
 ///
-/// A plate that turns from one angle to another sweeps over the cells whose centres its closed line passes: in the
+/// A plate that turns or is shifted from one place to another sweeps over the cells whose centres its closed line passes: in the
 /// plate's own frame such a centre moves across the line. What these cells hold would be on the plate's other side.
 /// It goes to the nearest cells ahead instead:
 ///
 ///     a search, cell by cell from the swept one, straight ahead first, through faces that are open (those of swept
 ///     cells: that were open before), over cells that are not behind the plate's line, extended beyond its ends;
-///     each cell found is filled up to the density `full`;
+///     each cell found is filled up to the density `full`; what comes to a side over which cargo leaves, and
+///     towards which the plate moves, leaves there;
 ///     what is left after SWEPT_CELLS_SEARCH cells, or where no more can be reached, is spread evenly over all
 ///     that were found; where none was found, as in a gap that the plate has closed, it stays.
 ///
@@ -26,10 +27,10 @@
 
 enum { SWEPT_CELLS_SEARCH = 1 << 14 };
 
-/// A plate that has turned.
+/// A plate that has moved.
 typedef struct swept_cells_plate {
     size_t n_lines;           ///< of its closed line
-    const closed_line *lines; ///< at angle 0
+    const closed_line *lines; ///< as in the document
     plate_motion_pose before; ///< where it was
     plate_motion_pose after;  ///< where it is
     double turned;            ///< angle between both, counter-clockwise, rad
@@ -50,9 +51,9 @@ typedef struct swept_cells_cargo {
 /// What is needed for it; opaque.
 typedef struct swept_cells swept_cells;
 
-/// Room for a grid. The caller owns *ret_cells: swept_cells_destroy(). BF_ENOMEM.
-BF_MUST_CHECK bf_status swept_cells_create(const bf_grid *grid, swept_cells **ret_cells,
-                                           bf_error *err);
+/// Room for a grid with these edges, [SCENE_SIDE_COUNT]. The caller owns *ret_cells: swept_cells_destroy(). BF_ENOMEM.
+BF_MUST_CHECK bf_status swept_cells_create(const bf_grid *grid, const scene_edge *edges,
+                                           swept_cells **ret_cells, bf_error *err);
 
 /// Free it. NULL is fine. Always returns NULL.
 swept_cells *swept_cells_destroy(swept_cells *c);
@@ -63,19 +64,26 @@ void swept_cells_begin(swept_cells *c, const velocity_field *f);
 /// Mark the cells that a plate has swept over since.
 void swept_cells_mark(swept_cells *c, const swept_cells_plate *plate);
 
-/// What it would take to turn a plate at w, rad/s, not 0: cargo in the cells that it would sweep over, and in those around
-/// them up to where there is room for the former, slides on its belts as it moves with the plate. The way around its
-/// free end counts where it is as wide as a part.
+/// What holds a plate back; INFINITY both: there is no room, or a cell holds more than `most`.
+typedef struct swept_cells_load {
+    double torque; ///< against its turn, N m, >= 0
+    double force;  ///< against its shift, N, >= 0
+} swept_cells_load;
+
+/// What it would take to turn a plate at w, rad/s, and to shift it at v, m/s, either of which may be 0: cargo in the cells that it
+/// would sweep over, and in those around them up to where there is room for the former, slides on its belts as it moves with the
+/// plate. The way around its free ends counts where it is as wide as a part.
 ///
 ///     u      = w min(r, R) e: the velocity of cargo at r from the pivot, e its direction, R the plate's radius
-///     s      = u - v, v the belt's velocity under it
-///     torque = sum over these cells of mu g m tanh(lambda |s|) max(0, s.e)/|s| min(r, R), N m, >= 0; INFINITY:
-///              there is no room, or a cell holds more than `most`
+///     s      = u - b, b the belt's velocity under it
+///     torque = sum over these cells of mu g m tanh(lambda |s|) max(0, s.e)/|s| min(r, R)
+///     force  = the same with u = v and e its direction, without the lever min(r, R)
 ///
-/// *f is the field of the plate's present place, `before`. Never allocates.
-double swept_cells_load(swept_cells *c, const swept_cells_plate *plate,
-                        const swept_cells_cargo *cargo, const velocity_field *f, double w,
-                        macro_solver *s);
+/// Each drive bears what the other one would have to push, were it alone (**choice**). *f is the field of the plate's present place,
+/// `before`. Never allocates.
+swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *plate,
+                                       const swept_cells_cargo *cargo, const velocity_field *f,
+                                       double w, vec2 v, macro_solver *s);
 
 /// Hand on what lies in the marked cells of a plate; *f is the field of the plates' new places. Never allocates.
 void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,

@@ -57,8 +57,10 @@ static plate_load add_measurement(drives *d, size_t obstacle, plate_load measure
     memmove(recent + 1, recent, (DRIVES_WINDOW - 1) * sizeof *recent);
     recent[0] = measured;
     for (size_t k = 1; k < d->window; k++)
-        least = (plate_load){ least_of(least.torque, recent[k].torque),
-                              least_of(least.force, recent[k].force) };
+        least = (plate_load){ .torque = least_of(least.torque, recent[k].torque),
+                              .force = least_of(least.force, recent[k].force),
+                              .resultant = { least_of(least.resultant.x, recent[k].resultant.x),
+                                             least_of(least.resultant.y, recent[k].resultant.y) } };
     return least;
 }
 
@@ -90,7 +92,8 @@ bool drives_load(drives *d, checkpoint_reader *r)
 
     for (size_t k = 0; k < d->n && is_sound; k++)
         for (size_t m = 0; m < DRIVES_WINDOW; m++)
-            is_sound =
-                is_sound && isfinite(d->recent[k][m].torque) && isfinite(d->recent[k][m].force);
+            is_sound = is_sound && isfinite(d->recent[k][m].torque) &&
+                       isfinite(d->recent[k][m].force) && isfinite(d->recent[k][m].resultant.x) &&
+                       isfinite(d->recent[k][m].resultant.y);
     return is_sound;
 }

@@ -1,6 +1,6 @@
 /// The drives of plates that move, under the load of parts.
 ///
-///     load      of a plate: sum of k delta n over its contacts, and the torque about its pivot. An impact lasts for few
+///     load      of a plate: sum of k delta over its contacts, their resultant, and the torque about its pivot. An impact lasts for few
 ///               steps, a part that is wedged in stays: what counts is the least load of the last DRIVES_WINDOW times
 ///               that it was measured
 ///     times     every n_steps, in which no plate moves farther than 1 % of the smallest radius, at most DRIVES_STEPS_MAX;

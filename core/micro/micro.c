@@ -11,7 +11,7 @@
 #include "core/micro/places.h"
 #include "core/micro/press.h"
 #include "core/scene/goods.h"
-#include "core/scene/plate_motion.h"
+#include "core/scene/plate_range.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
@@ -120,7 +120,7 @@ double micro__plate_speed(const micro_def *def, size_t *ret_obstacle)
     *ret_obstacle = 0;
     for (size_t k = 0; k < def->n_obstacles; k++) {
         const double speed =
-            plate_motion_largest_speed(def->obstacles, k, def->n_actions, def->actions);
+            plate_range_largest_speed(def->obstacles, k, def->n_actions, def->actions);
         if (speed > largest)
             *ret_obstacle = k;
         largest = fmax(largest, speed);

@@ -193,15 +193,16 @@ static void compare_part(void *context, size_t part, const micro_place *place)
     n->is_free = n->is_free && !shape_overlaps(n->footprint, n->pose, other, place->pose);
 }
 
-// The pose seen from a plate that has turned.
+// The pose seen from a plate that has moved.
 static scene_pose turn_back(const plate_motion *motion, const places_piece *piece, double t,
                             scene_pose pose)
 {
-    const double angle = plate_motion_angle(motion, piece->obstacle, t);
-    const plate_motion_pose back = plate_motion_pose_at(motion, piece->obstacle, -angle);
-    const vec2 at = plate_motion_place(&back, (vec2){ pose.x, pose.y });
+    const plate_motion_place place = plate_motion_at(motion, piece->obstacle, t);
+    const plate_motion_pose of = plate_motion_pose_at(motion, piece->obstacle, place);
+    const plate_motion_pose back = plate_motion_inverse(&of);
+    const vec2 at = plate_motion_move(&back, (vec2){ pose.x, pose.y });
 
-    return (scene_pose){ at.x, at.y, pose.heading - angle };
+    return (scene_pose){ at.x, at.y, pose.heading - place.angle };
 }
 
 static bool is_clear_of_piece(const places_parts *parts, const places_piece *piece,

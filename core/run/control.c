@@ -7,7 +7,8 @@
 static const double least_part = 0.5;
 
 static const double told_turn =
-    2.0 * M_PI / 180.0; // rad, between two changes of a drive that is behind
+    2.0 * M_PI / 180.0;                // rad, between two changes of a drive that is behind
+static const double told_shift = 0.01; // m, same
 
 control control_of(const scene *s, bf_world *w, const run_backend *backend, const run_plan *plan)
 {
@@ -104,17 +105,20 @@ static bf_status watch_drive(control *c, const plate_motion *motion, size_t k, u
 {
     const double t = (double)step * c->dt;
     control_drive *told = &c->drives[k];
+    const plate_motion_place place = plate_motion_at(motion, k, t);
     const frame_change change = { .type = FRAME_CHANGE_DRIVE,
                                   .item = (uint32_t)k,
                                   .state = plate_drive_state_of(motion, k, t),
-                                  .turn = plate_motion_angle(motion, k, t) };
+                                  .turn = place.angle,
+                                  .shift = place.shift };
+    const bool is_near = fabs(place.angle - told->turn) < told_turn &&
+                         vec2_length(vec2_sub(place.shift, told->shift)) < told_shift;
 
-    if (change.state == told->state &&
-        (change.state == PLATE_DRIVE_AS_TOLD || fabs(change.turn - told->turn) < told_turn))
+    if (change.state == told->state && (change.state == PLATE_DRIVE_AS_TOLD || is_near))
         return BF_OK;
     if ((change.state == PLATE_DRIVE_STALLED) != (told->state == PLATE_DRIVE_STALLED))
         figures_stall(to, t, change.state == PLATE_DRIVE_STALLED);
-    *told = (control_drive){ change.turn, change.state };
+    *told = (control_drive){ change.turn, change.shift, change.state };
     return emit_change(c, step, &change, c->scene->obstacles[k].id, sink, err);
 }
 

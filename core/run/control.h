@@ -17,6 +17,7 @@
 /// What was told last of the drive of an obstacle that moves.
 typedef struct control_drive {
     double turn;    ///< rad
+    vec2 shift;     ///< m
     uint64_t state; ///< plate_drive_state
 } control_drive;
 

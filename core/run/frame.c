@@ -111,10 +111,11 @@ static const field slice_fields[] = { { COPY(slice.of) },
                                       { COPY(slice.at) },
                                       { REST(slice.bytes, slice.n) },
                                       { END } };
-static const field change_fields[] = { { COPY(change.index) }, { COPY(change.t) },
-                                       { COPY(change.type) },  { COPY(change.item) },
-                                       { COPY(change.state) }, { COPY(change.id) },
-                                       { COPY(change.turn) },  { END } };
+static const field change_fields[] = {
+    { COPY(change.index) }, { COPY(change.t) },     { COPY(change.type) },
+    { COPY(change.item) },  { COPY(change.state) }, { COPY(change.id) },
+    { COPY(change.turn) },  { COPY(change.shift) }, { END }
+};
 
 static const field figures_fields[] = {
     { COPY(figures.t) }, { COPY(figures.n) }, { ARRAY(figures.values, figures.n) }, { END }

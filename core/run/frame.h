@@ -15,6 +15,7 @@
 #include "core/base/buffer.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
+#include "core/base/vec2.h"
 #include "core/scene/limits.h"
 
 #include <stdbool.h>
@@ -147,7 +148,7 @@ enum { FRAME_CHANGES_MAX = 100000 };
 typedef enum frame_change_type {
     FRAME_CHANGE_EYE,    ///< the state of a photo eye
     FRAME_CHANGE_ACTION, ///< the target of an action
-    FRAME_CHANGE_DRIVE, ///< how a plate follows what it is told; while it is behind, every 2 degrees
+    FRAME_CHANGE_DRIVE, ///< how a plate follows what it is told; while it is behind, every 2 degrees or 10 mm
     FRAME_CHANGE_TYPE_COUNT
 } frame_change_type;
 
@@ -160,6 +161,7 @@ typedef struct frame_change {
     uint32_t state;         ///< from now on; of an eye: 1 if blocked; of a drive: plate_drive_state
     char id[SCENE_ID_SIZE]; ///< of the photo eye, of the action's target, or of the obstacle
     double turn;            ///< of the obstacle, counter-clockwise, rad; else 0
+    vec2 shift;             ///< of the obstacle, m; else 0
 } frame_change;
 
 /// The key figures until a time, as by figure.h; NAN: the run cannot say. They come with progress and before the end.
@@ -179,25 +181,23 @@ typedef enum frame_end_reason {
 
 /// How far the run is.
 typedef struct frame_progress {
-    uint64_t step;    ///< steps made
-    uint64_t n_steps; ///< most of the whole run
-    double t;         ///< simulated time, s
+    uint64_t step, n_steps; ///< steps made, and most of the whole run
+    double t;               ///< simulated time, s
 } frame_progress;
 
 /// How a run ended, and its figures.
 typedef struct frame_end {
-    uint32_t stopped;     ///< 0: done; 1: stopped on request, resumable if a checkpoint came last
-    uint32_t reason;      ///< frame_end_reason
-    uint64_t n_steps;     ///< steps made since t = 0
-    double t;             ///< simulated time, s
-    uint64_t n_cells;     ///< cells of the grid
-    double parts_start;   ///< parts in the domain at t = 0
-    double parts_end;     ///< parts in the domain now
-    double parts_entered; ///< parts that entered since t = 0
-    double parts_fallen;  ///< parts that fell off the belts since t = 0
-    double peak;          ///< largest density of all snapshots and samples
-    uint64_t digest;      ///< of the final state
-    uint64_t n_samples, n_snapshots; ///< of the curve, and snapshots, since t = 0
+    uint32_t stopped;   ///< 0: done; 1: stopped on request, resumable if a checkpoint came last
+    uint32_t reason;    ///< frame_end_reason
+    uint64_t n_steps;   ///< steps made since t = 0
+    double t;           ///< simulated time, s
+    uint64_t n_cells;   ///< cells of the grid
+    double parts_start; ///< parts in the domain at t = 0
+    double parts_end;   ///< parts in the domain now
+    double parts_entered, parts_fallen; ///< since t = 0: that entered, and that fell off the belts
+    double peak;                        ///< largest density of all snapshots and samples
+    uint64_t digest;                    ///< of the final state
+    uint64_t n_samples, n_snapshots;    ///< of the curve, and snapshots, since t = 0
     // Of models with parts, else 0:
     uint64_t n_parts_left;  ///< parts that left the domain since t = 0
     double part_steps;      ///< steps times parts: those in the domain; without feeds, at the start

@@ -49,7 +49,7 @@ static void check_step(const scene *s, bf_faults *faults)
                    stable);
     else if (step > turning * (1.0 + RUN__STABLE_SLACK))
         faults_add(faults, "/macro/step_s",
-                   "in a step of %.10g s an obstacle turns by more than a cell; the largest one "
+                   "in a step of %.10g s an obstacle moves by more than a cell; the largest one "
                    "without that "
                    "is %.10g s",
                    step, turning);

@@ -2,6 +2,7 @@
 
 #include "core/base/polygon.h"
 #include "core/scene/mix.h"
+#include "core/scene/plate_range.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,18 +10,18 @@
 // Kinds of parts whose masses have this ratio overlap by up to 7 % of a radius at the defaults.
 static const double unlike = 300.0;
 
-// Whether a part with its centre there may touch an obstacle: its path, or where that may turn to.
-static bool may_touch(const scene_obstacle *o, vec2 at, double range)
+// Whether a part with its centre there may touch obstacle k: its path, or where that may come to.
+static bool may_touch(const scene *s, size_t k, vec2 at, double range)
 {
-    double nearest = HUGE_VAL, farthest = 0.0;
+    const scene_obstacle *o = &s->obstacles[k];
+    const plate_range places = plate_range_of(s->obstacles, k, s->n_actions, s->actions);
+    double nearest = HUGE_VAL;
 
-    for (size_t k = 0; k < o->n_points; k++) {
-        if (k > 0)
-            nearest = fmin(nearest, polygon_segment_distance(at, o->path[k - 1], o->path[k]));
-        farthest = fmax(farthest, vec2_length(vec2_sub(o->path[k], o->pivot)));
-    }
-    if (scene_obstacle_moves(o) && vec2_length(vec2_sub(at, o->pivot)) <= farthest + range)
+    if (places.moves &&
+        plate_range_distance(&places, o->pivot, at) <= plate_range_radius(o) + range)
         return true;
+    for (size_t m = 1; m < o->n_points; m++)
+        nearest = fmin(nearest, polygon_segment_distance(at, o->path[m - 1], o->path[m]));
     return nearest <= range + o->thickness;
 }
 
@@ -29,7 +30,7 @@ static const scene_obstacle *find_plate(const scene *s, vec2 at)
     const double range = mix_radii_of(s).largest;
 
     for (size_t k = 0; k < s->n_obstacles; k++)
-        if (may_touch(&s->obstacles[k], at, range))
+        if (may_touch(s, k, at, range))
             return &s->obstacles[k];
     return NULL;
 }

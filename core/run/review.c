@@ -99,11 +99,24 @@ static void find_standing(standing *c)
     }
 }
 
+/// True if what stops a belt starts it again, too, after a time.
+static bool starts_again(const standing *c, const scene_action *stop)
+{
+    bool is_so = false;
+
+    for (size_t k = 0; k < c->s->n_actions && !is_so; k++) {
+        const scene_action *a = &c->s->actions[k];
+        is_so = a->type == SCENE_ACTION_BELT && a->target == stop->target && a->value > 0.0 &&
+                a->eye == stop->eye && a->when_blocked && a->delay > stop->delay;
+    }
+    return is_so;
+}
+
 /// True if the action stops a belt by cargo that then stands in the beam.
 static bool stops_itself(const standing *c, const scene_action *a)
 {
     return a->type == SCENE_ACTION_BELT && a->when_blocked && a->value == 0.0 &&
-           c->crosses[a->eye][a->target] && c->stands_under[a->eye];
+           c->crosses[a->eye][a->target] && c->stands_under[a->eye] && !starts_again(c, a);
 }
 
 /// True if a belt that stands stays so: an action stops it by its own cargo, and those that start it wait for

@@ -1,6 +1,7 @@
 #include "core/run/review_plates.h"
 
 #include "core/scene/placement.h"
+#include "core/scene/plate_range.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -201,11 +202,51 @@ static bool review_end(plates *p, size_t k, vec2 before, vec2 end, review_warnin
     return true;
 }
 
+/// Warn of a plate that is shifted so far that no part of it comes within its own length of the domain, at pointer.
+static bool review_shift(const plates *p, size_t k, vec2 shift, const char *pointer,
+                         review_warnings *ret_warnings)
+{
+    const scene_obstacle *o = &p->s->obstacles[k];
+    const double radius = plate_range_radius(o);
+    const scene_rect *d = &p->s->domain;
+    const vec2 pivot = vec2_add(o->pivot, shift);
+    const vec2 to = { fmax(fmax(d->x_min - pivot.x, pivot.x - d->x_max), 0.0),
+                      fmax(fmax(d->y_min - pivot.y, pivot.y - d->y_max), 0.0) };
+
+    if (vec2_length(to) <= 2.0 * radius)
+        return false;
+    review_warning *item = review_add(ret_warnings, pointer, "A plate is shifted far off the line");
+    snprintf(item->meaning, sizeof item->meaning,
+             "'%s' is shifted by (%.3g, %.3g) m, to where it is %.3g m off the domain: nothing is "
+             "there that it could hold or push.",
+             o->id, shift.x, shift.y, vec2_length(to));
+    return true;
+}
+
+static void review_shifts(const plates *p, size_t k, review_warnings *ret_warnings)
+{
+    const scene_obstacle *o = &p->s->obstacles[k];
+    char pointer[BF_POINTER_SIZE];
+    bool is_said = false;
+
+    for (size_t m = 0; m < o->n_shifts && !is_said; m++) {
+        snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion/shift_m/%zu", k, m);
+        is_said = review_shift(p, k, o->shifts[m], pointer, ret_warnings);
+    }
+    for (size_t m = 0; m < p->s->n_actions && !is_said; m++) {
+        const scene_action *a = &p->s->actions[m];
+        snprintf(pointer, sizeof pointer, "/actions/%zu/do/shift_m", m);
+        is_said = a->type == SCENE_ACTION_SHIFT && a->target == k &&
+                  review_shift(p, k, a->shift, pointer, ret_warnings);
+    }
+}
+
 static void review_plate(plates *p, size_t k, review_warnings *ret_warnings)
 {
     const scene_obstacle *obstacle = &p->s->obstacles[k];
     const size_t n = obstacle->n_points;
 
+    review_shifts(p, k, ret_warnings);
     if (scene_obstacle_moves(obstacle))
         return;
     review_parts(p, k, ret_warnings);

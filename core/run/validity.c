@@ -10,6 +10,8 @@
 #include "core/run/validity_text.h"
 #include "core/scene/layout.h"
 #include "core/scene/mix.h"
+#include "core/scene/plate_motion.h"
+#include "core/scene/plate_range.h"
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
 
@@ -35,7 +37,7 @@
 
 enum {
     WIDTH_DIRECTIONS = 64, ///< in which the width of a part is looked for, over half a turn
-    TURN_SAMPLES = 16,     ///< angles of a plate that turns at which openings are measured
+    TURN_SAMPLES = 16,     ///< places of a plate that moves at which openings are measured
     TURN_PIECES_MAX = 64,  ///< straight pieces of all plates up to which they are
 };
 
@@ -53,7 +55,7 @@ typedef struct findings {
     double diameter;          ///< of the largest part, m
     double rate;              ///< of all feeds together at most, parts/s
     double n_fed;             ///< parts of feeds in the run
-    bool is_turning;          ///< a plate turns
+    bool is_moving;           ///< a plate turns or is shifted
     review_warnings falls;    ///< of places at which cargo gets off the belts
     noted figures[VALIDITY_FIGURE_COUNT];
     bool is_unknown; ///< a value is
@@ -370,47 +372,24 @@ static bf_status sum_feeds(findings *f, bf_error *err)
 
 // ---- what moves
 
-/// The angles that a plate turns to: those of its schedule and of what is commanded, rad.
-static void range_of_turn(const scene *s, size_t index, double *ret_least, double *ret_largest)
-{
-    const scene_series *turn = &s->obstacles[index].turn;
-
-    *ret_least = *ret_largest = turn->n_times > 0 ? turn->values[0] : 0.0;
-    for (size_t k = 0; k < turn->n_values; k++) {
-        *ret_least = fmin(*ret_least, turn->values[k]);
-        *ret_largest = fmax(*ret_largest, turn->values[k]);
-    }
-    for (size_t k = 0; k < s->n_actions; k++) {
-        const scene_action *a = &s->actions[k];
-        if (a->type == SCENE_ACTION_TURN && a->target == index) {
-            *ret_least = fmin(*ret_least, a->value);
-            *ret_largest = fmax(*ret_largest, a->value);
-        }
-    }
-}
-
-static vec2 turned_about(vec2 pivot, vec2 at, double angle)
-{
-    const vec2 arm = vec2_sub(at, pivot);
-
-    return vec2_add(
-        pivot, vec2_add(vec2_scale(arm, cos(angle)), vec2_scale(vec2_turn_left(arm), sin(angle))));
-}
-
 /// Measure the angles and openings that a plate comes to while the others stand as in the document.
-static bf_status note_turning(findings *f, scene *turned, size_t index, bf_error *err)
+static bf_status note_moving(findings *f, scene *moved, size_t index, bf_error *err)
 {
     const scene_obstacle *o = &f->s->obstacles[index];
     bf_status status = BF_OK;
-    double least, largest;
+    const plate_range r = plate_range_of(f->s->obstacles, index, f->s->n_actions, f->s->actions);
     layout of;
 
-    range_of_turn(f->s, index, &least, &largest);
     for (int k = 0; k <= TURN_SAMPLES && status == BF_OK; k++) {
-        const double angle = least + (largest - least) * k / TURN_SAMPLES;
+        const double part = (double)k / TURN_SAMPLES;
+        const double angle = r.least + (r.most - r.least) * k / TURN_SAMPLES;
+        const plate_motion_pose pose = {
+            o->pivot, vec2_add(r.ends[0], vec2_scale(vec2_sub(r.ends[1], r.ends[0]), part)),
+            cos(angle), sin(angle)
+        };
         for (size_t i = 0; i < o->n_points; i++)
-            turned->obstacles[index].path[i] = turned_about(o->pivot, o->path[i], angle);
-        status = layout_measure(turned, &of, err);
+            moved->obstacles[index].path[i] = plate_motion_move(&pose, o->path[i]);
+        status = layout_measure(moved, &of, err);
         if (status == BF_OK && of.n_plates > 0)
             note_angles(f, &of);
         if (status == BF_OK && isfinite(of.opening.value))
@@ -419,19 +398,18 @@ static bf_status note_turning(findings *f, scene *turned, size_t index, bf_error
     return status;
 }
 
-/// The same for all plates that turn, on a copy of the scene whose obstacles are its own.
+/// The same for all plates that turn or are shifted, on a copy of the scene whose obstacles are its own.
 static bf_status note_swept(findings *f, const layout *of, bf_error *err)
 {
     const scene *s = f->s;
-    scene turned = *s;
+    scene moved = *s;
     bf_status status = BF_OK;
 
     for (size_t k = 0; k < s->n_obstacles && status == BF_OK; k++) {
-        double least, largest;
-        range_of_turn(s, k, &least, &largest);
-        if (least == largest)
+        const plate_range r = plate_range_of(s->obstacles, k, s->n_actions, s->actions);
+        if (r.least == r.most && !r.is_shifted)
             continue;
-        f->is_turning = true;
+        f->is_moving = true;
         if (of->n_pieces > TURN_PIECES_MAX) {
             note(f, VALIDITY_SWEPT, NAN, "/obstacles/%zu", k);
             continue;
@@ -441,10 +419,10 @@ static bf_status note_swept(findings *f, const layout *of, bf_error *err)
         if (obstacles != NULL && path != NULL) {
             memcpy(obstacles, s->obstacles, s->n_obstacles * sizeof *obstacles);
             obstacles[k].path = path;
-            turned.obstacles = obstacles;
-            status = note_turning(f, &turned, k, err);
+            moved.obstacles = obstacles;
+            status = note_moving(f, &moved, k, err);
         } else {
-            status = bf_fail(err, BF_ENOMEM, "", "no memory for plates that turn");
+            status = bf_fail(err, BF_ENOMEM, "", "no memory for plates that move");
         }
         memory_free(path);
         memory_free(obstacles);
@@ -454,7 +432,7 @@ static bf_status note_swept(findings *f, const layout *of, bf_error *err)
 
 static void note_motions(findings *f)
 {
-    size_t n_moving = 0, moving = 0;
+    size_t n_moving = 0, moving = 0, n_shifted = 0, shifted = 0;
     char pointer[BF_POINTER_SIZE];
 
     for (size_t k = 0; k < f->s->n_obstacles; k++) {
@@ -462,9 +440,15 @@ static void note_motions(findings *f)
             n_moving++;
             moving = k;
         }
+        if (plate_range_of(f->s->obstacles, k, f->s->n_actions, f->s->actions).is_shifted) {
+            n_shifted++;
+            shifted = k;
+        }
     }
     snprintf(pointer, sizeof pointer, "/obstacles/%zu", moving);
     note_count(f, VALIDITY_MOTIONS, n_moving, pointer);
+    snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion", shifted);
+    note_count(f, VALIDITY_SHIFTS, n_shifted, pointer);
     note_count(f, VALIDITY_COMMANDS, f->s->n_actions, "/actions");
 }
 
@@ -667,7 +651,7 @@ static void note_figures(findings *f, const layout *of)
     const size_t n_velocities = count_velocities(f->s);
     const double n_arcs = count_arcs(f->s);
     const bool is_free = of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 &&
-                         n_velocities == 1 && n_arcs == 0.0 && !f->is_turning;
+                         n_velocities == 1 && n_arcs == 0.0 && !f->is_moving;
 
     note_motions(f);
     note_batches(f);

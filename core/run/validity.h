@@ -40,7 +40,7 @@ typedef enum validity_figure {
     VALIDITY_OPENING, ///< the narrowest of a single plate, diameters
     VALIDITY_FUNNEL,  ///< the narrowest of several plates, diameters
     VALIDITY_BRIDGES, ///< queues before the narrowest opening that stop for good within 1,000 parts, % (bridges.h)
-    VALIDITY_SWEPT, ///< the narrowest that plates come to where they turn, diameters
+    VALIDITY_SWEPT, ///< the narrowest that plates come to where they move, diameters
     VALIDITY_HEAP,  ///< parts at the start for each diameter of the narrowest opening
     VALIDITY_LOAD,  ///< what feeds offer of what the narrowest opening passes when it is full, %
     VALIDITY_QUEUE, ///< belt upstream of an opening that feeds may fill, diameters
@@ -76,7 +76,8 @@ typedef enum validity_figure {
     VALIDITY_TREATMENT,      ///< obstacles that are not SCENE_SEALED
     VALIDITY_CELL,           ///< edge of a cell, diameters
     VALIDITY_CONSTANTS,      ///< constants of the model that are not those of the comparison
-    VALIDITY_MOTIONS,        ///< obstacles that turn, come or go
+    VALIDITY_MOTIONS,        ///< obstacles that move, come or go
+    VALIDITY_SHIFTS,         ///< of them, those that are shifted
     VALIDITY_OVERLAP,        ///< of parts that is to be expected, % of the smallest radius
     VALIDITY_FIGURE_COUNT
 } validity_figure;

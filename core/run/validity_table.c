@@ -87,7 +87,7 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                            "openings at which at most 5 % do",
                            { UP_TO(5.0, BRIDGED), UP_TO(5.0, BRIDGED), ANY } },
     [VALIDITY_SWEPT] = { "diameters",
-                         "Where deflectors turn, the narrowest opening becomes",
+                         "Where deflectors move, the narrowest opening becomes",
                          " part diameters wide",
                          " diameters",
                          NULL,
@@ -351,6 +351,16 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                            "",
                            "obstacles that stand",
                            { UP_TO(0.0, NULL), UP_TO(0.0, NULL), NEVER } },
+    [VALIDITY_SHIFTS] = { NULL,
+                          "The number of obstacles that are shifted is",
+                          "",
+                          "",
+                          "obstacles that stand or turn",
+                          { UP_TO(0.0, "The density before a pusher is packed at once and leaves "
+                                       "at its speed; parts are struck, slide and roll on."),
+                            UP_TO(0.0, "The density before a pusher is packed at once and leaves "
+                                       "at its speed; parts are struck, slide and roll on."),
+                            NEVER } },
     [VALIDITY_OVERLAP] = { "%",
                            "Parts will overlap by",
                            " % of the smallest radius",
@@ -403,6 +413,7 @@ const char *const validity_words[] = {
     [VALIDITY_CELL] = "cell",
     [VALIDITY_CONSTANTS] = "constants",
     [VALIDITY_MOTIONS] = "motions",
+    [VALIDITY_SHIFTS] = "shifts",
     [VALIDITY_OVERLAP] = "overlap",
     [VALIDITY_FIGURE_COUNT] = NULL,
 };

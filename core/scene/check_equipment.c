@@ -3,7 +3,7 @@
 #include "core/base/polygon.h"
 #include "core/scene/belt.h"
 #include "core/scene/belt_speeds.h"
-#include "core/scene/plate_motion.h"
+#include "core/scene/plate_range.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene_priv.h"
 
@@ -172,6 +172,22 @@ static void check_path(const scene_obstacle *obstacle, size_t k, bf_faults *faul
         (void)scene__check_points(obstacle->path, n, pointer, whole, faults);
 }
 
+/// Note what is wrong with the shifts of an obstacle; pointer is that of its motion.
+static void check_shifts(const scene_obstacle *o, const char *pointer, bf_faults *faults)
+{
+    const size_t n_before = faults->n;
+    char at[2 * BF_POINTER_SIZE];
+
+    snprintf(at, sizeof at, "%s/shift_m", pointer);
+    if (o->n_shifts > 0 && o->n_shifts != o->turn.n_times)
+        faults_add(faults, at, "has %zu items, but t_s has %zu", o->n_shifts, o->turn.n_times);
+    for (size_t k = 0; k < o->n_shifts && faults->n == n_before; k++) {
+        snprintf(at, sizeof at, "%s/shift_m/%zu", pointer, k);
+        if (!scene__is_place(o->shifts[k]))
+            faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
+    }
+}
+
 /// Note what is wrong with how an obstacle moves; pointer is that of the obstacle.
 static void check_motion(const scene_obstacle *o, const char *pointer, bf_faults *faults)
 {
@@ -184,10 +200,11 @@ static void check_motion(const scene_obstacle *o, const char *pointer, bf_faults
         faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
     snprintf(at, sizeof at, "%s/motion", pointer);
     scene__check_series(&o->turn, at, "turn_deg", &turn_range, faults);
+    check_shifts(o, at, faults);
     snprintf(at, sizeof at, "%s/motion/repeat_s", pointer);
     if (faults->n == n_before && o->turn.n_times > 0 &&
-        plate_motion_largest_speed(o, 0, 0, NULL) == INFINITY)
-        faults_add(faults, at, "leaves no time to turn from the last angle to the first one");
+        plate_range_largest_speed(o, 0, 0, NULL) == INFINITY)
+        faults_add(faults, at, "leaves no time to move from the last place to the first one");
     snprintf(at, sizeof at, "%s/present", pointer);
     scene__check_series(&o->presence, at, "value", &flag_range, faults);
 }
@@ -262,7 +279,7 @@ void scene__check_photo_eyes(const scene *s, bf_faults *faults)
 typedef struct target_rule {
     const char *name;      ///< of the member that names the target
     const char *value;     ///< and of that with the value
-    const bf_range *range; ///< of the value
+    const bf_range *range; ///< of the value; NULL: it is a displacement
 } target_rule;
 
 static const target_rule targets[SCENE_ACTION_COUNT] = {
@@ -270,6 +287,7 @@ static const target_rule targets[SCENE_ACTION_COUNT] = {
     [SCENE_ACTION_TURN] = { "obstacle", "turn_deg", &turn_range },
     [SCENE_ACTION_PRESENCE] = { "obstacle", "present", &flag_range },
     [SCENE_ACTION_FEED] = { "feed", "hold", &flag_range },
+    [SCENE_ACTION_SHIFT] = { "obstacle", "shift_m", NULL },
 };
 
 static size_t count_targets(const scene *s, scene_action_type type)
@@ -292,7 +310,10 @@ static void check_command(const scene *s, const scene_action *a, const char *poi
         return;
     }
     snprintf(at, sizeof at, "%s/do/%s", pointer, rule->value);
-    range_check(rule->range, a->value, at, faults);
+    if (rule->range != NULL)
+        range_check(rule->range, a->value, at, faults);
+    else if (!scene__is_place(a->shift))
+        faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
     if (faults->n > n_before || a->type != SCENE_ACTION_BELT)
         return;
     const double speed = belt_largest_speed(&s->belts[a->target]);

@@ -4,6 +4,7 @@
 #include "core/scene/feed_line.h"
 #include "core/scene/mix.h"
 #include "core/scene/plate_pieces.h"
+#include "core/scene/plate_range.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene_priv.h"
 
@@ -11,7 +12,8 @@
 #include <stdio.h>
 
 enum {
-    SWINGS_MAX = 720, ///< angles at which a plate that turns is looked at
+    SWINGS_MAX = 720, ///< angles at which a plate that turns is looked at, or places on a line
+    MOVES_MAX = 26,   ///< of each where it turns and is shifted, or is shifted along several lines
     POINTS = 101,     ///< of a line that belts are looked for under
     PLACES = 501,     ///< of a line at which plates may leave no room
     NEAR_MAX =
@@ -407,68 +409,76 @@ static bool check_plates(const plate_pieces *pieces, size_t feed, double radius,
     return true;
 }
 
-/// The least and the largest angle that a schedule or an action gives a plate, rad.
-static bool find_angles(const scene *s, size_t obstacle, double *ret_least, double *ret_largest)
+/// Whether a plate meets an inlet at a place.
+static bool stands_on(const plate_pieces *pieces, size_t obstacle, const vec2 *inlet, size_t n,
+                      plate_motion_place place)
 {
-    const scene_series *turn = &s->obstacles[obstacle].turn;
-    bool turns = turn->n_values > 0;
-
-    *ret_least = *ret_largest = turns ? turn->values[0] : 0.0;
-    for (size_t k = 0; k < turn->n_values; k++) {
-        *ret_least = fmin(*ret_least, turn->values[k]);
-        *ret_largest = fmax(*ret_largest, turn->values[k]);
-    }
-    for (size_t k = 0; k < s->n_actions; k++) {
-        const scene_action *a = &s->actions[k];
-        if (a->type != SCENE_ACTION_TURN || a->target != obstacle)
-            continue;
-        turns = true;
-        *ret_least = fmin(*ret_least, a->value);
-        *ret_largest = fmax(*ret_largest, a->value);
-    }
-    return turns;
-}
-
-/// Whether a plate meets an inlet at an angle between two, looked for in steps by which its ends move by less than `step`, m.
-static bool swings_onto(const plate_pieces *pieces, size_t obstacle, const vec2 *inlet, size_t n,
-                        double least, double largest, double step)
-{
-    const scene_obstacle *o = &pieces->s->obstacles[obstacle];
-    const double radius = plate_motion_radius(o);
-    const double n_steps = fmin(ceil((largest - least) * radius / step), SWINGS_MAX);
-    double distance = (double)INFINITY;
     vec2 plate[4];
 
-    for (size_t k = 0; k < n; k++)
-        distance = fmin(distance, polygon_segment_distance(o->pivot, inlet[k], inlet[(k + 1) % n]));
-    if (distance > radius + step)
-        return false;
-    for (int k = 0; k <= (int)n_steps; k++)
-        for (size_t m = 0; m + 1 < o->n_points; m++) {
-            const double angle = least + (largest - least) * k / fmax(n_steps, 1.0);
-            plate_pieces_turned(pieces, obstacle, m, angle, plate);
-            if (polygon_overlaps(inlet, n, plate, 4, SCENE_TOLERANCE))
-                return true;
-        }
+    for (size_t m = 0; m + 1 < pieces->s->obstacles[obstacle].n_points; m++) {
+        plate_pieces_placed(pieces, obstacle, m, place, plate);
+        if (polygon_overlaps(inlet, n, plate, 4, SCENE_TOLERANCE))
+            return true;
+    }
     return false;
 }
 
-/// Plates that do not stand on the line at the start must not turn onto it, either.
-static void check_swings(const plate_pieces *pieces, size_t feed, double radius, bf_faults *faults)
+/// How many steps of a length lie on a way, at most some.
+static int steps_on(double way, double step, int most)
+{
+    return (int)fmin(ceil(way / step), (double)most);
+}
+
+/// Whether a plate meets an inlet at an angle and a displacement of its range, looked for in steps by which its ends move by less than
+/// `step`, m. Displacements are those of a line, or of the box that they span.
+static bool moves_onto(const plate_pieces *pieces, size_t obstacle, const vec2 *inlet, size_t n,
+                       const plate_range *r, double step)
+{
+    const scene_obstacle *o = &pieces->s->obstacles[obstacle];
+    const double radius = plate_range_radius(o);
+    const vec2 from = r->is_line ? r->ends[0] : r->low, to = r->is_line ? r->ends[1] : r->high;
+    const double along = r->is_line ? vec2_length(vec2_sub(to, from)) : to.x - from.x;
+    const bool is_shifted = along > 0.0 || !r->is_line;
+    const int n_angles =
+        steps_on((r->most - r->least) * radius, step, is_shifted ? MOVES_MAX : SWINGS_MAX);
+    const int n_along = steps_on(along, step, r->is_line ? SWINGS_MAX : MOVES_MAX);
+    const int n_across = r->is_line ? 0 : steps_on(to.y - from.y, step, MOVES_MAX);
+    double distance = (double)INFINITY;
+
+    for (size_t k = 0; k < n; k++)
+        distance = fmin(distance, polygon_segment_distance(o->pivot, inlet[k], inlet[(k + 1) % n]));
+    if (distance > radius + step + fmax(vec2_length(r->low), vec2_length(r->high)))
+        return false;
+    for (int k = 0; k <= n_angles; k++)
+        for (int i = 0; i <= n_along; i++)
+            for (int j = 0; j <= n_across; j++) {
+                const double u = i / fmax(n_along, 1.0),
+                             v = r->is_line ? u : j / fmax(n_across, 1.0);
+                const plate_motion_place place = {
+                    r->least + (r->most - r->least) * k / fmax(n_angles, 1.0),
+                    { from.x + (to.x - from.x) * u, from.y + (to.y - from.y) * v }
+                };
+                if (stands_on(pieces, obstacle, inlet, n, place))
+                    return true;
+            }
+    return false;
+}
+
+/// Plates that do not stand on the line at the start must not move onto it, either.
+static void check_moves(const plate_pieces *pieces, size_t feed, double radius, bf_faults *faults)
 {
     const scene *s = pieces->s;
     const scene_feed *f = &s->feeds[feed];
     vec2 inlet[5];
     const size_t n = place_inlet(pieces, f, radius, inlet);
     char room[BF_POINTER_SIZE];
-    double least, largest;
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
-        if (!find_angles(s, k, &least, &largest) ||
-            !swings_onto(pieces, k, inlet, n, least, largest, 0.5 * radius))
+        const plate_range range = plate_range_of(s->obstacles, k, s->n_actions, s->actions);
+        if (!range.moves || !moves_onto(pieces, k, inlet, n, &range, 0.5 * radius))
             continue;
         faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
-                   "the plate of obstacle '%s' turns onto it", s->obstacles[k].id);
+                   "the plate of obstacle '%s' moves onto it", s->obstacles[k].id);
         return;
     }
 }
@@ -513,7 +523,7 @@ bf_status scene__check_feed_lines(const scene *s, bf_faults *faults)
         check_belts(s, &pieces.around, k, faults);
         check_room(&pieces, k, footprints, faults);
         if (check_plates(&pieces, k, radius, faults))
-            check_swings(&pieces, k, radius, faults);
+            check_moves(&pieces, k, radius, faults);
         check_others(s, k, faults);
     }
     plate_pieces_fini(&pieces);

@@ -137,6 +137,8 @@ static uint64_t add_motions(uint64_t digest, size_t n, const scene_obstacle *obs
             continue;
         digest = ADD_NUMBERS(digest, (double)k, o->pivot.x, o->pivot.y);
         digest = add_series(add_series(digest, &o->turn), &o->presence);
+        if (o->n_shifts > 0)
+            digest = ADD_ITEMS(ADD_NUMBERS(digest, (double)o->n_shifts), o->shifts, o->n_shifts);
         if (o->force_limit > 0.0)
             digest = ADD_NUMBERS(digest, o->force_limit);
     }
@@ -156,6 +158,8 @@ static uint64_t add_equipment(uint64_t digest, const scene *s)
         const scene_action *a = &s->actions[k];
         digest = ADD_NUMBERS(digest, (double)a->eye, a->when_blocked, a->delay, a->type,
                              (double)a->target, a->value, a->over);
+        if (a->type == SCENE_ACTION_SHIFT)
+            digest = ADD_NUMBERS(digest, a->shift.x, a->shift.y);
     }
     return digest;
 }

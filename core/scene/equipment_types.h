@@ -27,6 +27,7 @@ typedef enum scene_action_type {
     SCENE_ACTION_TURN,     ///< an obstacle turns about its pivot
     SCENE_ACTION_PRESENCE, ///< an obstacle comes or goes
     SCENE_ACTION_FEED,     ///< a feed is held or released
+    SCENE_ACTION_SHIFT,    ///< an obstacle is shifted
     SCENE_ACTION_COUNT
 } scene_action_type;
 
@@ -39,5 +40,6 @@ typedef struct scene_action {
     size_t target;          ///< index of the belt, obstacle or feed
     double value; ///< of a belt its factor, >= 0; of a turn the angle, rad; of a presence 1 or 0;
                   ///< of a feed 1: it is held, 0: it is not
-    double over;  ///< of a turn: how long it takes, s, > 0 (default 0.5)
+    vec2 shift;   ///< of a shift: to where, from the path as in the document, m
+    double over;  ///< of a turn and of a shift: how long it takes, s, > 0 (default 0.5)
 } scene_action;

@@ -7,12 +7,13 @@
 #include <math.h>
 #include <string.h>
 
-static const plate_motion_command no_command = { .at = INFINITY,
-                                                 .presence = -1.0,
-                                                 .came = -INFINITY };
+static const plate_motion_command no_command = {
+    .at = INFINITY, .presence = -1.0, .came = -INFINITY, .shift = { .at = INFINITY }
+};
 
 static const plate_motion_lag no_lag = { .angle = { .at = INFINITY },
-                                         .extent = { .at = INFINITY } };
+                                         .extent = { .at = INFINITY },
+                                         .shift = { .at = INFINITY } };
 
 static bf_status copy_series(const scene_series *from, scene_series *ret_copy)
 {
@@ -38,6 +39,12 @@ static bf_status copy_plate(const scene_obstacle *from, plate_motion_plate *ret_
                                        .lag = no_lag };
     if (!ret_plate->moves)
         return BF_OK;
+    ret_plate->n_shifts = from->n_shifts;
+    ret_plate->shifts = memory_alloc(from->n_shifts, sizeof *ret_plate->shifts);
+    if (ret_plate->shifts == NULL)
+        return BF_ENOMEM;
+    if (from->n_shifts > 0)
+        memcpy(ret_plate->shifts, from->shifts, from->n_shifts * sizeof *from->shifts);
     bf_status status = copy_series(&from->turn, &ret_plate->turn);
     return status == BF_OK ? copy_series(&from->presence, &ret_plate->presence) : status;
 }
@@ -72,6 +79,7 @@ void plate_motion_fini(plate_motion *motion)
     for (size_t k = 0; k < motion->n; k++) {
         free_series(&motion->plates[k].turn);
         free_series(&motion->plates[k].presence);
+        memory_free(motion->plates[k].shifts);
     }
     memory_free(motion->plates);
     *motion = (plate_motion){ .n = 0 };
@@ -89,21 +97,45 @@ static size_t count_times(const scene_series *s, double t)
     return search_count(s->times, sizeof *s->times, s->n_times, t, true);
 }
 
-static double scheduled_angle(const scene_series *s, double t)
+// Two times of a series, and the part of the way from the first to the second at which a time lies.
+typedef struct span {
+    size_t before;
+    size_t after;
+    double part;
+} span;
+
+// n_times > 0.
+static span find_span(const scene_series *s, double t)
 {
     const double in_round = time_in_round(s, t);
     const size_t n = s->n_times, k = count_times(s, in_round);
 
-    if (n == 0)
-        return 0.0;
     if (k == 0 && t < s->repeat)
-        return s->values[0];
+        return (span){ 0, 0, 0.0 };
     if (k == n && s->repeat == INFINITY)
-        return s->values[n - 1];
+        return (span){ n - 1, n - 1, 0.0 };
     const double from = k > 0 ? s->times[k - 1] : s->times[n - 1] - s->repeat;
     const double to = k < n ? s->times[k] : s->times[0] + s->repeat;
-    const double before = s->values[k > 0 ? k - 1 : n - 1], after = s->values[k < n ? k : 0];
-    return before + (after - before) * ((in_round - from) / (to - from));
+    return (span){ k > 0 ? k - 1 : n - 1, k < n ? k : 0, (in_round - from) / (to - from) };
+}
+
+static vec2 between(vec2 from, vec2 to, double part)
+{
+    return vec2_add(from, vec2_scale(vec2_sub(to, from), part));
+}
+
+static plate_motion_place scheduled_place(const plate_motion_plate *plate, double t)
+{
+    plate_motion_place place = { .angle = 0.0 };
+
+    if (plate->turn.n_times == 0)
+        return place;
+    const span at = find_span(&plate->turn, t);
+    const double before = plate->turn.values[at.before], after = plate->turn.values[at.after];
+    place.angle = before + (after - before) * at.part;
+    if (plate->n_shifts > 0)
+        place.shift = between(plate->shifts[at.before], plate->shifts[at.after], at.part);
+    return place;
 }
 
 static double commanded_angle(const plate_motion_command *c, double t)
@@ -111,12 +143,23 @@ static double commanded_angle(const plate_motion_command *c, double t)
     return t < c->at + c->over ? c->from + (c->to - c->from) * ((t - c->at) / c->over) : c->to;
 }
 
-double plate_motion_told_angle(const plate_motion *motion, size_t obstacle, double t)
+// Where a way is at a time t at or after its beginning.
+static vec2 place_on(const plate_motion_way *w, double t)
+{
+    return t < w->until ? between(w->from, w->to, (t - w->at) / (w->until - w->at)) : w->to;
+}
+
+plate_motion_place plate_motion_told(const plate_motion *motion, size_t obstacle, double t)
 {
     const plate_motion_plate *plate = &motion->plates[obstacle];
+    const plate_motion_command *command = &plate->command;
+    plate_motion_place place = scheduled_place(plate, t);
 
-    return plate->command.at < INFINITY ? commanded_angle(&plate->command, t)
-                                        : scheduled_angle(&plate->turn, t);
+    if (command->at < INFINITY)
+        place.angle = commanded_angle(command, t);
+    if (command->shift.at < INFINITY)
+        place.shift = place_on(&command->shift, t);
+    return place;
 }
 
 // The value of a piece at a time t at or after its beginning.
@@ -125,18 +168,16 @@ static double value_of(const plate_motion_piece *p, double t)
     return t < p->until ? p->from + (p->to - p->from) * ((t - p->at) / (p->until - p->at)) : p->to;
 }
 
-double plate_motion_angle(const plate_motion *motion, size_t obstacle, double t)
+plate_motion_place plate_motion_at(const plate_motion *motion, size_t obstacle, double t)
 {
-    const plate_motion_piece *lag = &motion->plates[obstacle].lag.angle;
+    const plate_motion_lag *lag = &motion->plates[obstacle].lag;
+    plate_motion_place place = plate_motion_told(motion, obstacle, t);
 
-    return lag->at < INFINITY ? value_of(lag, t) : plate_motion_told_angle(motion, obstacle, t);
-}
-
-double plate_motion_angular_velocity(const plate_motion *motion, size_t obstacle, double from,
-                                     double to)
-{
-    return (plate_motion_angle(motion, obstacle, to) - plate_motion_angle(motion, obstacle, from)) /
-           (to - from);
+    if (lag->angle.at < INFINITY)
+        place.angle = value_of(&lag->angle, t);
+    if (lag->shift.at < INFINITY)
+        place.shift = place_on(&lag->shift, t);
+    return place;
 }
 
 // Whether it is there by the schedule. *ret_came: since when, or a time long before t; -INFINITY: always.
@@ -200,9 +241,11 @@ double plate_motion_extent(const plate_motion *motion, size_t obstacle, double t
     return lag->at < INFINITY ? fmin(value_of(lag, t), told) : told;
 }
 
-plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle, double angle)
+plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle,
+                                       plate_motion_place place)
 {
-    return (plate_motion_pose){ motion->plates[obstacle].pivot, cos(angle), sin(angle) };
+    return (plate_motion_pose){ motion->plates[obstacle].pivot, place.shift, cos(place.angle),
+                                sin(place.angle) };
 }
 
 plate_motion_step plate_motion_in_step(const plate_motion *motion, size_t obstacle,
@@ -211,10 +254,13 @@ plate_motion_step plate_motion_in_step(const plate_motion *motion, size_t obstac
     const double from = (double)n_before * dt, to = (double)(n_before + 1) * dt;
     const double extent = plate_motion_extent(motion, obstacle, from);
     const double grown = plate_motion_extent(motion, obstacle, to) - extent;
+    const plate_motion_place before = plate_motion_at(motion, obstacle, from);
+    const plate_motion_place after = plate_motion_at(motion, obstacle, to);
 
     return (plate_motion_step){
-        .pose = plate_motion_pose_at(motion, obstacle, plate_motion_angle(motion, obstacle, from)),
-        .spin = plate_motion_angular_velocity(motion, obstacle, from, to),
+        .pose = plate_motion_pose_at(motion, obstacle, before),
+        .spin = (after.angle - before.angle) / (to - from),
+        .velocity = vec2_scale(vec2_sub(after.shift, before.shift), 1.0 / (to - from)),
         .recess =
             plate_motion_is_present(motion, obstacle, from) ? (1.0 - extent) * depth : INFINITY,
         .growth = grown > 0.0 ? grown * depth / dt : 0.0,
@@ -226,11 +272,20 @@ void plate_motion_command_turn(plate_motion *motion, size_t obstacle, double t, 
 {
     plate_motion_command *c = &motion->plates[obstacle].command;
 
-    c->from = plate_motion_angle(motion, obstacle, t);
+    c->from = plate_motion_at(motion, obstacle, t).angle;
     motion->plates[obstacle].lag.angle = no_lag.angle;
     c->at = t;
     c->to = angle;
     c->over = over;
+}
+
+void plate_motion_command_shift(plate_motion *motion, size_t obstacle, double t, vec2 shift,
+                                double over)
+{
+    const vec2 from = plate_motion_at(motion, obstacle, t).shift;
+
+    motion->plates[obstacle].lag.shift = no_lag.shift;
+    motion->plates[obstacle].command.shift = (plate_motion_way){ t, t + over, from, shift };
 }
 
 void plate_motion_command_presence(plate_motion *motion, size_t obstacle, double t, bool is_present)
@@ -240,67 +295,6 @@ void plate_motion_command_presence(plate_motion *motion, size_t obstacle, double
 
     plate->command.came = find_presence(plate, t, &came) ? came : t;
     plate->command.presence = is_present ? 1.0 : 0.0;
-}
-
-static double largest_scheduled(const scene_series *s)
-{
-    const size_t n = s->n_times;
-    double largest = 0.0;
-
-    for (size_t k = 1; k < n; k++)
-        largest =
-            fmax(largest, fabs(s->values[k] - s->values[k - 1]) / (s->times[k] - s->times[k - 1]));
-    if (n > 1 && s->repeat < INFINITY && s->values[0] != s->values[n - 1])
-        largest = fmax(largest, fabs(s->values[0] - s->values[n - 1]) /
-                                    (s->times[0] + s->repeat - s->times[n - 1]));
-    return largest;
-}
-
-static bool turns(const scene_action *a, size_t obstacle)
-{
-    return a->type == SCENE_ACTION_TURN && a->target == obstacle;
-}
-
-// Between angles that schedule and actions lead to, the plate may have any.
-static double largest_commanded(const scene_series *s, size_t k, size_t n_actions,
-                                const scene_action *actions)
-{
-    double low = s->n_times > 0 ? s->values[0] : 0.0, high = low, largest = 0.0;
-
-    for (size_t m = 0; m < s->n_times; m++) {
-        low = fmin(low, s->values[m]);
-        high = fmax(high, s->values[m]);
-    }
-    for (size_t m = 0; m < n_actions; m++) {
-        if (turns(&actions[m], k)) {
-            low = fmin(low, actions[m].value);
-            high = fmax(high, actions[m].value);
-        }
-    }
-    for (size_t m = 0; m < n_actions; m++)
-        if (turns(&actions[m], k))
-            largest = fmax(largest,
-                           fmax(high - actions[m].value, actions[m].value - low) / actions[m].over);
-    return largest;
-}
-
-double plate_motion_radius(const scene_obstacle *obstacle)
-{
-    double radius = 0.0;
-
-    for (size_t k = 0; k < obstacle->n_points; k++)
-        radius = fmax(radius, vec2_length(vec2_sub(obstacle->path[k], obstacle->pivot)));
-    return radius + obstacle->thickness;
-}
-
-double plate_motion_largest_speed(const scene_obstacle *obstacles, size_t k, size_t n_actions,
-                                  const scene_action *actions)
-{
-    const scene_series *turn = &obstacles[k].turn;
-    const double rate =
-        fmax(largest_scheduled(turn), largest_commanded(turn, k, n_actions, actions));
-
-    return rate > 0.0 ? rate * plate_motion_radius(&obstacles[k]) : 0.0;
 }
 
 // What is saved of an obstacle that moves.
@@ -324,6 +318,13 @@ static bool is_piece_sound(const plate_motion_piece *p)
                                  isfinite(p->from) && isfinite(p->to));
 }
 
+static bool is_way_sound(const plate_motion_way *w)
+{
+    return w->at == INFINITY ||
+           (w->at >= 0.0 && w->until > w->at && isfinite(w->until) && isfinite(w->from.x) &&
+            isfinite(w->from.y) && isfinite(w->to.x) && isfinite(w->to.y));
+}
+
 static bool is_sound(const saved_plate *s)
 {
     const plate_motion_command *c = &s->command;
@@ -331,7 +332,8 @@ static bool is_sound(const saved_plate *s)
     return (c->at == INFINITY || (c->at >= 0.0 && isfinite(c->from) && isfinite(c->to) &&
                                   c->over > 0.0 && isfinite(c->over))) &&
            (c->presence == -1.0 || c->presence == 0.0 || c->presence == 1.0) &&
-           c->came < INFINITY && is_piece_sound(&s->lag.angle) && is_piece_sound(&s->lag.extent);
+           c->came < INFINITY && is_piece_sound(&s->lag.angle) && is_piece_sound(&s->lag.extent) &&
+           is_way_sound(&c->shift) && is_way_sound(&s->lag.shift);
 }
 
 bool plate_motion_load(plate_motion *motion, checkpoint_reader *r)

@@ -11,16 +11,16 @@ void plate_pieces_fini(plate_pieces *pieces)
     plate_motion_fini(&pieces->motion);
 }
 
-void plate_pieces_turned(const plate_pieces *pieces, size_t obstacle, size_t k, double angle,
-                         vec2 ret_corners[4])
+void plate_pieces_placed(const plate_pieces *pieces, size_t obstacle, size_t k,
+                         plate_motion_place place, vec2 ret_corners[4])
 {
     const surroundings_piece piece =
         surroundings_piece_of(&pieces->around, &pieces->s->obstacles[obstacle], k);
-    const plate_motion_pose pose = plate_motion_pose_at(&pieces->motion, obstacle, angle);
+    const plate_motion_pose pose = plate_motion_pose_at(&pieces->motion, obstacle, place);
 
     surroundings_piece_corners(&piece, ret_corners);
     for (int corner = 0; corner < 4; corner++)
-        ret_corners[corner] = plate_motion_place(&pose, ret_corners[corner]);
+        ret_corners[corner] = plate_motion_move(&pose, ret_corners[corner]);
 }
 
 bool plate_pieces_get(const plate_pieces *pieces, size_t obstacle, size_t k, vec2 ret_corners[4])
@@ -29,7 +29,6 @@ bool plate_pieces_get(const plate_pieces *pieces, size_t obstacle, size_t k, vec
 
     if (!plate_motion_is_present(motion, obstacle, 0.0))
         return false;
-    plate_pieces_turned(pieces, obstacle, k, plate_motion_angle(motion, obstacle, 0.0),
-                        ret_corners);
+    plate_pieces_placed(pieces, obstacle, k, plate_motion_at(motion, obstacle, 0.0), ret_corners);
     return true;
 }

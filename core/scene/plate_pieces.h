@@ -25,6 +25,6 @@ void plate_pieces_fini(plate_pieces *pieces);
 /// The corners of piece k of an obstacle's plate, counter-clockwise. False: the obstacle is not there.
 bool plate_pieces_get(const plate_pieces *pieces, size_t obstacle, size_t k, vec2 ret_corners[4]);
 
-/// Same of an obstacle that is turned by an angle, rad, whether it is there or not.
-void plate_pieces_turned(const plate_pieces *pieces, size_t obstacle, size_t k, double angle,
-                         vec2 ret_corners[4]);
+/// Same of an obstacle at a place, whether it is there or not.
+void plate_pieces_placed(const plate_pieces *pieces, size_t obstacle, size_t k,
+                         plate_motion_place place, vec2 ret_corners[4]);

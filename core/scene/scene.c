@@ -7,7 +7,7 @@
 #include "core/scene/belt_speeds.h"
 #include "core/scene/goods.h"
 #include "core/scene/placement.h"
-#include "core/scene/plate_motion.h"
+#include "core/scene/plate_range.h"
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
 
@@ -295,7 +295,8 @@ static void resolve_actions(scene *s)
 {
     for (size_t k = 0; k < s->n_actions; k++) {
         const scene_action *a = &s->actions[k];
-        const bool is_plate = a->type == SCENE_ACTION_TURN || a->type == SCENE_ACTION_PRESENCE;
+        const bool is_plate = a->type == SCENE_ACTION_TURN || a->type == SCENE_ACTION_SHIFT ||
+                              a->type == SCENE_ACTION_PRESENCE;
         if (is_plate && a->target < s->n_obstacles)
             s->obstacles[a->target].is_commanded = true;
         if (a->type == SCENE_ACTION_BELT && a->target < s->n_belts) {
@@ -352,6 +353,19 @@ static void resolve_derived(scene *s)
     resolve_feeds_and_eyes(s);
 }
 
+/// A schedule that only shifts an obstacle leaves its angle at 0.
+static bf_status resolve_turn(scene_obstacle *o, bf_error *err)
+{
+    if (o->n_shifts == 0 || o->turn.n_values > 0)
+        return BF_OK;
+    memory_free(o->turn.values);
+    o->turn.values = memory_alloc(o->turn.n_times, sizeof *o->turn.values);
+    if (o->turn.values == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the motion of obstacles");
+    o->turn.n_values = o->turn.n_times;
+    return BF_OK;
+}
+
 bf_status scene_resolve(scene *s, bf_error *err)
 {
     scene_belt *belt = s->n_belts == 0 ? memory_alloc(1, sizeof *belt) : NULL;
@@ -376,6 +390,9 @@ bf_status scene_resolve(scene *s, bf_error *err)
     }
     for (size_t k = 0; k < s->n_belts; k++)
         if (belt_resolve_arc(&s->belts[k], err) != BF_OK)
+            return BF_ENOMEM;
+    for (size_t k = 0; k < s->n_obstacles; k++)
+        if (resolve_turn(&s->obstacles[k], err) != BF_OK)
             return BF_ENOMEM;
     resolve_derived(s);
     surroundings around = { .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts };
@@ -428,6 +445,7 @@ void scene_fini(scene *s)
     for (size_t k = 0; k < s->n_obstacles; k++) {
         memory_free(s->obstacles[k].path);
         free_series(&s->obstacles[k].turn);
+        memory_free(s->obstacles[k].shifts);
         free_series(&s->obstacles[k].presence);
     }
     for (size_t k = 0; k < s->n_feeds; k++)
@@ -566,7 +584,7 @@ double scene_step_turning(const scene *s)
     double speed = 0.0;
 
     for (size_t k = 0; k < s->n_obstacles; k++)
-        speed = fmax(speed, plate_motion_largest_speed(s->obstacles, k, s->n_actions, s->actions));
+        speed = fmax(speed, plate_range_largest_speed(s->obstacles, k, s->n_actions, s->actions));
     return scene_cell_edge(s) / speed;
 }
 

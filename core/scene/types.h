@@ -91,15 +91,17 @@ typedef struct scene_obstacle {
     double thickness;          ///< of the plate, m, > 0: see surroundings.h (default 0.005)
     scene_treatment treatment; ///< (default SCENE_SEALED)
     double band; ///< SCENE_SEALED: width of the outward field B, m, > 0 (default 8/sqrt(sigma))
-    double slide_width;    ///< width of the slide zone C, m, > 0 (default 3/sqrt(sigma); 0.02 for
-                           ///< SCENE_FIELD and SCENE_WALL)
-    vec2 pivot;            ///< about which it turns, m (default the start of its path)
-    scene_series turn;     ///< angle by which its path is turned, counter-clockwise, rad: linear
-                           ///< between the times, constant outside
+    double slide_width; ///< width of the slide zone C, m, > 0 (default 3/sqrt(sigma); 0.02 for
+                        ///< SCENE_FIELD and SCENE_WALL)
+    vec2 pivot;         ///< about which it turns, m (default the start of its path)
+    scene_series turn;  ///< angle by which its path is turned, counter-clockwise, rad: linear
+                        ///< between the times, constant outside; 0 where only shifts were given
+    size_t n_shifts;    ///< 0: none; else as many as `turn` has times
+    vec2 *shifts;       ///< by which its path, turned, and its pivot are shifted at those times, m
     scene_series presence; ///< 1: it stands there, 0: it does not; from each time to the next,
                            ///< 1 before the first
     double force_limit;    ///< of its drive, see plate_drive.h, N, > 0; 0: chosen (default 0)
-    bool is_commanded;     ///< an action turns it or lets it come and go; set by scene_resolve()
+    bool is_commanded;     ///< an action moves it or lets it come and go; set by scene_resolve()
 } scene_obstacle;
 
 /// Shapes of cargo.

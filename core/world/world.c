@@ -33,6 +33,8 @@ void world_command(bf_world *w, const scene_action *action, double t)
         belt_speeds_command(&w->belts, action->target, t, action->value);
     if (action->type == SCENE_ACTION_TURN)
         plate_motion_command_turn(&w->plates, action->target, t, action->value, action->over);
+    if (action->type == SCENE_ACTION_SHIFT)
+        plate_motion_command_shift(&w->plates, action->target, t, action->shift, action->over);
     if (action->type == SCENE_ACTION_PRESENCE)
         plate_motion_command_presence(&w->plates, action->target, t, action->value != 0.0);
 }

@@ -1,4 +1,4 @@
-/// What moves in a scene whatever its cargo does: belts at their speeds, and plates at their angles, by schedules, commands
+/// What moves in a scene whatever its cargo does: belts at their speeds, and plates at their places, by schedules, commands
 /// and drives.
 ///
 /// A run owns one. Its solver borrows it, asks it in each step, and lets drives follow under what its cargo does to them

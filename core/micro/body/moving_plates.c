@@ -1,21 +1,24 @@
-// Plates that move: in each step they are turned from where they are in the document, so that rounding does not add up
+// Plates that move: in each step they are turned and shifted from where they are in the document, so that rounding does not add up
 // and upstream sides stay what they are there.
 
 #include "core/micro/body/body_priv.h"
 
 #include <math.h>
 
-void body__add_moving_plates(body_state *s, const scene_obstacle *obstacle, size_t index,
-                             size_t first)
+void body__add_moving_plates(body_state *s, const micro_def *def, size_t obstacle, size_t first)
 {
+    const scene_obstacle *of = &def->obstacles[obstacle];
+
     for (size_t k = first; k < s->n_plates; k++)
         s->moving[k] = (body_moving){ .moves = true,
-                                      .obstacle = index,
+                                      .obstacle = obstacle,
                                       .rest = s->plates[k],
-                                      .pivot = { obstacle->pivot.x, obstacle->pivot.y, 0.0 },
+                                      .range = plate_range_of(def->obstacles, obstacle,
+                                                              def->n_actions, def->actions),
+                                      .rest_pivot = of->pivot,
                                       // Ends at bends are prolonged by up to the thickness.
-                                      .radius = plate_motion_radius(obstacle) + obstacle->thickness,
-                                      .depth = s->bounding_radius_max + obstacle->thickness };
+                                      .radius = plate_range_radius(of) + of->thickness,
+                                      .depth = s->bounding_radius_max + of->thickness };
 }
 
 static vec3 turn(const plate_motion_pose *pose, vec3 a)
@@ -28,11 +31,15 @@ static vec3 turn(const plate_motion_pose *pose, vec3 a)
 static void pose_plate(body_moving *moving, const plate_motion_step *step, body_plate *plate)
 {
     const vec2 middle =
-        plate_motion_place(&step->pose, (vec2){ moving->rest.middle.x, moving->rest.middle.y });
+        plate_motion_move(&step->pose, (vec2){ moving->rest.middle.x, moving->rest.middle.y });
+
+    const vec2 pivot = plate_motion_pivot(&step->pose);
 
     plate->middle = (vec3){ middle.x, middle.y, 0.0 };
     plate->along = turn(&step->pose, moving->rest.along);
     plate->across = turn(&step->pose, moving->rest.across);
+    moving->pivot = (vec3){ pivot.x, pivot.y, 0.0 };
+    moving->velocity = (vec3){ step->velocity.x, step->velocity.y, 0.0 };
     moving->spin = step->spin;
     moving->recess = step->recess;
     moving->growth = step->growth;
@@ -55,7 +62,8 @@ double body__plates_speed(const body_state *s)
     double speed = 0.0;
 
     for (size_t k = 0; s->moving != NULL && k < s->n_plates; k++)
-        speed = fmax(speed, fabs(s->moving[k].spin) * s->moving[k].radius + s->moving[k].growth);
+        speed = fmax(speed, fabs(s->moving[k].spin) * s->moving[k].radius +
+                                vec3_length(s->moving[k].velocity) + s->moving[k].growth);
     return speed;
 }
 
@@ -120,7 +128,7 @@ vec3 body__surface_velocity(const body_moving *moving, vec3 n, vec3 to)
 {
     const vec3 turning = { -moving->spin * to.y, moving->spin * to.x, 0.0 };
 
-    return vec3_along(turning, moving->growth, n);
+    return vec3_along(vec3_add(turning, moving->velocity), moving->growth, n);
 }
 
 // The load of an obstacle, which contacts are added to.
@@ -137,6 +145,7 @@ static void add_point(load_context *of, const body_moving *moving, double stiffn
     const vec3 to = vec3_sub(at, moving->pivot);
 
     of->load.force += force;
+    of->load.resultant = vec2_sub(of->load.resultant, (vec2){ force * normal.x, force * normal.y });
     of->load.torque -= force * (to.x * normal.y - to.y * normal.x);
 }
 
@@ -162,7 +171,7 @@ static void add_contact(void *context, size_t k, const micro_law *law, uint32_t 
 plate_load body__load_on(void *state, size_t obstacle)
 {
     body_state *s = state;
-    load_context of = { s, obstacle, { 0.0, 0.0 } };
+    load_context of = { s, obstacle, { .torque = 0.0 } };
 
     for (size_t k = 0; k < s->n; k++)
         if (!s->common.presence[k])

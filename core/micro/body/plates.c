@@ -212,8 +212,9 @@ double body__plate_distance_ever(const body_state *s, size_t plate, double x, do
 
     if (moving == NULL || !moving->moves)
         return body__plate_distance(&s->plates[plate], x, y);
-    const vec3 to = { x - moving->pivot.x, y - moving->pivot.y, 0.0 };
-    return fmax(0.0, vec3_length(to) - moving->radius);
+    const double distance =
+        plate_range_distance(&moving->range, moving->rest_pivot, (vec2){ x, y });
+    return fmax(0.0, distance - moving->radius);
 }
 
 /// List the plates that a part with its centre in a cell may touch.
@@ -279,7 +280,7 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
         const size_t first = s->n_plates;
         make_plates(s, &def->obstacles[k]);
         if (scene_obstacle_moves(&def->obstacles[k]))
-            body__add_moving_plates(s, &def->obstacles[k], k, first);
+            body__add_moving_plates(s, def, k, first);
     }
     body__pose_plates(s, 0);
     if (make_map(s, &def->domain) != BF_OK)

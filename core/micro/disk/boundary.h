@@ -12,7 +12,7 @@ typedef struct disk_plate {
     size_t face_last;  ///< see there
     size_t arc_first;  ///< its arcs likewise
     size_t arc_last;   ///< see there
-    double radius;     ///< plate_motion_radius(), m
+    double radius;     ///< plate_range_radius(), m
     double depth;      ///< largest overlap of a part with it, m
 } disk_plate;
 

@@ -91,6 +91,7 @@ INLINED candidate_lanes load_candidates(const disk_state *s, size_t first, size_
 typedef struct surface_motion {
     simd px, py; // pivot
     simd spin, recess, growth;
+    simd vx, vy; // of the pivot
 } surface_motion;
 
 INLINED surface_motion load_surfaces(const disk_state *s, const candidate_lanes *t)
@@ -102,8 +103,8 @@ INLINED surface_motion load_surfaces(const disk_state *s, const candidate_lanes 
         row[k] = t->is_arc[k] > 0.0 ? first_arc + t->arc[k] : t->face[k];
     simd_quad low = simd_quad_load(&s->plates.surfaces->px, row);
     simd_quad high = simd_quad_load(&s->plates.surfaces->growth, row);
-    return (surface_motion){ low.column[0], low.column[1], low.column[2], low.column[3],
-                             high.column[0] };
+    return (surface_motion){ low.column[0],  low.column[1],  low.column[2], low.column[3],
+                             high.column[0], high.column[1], high.column[2] };
 }
 
 // The velocity of the parts becomes that against the surface in the contact point.
@@ -112,8 +113,8 @@ INLINED void subtract_surface_velocity(const surface_motion *m, const surface *a
 {
     simd rx = own->x - lever * at->nx - m->px, ry = own->y - lever * at->ny - m->py;
 
-    own->vx -= m->growth * at->nx - m->spin * ry;
-    own->vy -= m->growth * at->ny + m->spin * rx;
+    own->vx -= m->growth * at->nx - m->spin * ry + m->vx;
+    own->vy -= m->growth * at->ny + m->spin * rx + m->vy;
 }
 
 INLINED void boundary_forces_lanes(const explicit_step *step, const pair_law *law,
@@ -131,7 +132,7 @@ INLINED void boundary_forces_lanes(const explicit_step *step, const pair_law *la
         at = choose(at, find_arcs(s, &own, t->arc), t->is_arc);
     if (!uniform)
         stiffness = law->line / (own.compliance + s->handling_compliance);
-    surface_motion surfaces = { zero, zero, zero, zero, zero };
+    surface_motion surfaces = { zero, zero, zero, zero, zero, zero, zero };
     if (s->plates.n > 0)
         surfaces = load_surfaces(s, t);
     simd range = radius - surfaces.recess, overlap = range - at.height;

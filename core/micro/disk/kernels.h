@@ -68,15 +68,17 @@ typedef struct disk_arc {
     double friction; ///< mu
 } disk_arc;
 
-/// How a face or an arc moves in a step, where plates move: its velocity in p is spin x (p - pivot) + growth n, n its
-/// normal there.
+/// How a face or an arc moves in a step, where plates move: its velocity in p is spin x (p - pivot) + v + growth n, n
+/// its normal there.
 typedef struct disk_surface {
-    double px;         ///< pivot, m
-    double py;         ///< same
-    double spin;       ///< rad/s, counter-clockwise
-    double recess;     ///< how far it is behind its place, m; DISK_FAR: it is not there
-    double growth;     ///< at which that decreases, m/s
-    double padding[3]; ///< to a cache line
+    double px;      ///< pivot in this step, m
+    double py;      ///< same
+    double spin;    ///< rad/s, counter-clockwise
+    double recess;  ///< how far it is behind its place, m; DISK_FAR: it is not there
+    double growth;  ///< at which that decreases, m/s
+    double vx;      ///< velocity of the pivot, m/s
+    double vy;      ///< same
+    double padding; ///< to a cache line
 } disk_surface;
 
 /// The belt under a part, at a time: its velocity is (vx - turn y, vy + turn x).

@@ -1,9 +1,10 @@
 // Plates that move: before each step their faces and arcs are made from those as in the document, turned about the
-// pivot, so that rounding does not add up and upstream sides stay what they are there.
+// pivot and shifted, so that rounding does not add up and upstream sides stay what they are there.
 
 #include "core/micro/disk/disk_priv.h"
 
 #include "core/base/memory.h"
+#include "core/scene/plate_range.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,7 +25,7 @@ void disk__add_moving_plate(disk_state *s, const scene_obstacle *obstacle, size_
                                                 .face_last = s->n_faces,
                                                 .arc_first = arc_first,
                                                 .arc_last = s->n_arcs,
-                                                .radius = plate_motion_radius(obstacle),
+                                                .radius = plate_range_radius(obstacle),
                                                 .depth = s->radius_max + obstacle->thickness };
 }
 
@@ -47,7 +48,7 @@ bf_status disk__copy_boundary(disk_state *s, bf_error *err)
 
 static disk_face turn_face(const disk_face *from, const plate_motion_pose *pose)
 {
-    const vec2 p = plate_motion_place(pose, (vec2){ from->px, from->py });
+    const vec2 p = plate_motion_move(pose, (vec2){ from->px, from->py });
     const vec2 n = plate_motion_turn(pose, (vec2){ from->nx, from->ny });
     disk_face face = *from;
 
@@ -60,7 +61,7 @@ static disk_face turn_face(const disk_face *from, const plate_motion_pose *pose)
 
 static disk_arc turn_arc(const disk_arc *from, const plate_motion_pose *pose)
 {
-    const vec2 p = plate_motion_place(pose, (vec2){ from->px, from->py });
+    const vec2 p = plate_motion_move(pose, (vec2){ from->px, from->py });
     const vec2 e = plate_motion_turn(pose, (vec2){ from->ex, from->ey });
     const vec2 f = plate_motion_turn(pose, (vec2){ from->fx, from->fy });
 
@@ -70,11 +71,14 @@ static disk_arc turn_arc(const disk_arc *from, const plate_motion_pose *pose)
 static void pose_plate(disk_state *s, const disk_plate *plate, const plate_motion_step *step)
 {
     const disk_plates *plates = &s->plates;
-    const disk_surface surface = { .px = step->pose.pivot.x,
-                                   .py = step->pose.pivot.y,
+    const vec2 pivot = plate_motion_pivot(&step->pose);
+    const disk_surface surface = { .px = pivot.x,
+                                   .py = pivot.y,
                                    .spin = step->spin,
                                    .recess = fmin(step->recess, DISK_FAR),
-                                   .growth = step->growth };
+                                   .growth = step->growth,
+                                   .vx = step->velocity.x,
+                                   .vy = step->velocity.y };
 
     for (size_t k = plate->face_first; k < plate->face_last; k++) {
         s->faces[k] = turn_face(&plates->faces[k], &step->pose);
@@ -116,17 +120,18 @@ double disk__plates_travel(const disk_state *s, uint64_t n_before)
         const disk_plate *plate = &s->plates.of[k];
         const plate_motion_step step = plate_motion_in_step(
             &s->common.world->plates, plate->obstacle, n_before, dt, plate->depth);
-        speed = fmax(speed, fabs(step.spin) * plate->radius + step.growth);
+        speed =
+            fmax(speed, fabs(step.spin) * plate->radius + vec2_length(step.velocity) + step.growth);
     }
     return speed * dt;
 }
 
 vec2 disk__surface_velocity(const disk_surface *surface, vec2 n, vec2 at)
 {
-    const vec2 turning =
-        plate_motion_velocity((vec2){ surface->px, surface->py }, surface->spin, at);
+    const vec2 rigid = plate_motion_velocity((vec2){ surface->px, surface->py }, surface->spin,
+                                             (vec2){ surface->vx, surface->vy }, at);
 
-    return vec2_add(turning, vec2_scale(n, surface->growth));
+    return vec2_add(rigid, vec2_scale(n, surface->growth));
 }
 
 // The normal of a feature towards a part.
@@ -158,15 +163,16 @@ static void add_load(const disk_state *s, const disk_plate *plate, const disk_ca
     const double force = s->handling.line / (part->compliance + s->handling_compliance) * overlap;
     const vec2 normal = find_normal(s, part, candidate->feature);
     const vec2 at = vec2_sub((vec2){ part->x, part->y }, vec2_scale(normal, part->radius));
-    const vec2 pivot = s->common.world->plates.plates[plate->obstacle].pivot;
+    const disk_surface *surface = &s->plates.surfaces[candidate->feature];
     load->force += force;
-    load->torque -= force * vec2_cross(vec2_sub(at, pivot), normal);
+    load->resultant = vec2_sub(load->resultant, vec2_scale(normal, force));
+    load->torque -= force * vec2_cross(vec2_sub(at, (vec2){ surface->px, surface->py }), normal);
 }
 
 plate_load disk__load_on(void *state, size_t obstacle)
 {
     const disk_state *s = state;
-    plate_load load = { 0.0, 0.0 };
+    plate_load load = { .torque = 0.0 };
 
     for (size_t k = 0; k < s->plates.n; k++)
         for (size_t m = 0; m < s->n_candidates && s->plates.of[k].obstacle == obstacle; m++)

@@ -50,6 +50,13 @@ void helper_world_turn(bf_world *w, double t, double angle, double over)
     world_command(w, &turn, t);
 }
 
+void helper_world_shift(bf_world *w, double t, vec2 to, double over)
+{
+    const scene_action shift = { .type = SCENE_ACTION_SHIFT, .shift = to, .over = over };
+
+    world_command(w, &shift, t);
+}
+
 void helper_world_presence(bf_world *w, double t, bool is_present)
 {
     const scene_action presence = { .type = SCENE_ACTION_PRESENCE, .value = is_present };

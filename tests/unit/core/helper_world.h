@@ -15,6 +15,7 @@ bf_world *helper_world_of(const micro_def *def);
 
 /// Give commands at a time t, s.
 void helper_world_turn(bf_world *w, double t, double angle, double over);
+void helper_world_shift(bf_world *w, double t, vec2 shift, double over);
 void helper_world_presence(bf_world *w, double t, bool is_present);
 
 /// Let a world have the commands and drives of another one of the same scene, by its checkpoint.

@@ -206,7 +206,7 @@ static const struct {
       "\"px\" is not the id of a photo eye; there are: pe" },
     { "/actions/0/when/state",
       ACTION("'photo_eye': 'pe', 'state': 'open'", "'feed': 'in', 'hold': true"), "\"clear\"" },
-    { "/actions/0/do", ACTION(CLEAR, ""), "factor, turn_deg, present, hold; not 0" },
+    { "/actions/0/do", ACTION(CLEAR, ""), "factor, turn_deg, present, hold, shift_m; not 0" },
     { "/actions/0/do", ACTION(CLEAR, "'factor': 1, 'hold': true"), "not 2" },
     { "/actions/0/do/belt", ACTION(CLEAR, "'factor': 1"), "is missing" },
     { "/actions/0/do/belt", ACTION(CLEAR, "'factor': 1, 'belt': 'in'"), "there are: main" },

@@ -1,4 +1,4 @@
-// Obstacles that turn, come and go in the macroscopic model: what plates sweep over stays on the side that they move
+// Obstacles that turn, are shifted, come and go in the macroscopic model: what plates sweep over stays on the side that they move
 // to, mass is conserved, and the field is that of their present places. Expected values are derived.
 
 #include "core/macro/moving_plates.h"
@@ -218,6 +218,78 @@ static void a_plate_moves_what_it_sweeps_and_nothing_else(void **state)
     scene_fini(&s);
 }
 
+// The box with a plate that is shifted from one time to another one.
+static void make_shifted(scene *s, int kind, const vec2 path[2], vec2 to)
+{
+    static const double times[] = { 0.1, 0.7 }, angles[] = { 0.0, 0.0 };
+
+    make_box(s, kind, 0.0, series(2, times, angles));
+    scene_obstacle *o = &s->obstacles[0];
+    o->path[0] = o->pivot = path[0];
+    o->path[1] = path[1];
+    o->shifts = memory_alloc(2, sizeof *o->shifts);
+    assert_non_null(o->shifts);
+    o->n_shifts = 2;
+    o->shifts[1] = to;
+}
+
+// A plate between the long walls goes 0.1 m against a belt that stands: what lay on 0.1 m by 0.3 m, whole cells, lies ahead.
+static void a_plate_that_is_shifted_moves_what_it_sweeps(void **state)
+{
+    static const vec2 across[] = { { 0.4, -0.01 }, { 0.4, 0.31 } };
+    const double density = 0.4;
+
+    (void)state;
+    for (int k = 0; k < KINDS; k++) {
+        scene s;
+        make_shifted(&s, k, across, (vec2){ -0.1, 0.0 });
+        model m = start(&s, 1);
+        fill(&m, 0.0, 0.8, density);
+        const double mass = mass_of(&m);
+        double ahead = 0.0;
+        advance(&m, 500);
+        for (size_t j = 0; j < m.grid.n2; j++)
+            for (size_t i = 0; i < m.grid.n1; i++) {
+                const double x = grid_x1(&m.grid, i), rho = macro_row(m.solver, j)[i];
+                if (x > 0.3)
+                    assert_true(rho == (x < 0.4 ? 0.0 : density));
+                else
+                    ahead += rho - density;
+                assert_true(rho <= kinds[k].full * (1.0 + 1e-12));
+            }
+        assert_near(ahead * 1e-4, density * 0.1 * 0.3, 1e-12 * mass);
+        assert_near(mass_of(&m), mass, 1e-12 * mass);
+        stop(&m);
+        scene_fini(&s);
+    }
+}
+
+// A plate along the belt goes 0.1 m across it towards an open side. The belt is full: as much leaves over that side.
+static void what_a_shifted_plate_pushes_over_an_open_side_leaves(void **state)
+{
+    static const vec2 along[] = { { -0.01, 0.1 }, { 0.81, 0.1 } };
+
+    (void)state;
+    for (int k = 0; k < KINDS; k++) {
+        scene s;
+        make_shifted(&s, k, along, (vec2){ 0.0, 0.1 });
+        s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
+        model m = start(&s, 1);
+        fill(&m, 0.0, 0.8, kinds[k].full);
+        const double mass = mass_of(&m);
+        advance(&m, 500);
+        assert_near(mass - mass_of(&m), kinds[k].full * 0.1 * 0.8, 1e-12 * mass);
+        for (size_t j = 0; j < m.grid.n2; j++)
+            for (size_t i = 0; i < m.grid.n1; i++) {
+                const double y = grid_x2(&m.grid, j);
+                assert_near(macro_row(m.solver, j)[i], y > 0.1 && y < 0.2 ? 0.0 : kinds[k].full,
+                            1e-12);
+            }
+        stop(&m);
+        scene_fini(&s);
+    }
+}
+
 // Once the side ahead is full its drive pushes against nothing that could go anywhere: it stands where that side's area
 // is what the cargo fills, but for a cell along its length and what was between the density and `full`.
 static void where_there_is_no_room_the_plate_stalls(void **state)
@@ -234,7 +306,7 @@ static void where_there_is_no_room_the_plate_stalls(void **state)
         const double mass = mass_of(&m), stalled = atan2((1.0 - part) * 0.4 * 0.3, 0.5 * 0.09);
         advance(&m, 500);
         const plate_motion *motion = &m.world->plates;
-        const double angle = plate_motion_angle(motion, 0, macro_time(m.solver));
+        const double angle = plate_motion_at(motion, 0, macro_time(m.solver)).angle;
         assert_int_equal(plate_drive_state_of(motion, 0, macro_time(m.solver)),
                          PLATE_DRIVE_STALLED);
         assert_near(angle, stalled, m.grid.d1 / 0.15);
@@ -371,9 +443,9 @@ static void a_plate_that_came_to_rest_has_the_field_of_one_that_stands_there(voi
         plate_motion motion;
         assert_int_equal(plate_motion_init(&motion, 1, s.obstacles, NULL), BF_OK);
         const plate_motion_pose pose =
-            plate_motion_pose_at(&motion, 0, plate_motion_angle(&motion, 0, 0.3));
+            plate_motion_pose_at(&motion, 0, plate_motion_at(&motion, 0, 0.3));
         for (size_t i = 0; i < 2; i++)
-            other.obstacles[0].path[i] = plate_motion_place(&pose, s.obstacles[0].path[i]);
+            other.obstacles[0].path[i] = plate_motion_move(&pose, s.obstacles[0].path[i]);
         model m = start(&s, 1);
         advance(&m, 150);
         assert_int_equal(velocity_field_create(&other, &f, NULL), BF_OK);
@@ -437,13 +509,17 @@ static void load(const model *m, const bf_buffer *saved)
     assert_int_equal(macro_load(m->solver, r.at, r.n_left, NULL), BF_OK);
 }
 
-static void turn_to(const model *m, double angle, double over)
+static void move_to(const model *m, double angle, double over)
 {
     const scene_action turn = {
         .type = SCENE_ACTION_TURN, .target = 0, .value = angle, .over = over
     };
+    const scene_action shift = {
+        .type = SCENE_ACTION_SHIFT, .target = 0, .shift = { 0.02, 0.03 }, .over = over
+    };
 
     world_command(m->world, &turn, macro_time(m->solver));
+    world_command(m->world, &shift, macro_time(m->solver));
 }
 
 // Up to a number of steps, of which the 151st begins with a command.
@@ -451,12 +527,12 @@ static void advance_to(const model *m, uint64_t n_steps)
 {
     while (macro_steps(m->solver) < n_steps) {
         if (macro_steps(m->solver) == 150)
-            turn_to(m, -0.2, 0.3);
+            move_to(m, -0.2, 0.3);
         advance(m, 1);
     }
 }
 
-// In a swing, at rest, and in a turn that was commanded at 0.3 s.
+// In a swing, at rest, and in a turn with a shift that were commanded at 0.3 s.
 static void a_run_resumed_in_a_swing_goes_on_with_the_same_bits(void **state)
 {
     static const uint64_t stops[] = { 60, 140, 200 };
@@ -495,13 +571,14 @@ static void damaged_places_are_refused(void **state)
     model m = start(&s, 1);
     save(&m, &saved);
     assert_int_equal(checkpoint_open(&r, saved.bytes, saved.n, CHECKPOINT_RUN, 0, NULL), BF_OK);
-    for (size_t n = 0; n < 2; n++) {
-        double places[2] = { n == 0 ? NAN : 0.0, n == 1 ? 0.5 : 1.0 };
+    for (size_t n = 0; n < 4; n++) {
+        double places[4] = { n == 0 ? NAN : 0.0, n == 1 ? NAN : 0.0, n == 2 ? INFINITY : 0.0,
+                             n == 3 ? 0.5 : 1.0 };
         checkpoint_reader damaged = { (const char *)places, sizeof places };
         assert_false(moving_plates_load(m.plates, m.solver, &damaged));
     }
     assert_true(world_load(m.world, &r));
-    for (size_t n = 0; n < 2 * sizeof(double); n++) {
+    for (size_t n = 0; n < 4 * sizeof(double); n++) {
         checkpoint_reader cut = { r.at, n };
         assert_false(moving_plates_load(m.plates, m.solver, &cut));
     }
@@ -555,6 +632,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_passes_a_plate_that_sweeps_through_a_heap),
         cmocka_unit_test(a_plate_moves_what_it_sweeps_and_nothing_else),
+        cmocka_unit_test(a_plate_that_is_shifted_moves_what_it_sweeps),
+        cmocka_unit_test(what_a_shifted_plate_pushes_over_an_open_side_leaves),
         cmocka_unit_test(where_there_is_no_room_the_plate_stalls),
         cmocka_unit_test(mass_is_conserved_through_ten_swings),
         cmocka_unit_test(a_gap_that_closes_is_emptied_at_its_open_end),

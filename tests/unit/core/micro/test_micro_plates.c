@@ -1,8 +1,9 @@
-// The four microscopic solvers with plates that turn, come and go. Expected values are derived.
+// The four microscopic solvers with plates that turn, are shifted, come and go. Expected values are derived.
 
 #include "core/base/buffer.h"
 #include "core/base/memory.h"
 #include "core/micro/micro.h"
+#include "core/scene/plate_range.h"
 #include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/core/helper_world.h"
@@ -29,6 +30,7 @@ typedef struct world {
     vec2 path[3];
     scene_obstacle plate;
     double times[2][4], values[2][4];
+    vec2 shifts[4];
     micro_kind kinds[2]; // see def.n_kinds
     scene_pose poses[PARTS_MAX];
     uint32_t part_kinds[PARTS_MAX]; // every other one of the second kind
@@ -81,11 +83,119 @@ static void set_turn(world *w, size_t n, const double *times, const double *angl
     w->plate.turn = (scene_series){ n, w->times[0], n, w->values[0], INFINITY };
 }
 
+// With angles 0, or beside those that are set already.
+static void set_shift(world *w, size_t n, const double *times, const vec2 *shifts)
+{
+    memcpy(w->times[0], times, n * sizeof *times);
+    memcpy(w->shifts, shifts, n * sizeof *shifts);
+    w->plate.turn = (scene_series){ n, w->times[0], n, w->values[0], INFINITY };
+    w->plate.shifts = w->shifts;
+    w->plate.n_shifts = n;
+}
+
 static void set_presence(world *w, size_t n, const double *times, const double *values)
 {
     memcpy(w->times[1], times, n * sizeof *times);
     memcpy(w->values[1], values, n * sizeof *values);
     w->plate.presence = (scene_series){ n, w->times[1], n, w->values[1], INFINITY };
+}
+
+// How far belt friction lets a part slide that has a speed u: dv/dt = -mu g tanh(lambda v).
+static double slide_of(double u, double friction, double lambda, double gravity)
+{
+    const int n = 1000;
+    double sum = 0.0;
+
+    for (int k = 0; k < n; k++) {
+        const double v = u * (k + 0.5) / n;
+        sum += v / (friction * gravity * tanh(lambda * v)) * u / n;
+    }
+    return sum;
+}
+
+// 0.1 m at 0.1 m/s over a belt that stands. At the end of the stroke the part slides on by its own speed.
+static void a_pushed_part_has_the_speed_of_the_stroke_and_ends_where_it_ends(void **state)
+{
+    const double u = 0.1, times[] = { 0.1, 1.1 };
+    const vec2 shifts[] = { { 0.0, 0.0 }, { 0.0, 0.1 } };
+
+    (void)state;
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
+        world w;
+        make_world(&w, k);
+        w.def.contact[SCENE_HANDLING_CARGO].friction = 0.0;
+        const scene_contact *belt = &w.def.contact[SCENE_CONVEYOR_CARGO];
+        set_shift(&w, 2, times, shifts);
+        add_part(&w, 1.2, 1.0 + radius + 0.005);
+        micro_solver *s = helper_micro_start(&w.def);
+        helper_micro_advance_to(s, 1.0);
+        const micro_part pushed = micro_part_of(s, 0);
+        assert_near(pushed.v[1], u, 0.002 * u);
+        assert_near(pushed.x[1], 1.0 + 0.09 + radius, 2e-5);
+        helper_micro_advance_to(s, 2.5);
+        const double slid = slide_of(u, belt->friction, belt->tanh_linear, w.def.gravity);
+        assert_near(micro_part_of(s, 0).x[1], 1.0 + 0.1 + radius + slid, 0.03 * slid + 2e-5);
+        assert_near(micro_part_of(s, 0).x[0], 1.2, 1e-6);
+        s = micro_destroy(s);
+    }
+}
+
+// A plate of given motion at u strikes a part at rest, which leaves at u (1 + e). The contact, a spring k and a dashpot d
+// that do not pull, ends where their force does: with z = d/(2 sqrt(k m)) < 1 and q = sqrt(1 - z^2),
+//
+//     e = exp(-z/q atan2(2 z q, 2 z^2 - 1))
+//
+// Explicit steps follow it; implicit ones, whose step is longer than the contact, take up more.
+static void a_struck_part_leaves_by_the_law_of_restitution(void **state)
+{
+    const double u = 0.3, times[] = { 0.0, 1.0 };
+    const vec2 shifts[] = { { 0.0, 0.0 }, { 0.0, u } };
+
+    (void)state;
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
+        world w;
+        make_world(&w, k);
+        make_bare(&w);
+        w.def.contact[SCENE_HANDLING_CARGO].damping = 20.0;
+        set_shift(&w, 2, times, shifts);
+        add_part(&w, 1.2, 1.0 + radius + 0.003);
+        micro_solver *s = helper_micro_start(&w.def);
+        helper_micro_advance_to(s, 0.1);
+        const micro_part struck = micro_part_of(s, 0);
+        const double z = 20.0 / (2.0 * sqrt(3.7e4 * mass)), q = sqrt(1.0 - z * z);
+        const double e = exp(-z / q * atan2(2.0 * z * q, 2.0 * z * z - 1.0));
+        if (helper_micro_solvers[k].integrator == MICRO_IMPLICIT)
+            assert_true(0.99 * u < struck.v[1] && struck.v[1] < 1.01 * u * (1.0 + e));
+        else
+            assert_near(struck.v[1], u * (1.0 + e), 0.03 * u * e);
+        assert_near(struck.v[0], 0.0, 1e-9);
+        s = micro_destroy(s);
+    }
+}
+
+// Two rows of eight parts, before a plate with a stroke of 0.17 m, 0.2 m before the open side: the second row is pushed over
+// it by the first one, which stays.
+static void a_row_is_pushed_off_the_belt(void **state)
+{
+    const double times[] = { 0.0, 1.7 };
+    const vec2 shifts[] = { { 0.0, 0.0 }, { 0.0, 0.17 } };
+
+    (void)state;
+    for (int k = HELPER_AMOUNT(0, 1); k < HELPER_MICRO_SOLVERS; k += 2) {
+        world w;
+        make_world(&w, k);
+        w.def.domain.y_max = 1.2;
+        w.def.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
+        set_shift(&w, 2, times, shifts);
+        for (int m = 0; m < 16; m++)
+            add_part(&w, 1.05 + 0.05 * (m % 8), 1.02 + 0.03 * (m / 8));
+        micro_solver *s = helper_micro_start(&w.def);
+        helper_micro_advance_to(s, 2.0);
+        assert_int_equal(micro_measure(s).n_parts, 8);
+        for (size_t m = 0; m < 8; m++)
+            assert_true(micro_part_of(s, m).x[1] > 1.17 + radius - 1e-4);
+        s = micro_destroy(s);
+    }
 }
 
 // On a plate that turns at w the part slides outwards by rho'' = w^2 rho, from rest, which is rho' = w r there.
@@ -249,9 +359,10 @@ static void make_bent(world *w, int solver, bool is_scheduled)
         return;
     }
     assert_int_equal(plate_motion_init(&motion, 1, &w->plate, NULL), BF_OK);
-    const plate_motion_pose pose = plate_motion_pose_at(&motion, 0, angles[0]);
+    const plate_motion_pose pose =
+        plate_motion_pose_at(&motion, 0, (plate_motion_place){ .angle = angles[0] });
     for (int k = 0; k < 3; k++)
-        w->path[k] = plate_motion_place(&pose, bent[k]);
+        w->path[k] = plate_motion_move(&pose, bent[k]);
     plate_motion_fini(&motion);
 }
 
@@ -354,16 +465,18 @@ static double unit_of(int solver)
                                                                      : of_explicit;
 }
 
-// Parts that a belt carries against a plate that swings, goes, comes and is turned by commands.
+// Parts that a belt carries against a plate that swings, is shifted, goes, comes and is moved by commands.
 static void make_busy(world *w, int solver)
 {
     const double u = unit_of(solver), times[] = { 0.0, u, 2.0 * u };
     const double angles[] = { 0.0, 2.0 * u, 0.0 };
     const double switches[] = { 1.2 * u, 1.5 * u }, values[] = { 0.0, 1.0 };
+    const vec2 shifts[] = { { 0.0, 0.0 }, { 0.1 * u, 0.4 * u }, { 0.0, 0.0 } };
 
     make_world(w, solver);
     w->belt.velocity = (vec2){ 0.2, -0.4 };
     set_turn(w, 3, times, angles);
+    set_shift(w, 3, times, shifts);
     set_presence(w, 2, switches, values);
     w->plate.turn.repeat = 2.0 * u;
     w->plate.is_commanded = true;
@@ -382,6 +495,7 @@ static void intervene(micro_solver *s, bf_world *own, double unit)
         assert_int_equal(micro_admit(s, &arrival, &part, NULL), BF_OK);
     }
     helper_world_turn(own, 3.0 * unit, 6.0 * unit, 2.0 * unit);
+    helper_world_shift(own, 3.0 * unit, (vec2){ -0.2 * unit, 0.3 * unit }, 2.0 * unit);
     helper_world_presence(own, 3.0 * unit, true);
 }
 
@@ -493,7 +607,7 @@ static void make_vice(world *w, int solver, scene_obstacle obstacles[2], double 
     obstacles[1].path = above;
     w->def.n_obstacles = 2;
     w->def.obstacles = obstacles;
-    obstacles[0].force_limit = torque / plate_motion_radius(&obstacles[0]);
+    obstacles[0].force_limit = torque / plate_range_radius(&obstacles[0]);
     w->def.world = helper_world_of(&w->def);
 }
 
@@ -511,11 +625,11 @@ static void a_drive_that_bears_its_limit_stalls(void **state)
         micro_solver *s = helper_micro_start(&w.def);
         const plate_motion *motion = &w.def.world->plates;
         helper_micro_advance_to(s, 0.08);
-        const double way = 0.3 * plate_motion_angle(motion, 0, 0.08);
+        const double way = 0.3 * plate_motion_at(motion, 0, 0.08).angle;
         assert_true(0.002 < way && way < 0.002 + press + 0.1 * radius);
         assert_int_equal(plate_drive_state_of(motion, 0, 0.08), PLATE_DRIVE_STALLED);
         helper_micro_advance_to(s, 0.12);
-        assert_near(0.3 * plate_motion_angle(motion, 0, 0.12), way, 1e-12);
+        assert_near(0.3 * plate_motion_at(motion, 0, 0.12).angle, way, 1e-12);
         assert_near(micro_part_of(s, 0).v[1], 0.0, 1e-3);
         s = micro_destroy(s);
     }
@@ -545,8 +659,8 @@ static void a_drive_that_lags_goes_on_with_the_same_bits(void **state)
         helper_micro_advance_to(whole, 0.08);
         helper_micro_advance_to(resumed, 0.08);
         assert_true(micro_digest(whole) == micro_digest(resumed));
-        assert_true(plate_motion_angle(&of_whole->plates, 0, 0.08) ==
-                    plate_motion_angle(&w.def.world->plates, 0, 0.08));
+        assert_true(plate_motion_at(&of_whole->plates, 0, 0.08).angle ==
+                    plate_motion_at(&w.def.world->plates, 0, 0.08).angle);
         whole = micro_destroy(whole);
         resumed = micro_destroy(resumed);
         buffer_fini(&bytes);
@@ -557,6 +671,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_part_that_a_plate_pushes_has_the_speed_of_its_surface),
+        cmocka_unit_test(a_pushed_part_has_the_speed_of_the_stroke_and_ends_where_it_ends),
+        cmocka_unit_test(a_struck_part_leaves_by_the_law_of_restitution),
+        cmocka_unit_test(a_row_is_pushed_off_the_belt),
         cmocka_unit_test(no_part_gets_behind_a_plate_that_sweeps),
         cmocka_unit_test(a_plate_that_is_too_fast_is_refused),
         cmocka_unit_test(the_largest_step_for_a_plate_is_named),

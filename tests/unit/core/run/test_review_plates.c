@@ -149,6 +149,29 @@ static void a_plate_that_moves_is_not_looked_at(void **unused)
     scene_fini(&s);
 }
 
+// A gate that leaves the domain, of 1 m by 0.6 m, by its own length is in order; by ten times as much, it was a slip.
+static void a_plate_that_is_shifted_far_off_the_domain_is_warned_of(void **unused)
+{
+    static const double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 0.0 };
+    static const vec2 shifts[][2] = { { { 0.0, 0.0 }, { 0.0, 0.6 } },
+                                      { { 0.0, 0.0 }, { 0.0, 6.0 } } };
+    scene s;
+
+    (void)unused;
+    for (size_t k = 0; k < 2; k++) {
+        helper_scene_example(&s, 60.0, SCENE_SEALED);
+        s.obstacles[0].turn = helper_scene_series(2, times, angles, INFINITY);
+        s.obstacles[0].shifts = memory_alloc(2, sizeof(vec2));
+        s.obstacles[0].n_shifts = 2;
+        s.obstacles[0].shifts[1] = shifts[k][1];
+        const review_warnings *found = warnings_now(&s);
+        assert_int_equal(found->n, k);
+        if (k == 1)
+            assert_string_equal(found->items[0].pointer, "/obstacles/0/motion/shift_m/1");
+        scene_fini(&s);
+    }
+}
+
 // Parts of the first plate's lee that lie before another piece of the same plate are held by that one.
 static void what_a_plate_holds_itself_is_not_behind_it(void **unused)
 {
@@ -206,6 +229,7 @@ int main(void)
         cmocka_unit_test(a_feed_that_a_plate_cuts_is_warned_of),
         cmocka_unit_test(a_line_that_delivers_behind_a_plate_does_so_on_purpose),
         cmocka_unit_test(a_plate_that_moves_is_not_looked_at),
+        cmocka_unit_test(a_plate_that_is_shifted_far_off_the_domain_is_warned_of),
         cmocka_unit_test(what_a_plate_holds_itself_is_not_behind_it),
         cmocka_unit_test(behind_is_what_lies_downstream_on_the_belt),
         cmocka_unit_test(no_memory_is_reported),

@@ -419,6 +419,29 @@ static void obstacles_that_move_were_not_compared(void **state)
     }
 }
 
+// A pusher was compared less than a plate that turns.
+static void obstacles_that_are_shifted_were_not_compared(void **state)
+{
+    const scene_action shift = {
+        .type = SCENE_ACTION_SHIFT, .target = 0, .shift = { 0.0, 0.1 }, .over = 0.5
+    };
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.actions = memory_alloc(1, sizeof *s.actions);
+    s.actions[0] = shift;
+    s.n_actions = 1;
+    s.obstacles[0].is_commanded = true;
+    const validity v = validity_now(&s);
+    bool is_told = false;
+    assert_false(v.is_compared);
+    for (size_t k = 0; k < v.n; k++)
+        is_told = is_told || v.items[k].figure == VALIDITY_SHIFTS;
+    assert_true(is_told);
+    scene_fini(&s);
+}
+
 // 16 rows of 40 parts at 0.1 m, and a plate of 15 degrees: for the one closure both were compared.
 static void each_closure_has_ranges_of_its_own(void **state)
 {
@@ -548,6 +571,7 @@ int main(void)
         cmocka_unit_test(every_figure_has_a_word_of_its_own),
         cmocka_unit_test(no_memory_is_reported),
         cmocka_unit_test(obstacles_that_move_were_not_compared),
+        cmocka_unit_test(obstacles_that_are_shifted_were_not_compared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

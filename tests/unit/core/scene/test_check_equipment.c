@@ -96,6 +96,18 @@ SPOIL(falling_turn, set_series(&o->turn, 2, (double[]){ 1, 0 }, two))
 SPOIL(endless_turn, set_series(&o->turn, 2, two, (double[]){ 0, INFINITY }))
 SPOIL(short_turn, set_series(&o->turn, 2, two, two); o->turn.repeat = 0.5)
 SPOIL(jumping_turn, set_series(&o->turn, 2, two, two); o->turn.repeat = 1.0)
+static void set_shifts(scene_obstacle *o, size_t n, double x)
+{
+    set_series(&o->turn, 2, two, two);
+    o->shifts = memory_alloc(n, sizeof *o->shifts);
+    o->n_shifts = n;
+    for (size_t k = 1; k < n; k++)
+        o->shifts[k].x = x;
+}
+SPOIL(uneven_shifts, set_shifts(o, 3, 1.0))
+SPOIL(endless_shift, set_shifts(o, 2, INFINITY))
+SPOIL(jumping_shift, set_shifts(o, 2, 1.0); o->turn.values[1] = 0.0; o->turn.repeat = 1.0)
+SPOIL(bad_shift_command, s->actions[SCENE_ACTION_SHIFT].shift.y = NAN)
 SPOIL(uneven_turn, set_series(&o->turn, 2, two, two); o->turn.n_values = 1)
 SPOIL(negative_time, set_series(&o->presence, 2, (double[]){ -1, 0 }, two))
 SPOIL(half_there, set_series(&o->presence, 2, two, (double[]){ 0, 2 }))
@@ -204,7 +216,11 @@ static void what_is_wrong_is_pointed_at(void **unused)
         { falling_turn, "/obstacles/0/motion/t_s/1", "0 s do not come after the 1 s" },
         { endless_turn, "/obstacles/0/motion/turn_deg/1", "" },
         { short_turn, "/obstacles/0/motion/repeat_s", "at least the last time, 1 s, not 0.5 s" },
-        { jumping_turn, "/obstacles/0/motion/repeat_s", "no time to turn" },
+        { jumping_turn, "/obstacles/0/motion/repeat_s", "no time to move" },
+        { uneven_shifts, "/obstacles/0/motion/shift_m", "3 items, but t_s has 2" },
+        { endless_shift, "/obstacles/0/motion/shift_m/1", "within" },
+        { jumping_shift, "/obstacles/0/motion/repeat_s", "no time to move" },
+        { bad_shift_command, "/actions/4/do/shift_m", "within" },
         { uneven_turn, "/obstacles/0/motion/turn_deg", "1 items, but t_s has 2" },
         { endless_round, "/obstacles/0/motion/repeat_s", "" },
         { negative_time, "/obstacles/0/present/t_s/0", "at least 0" },

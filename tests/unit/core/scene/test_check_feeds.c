@@ -267,7 +267,32 @@ static void lines_keep_clear_of_plates_that_turn(void **unused)
         }
         if (last == 0.0)
             helper_faults_one(&s, "/feeds/1/line_m",
-                              "plate of obstacle 'obstacle-1' turns onto it");
+                              "plate of obstacle 'obstacle-1' moves onto it");
+        else
+            helper_faults_none(&s);
+    }
+}
+
+// The line is at x = 0.25 m where the plate begins at 0.5 m and is shifted onto it, towards it, or past its end.
+static void lines_keep_clear_of_plates_that_are_shifted(void **unused)
+{
+    static const vec2 ends[] = { { -0.24, 0.0 }, { -0.1, 0.0 }, { -0.2, 0.5 } };
+    const vec2 path[] = { { 0.5, 0.25 }, { 0.5, 0.35 } };
+
+    (void)unused;
+    for (int k = 0; k < 3; k++) {
+        scene s;
+        make_scene(&s);
+        scene_obstacle *o = helper_scene_add_obstacle(&s, path, 2, SCENE_SEALED);
+        o->turn.n_times = o->turn.n_values = 2;
+        o->turn.times = numbers(2, (double[]){ 0.0, 5.0 });
+        o->turn.values = numbers(2, (double[]){ 0.0, 0.0 });
+        o->shifts = memory_alloc(2, sizeof *o->shifts);
+        o->n_shifts = 2;
+        o->shifts[1] = ends[k];
+        if (k == 0)
+            helper_faults_one(&s, "/feeds/1/line_m",
+                              "plate of obstacle 'obstacle-1' moves onto it");
         else
             helper_faults_none(&s);
     }
@@ -443,6 +468,7 @@ int main(void)
         cmocka_unit_test(belts_must_carry_parts_away),
         cmocka_unit_test(lines_keep_clear_of_plates),
         cmocka_unit_test(lines_keep_clear_of_plates_that_turn),
+        cmocka_unit_test(lines_keep_clear_of_plates_that_are_shifted),
         cmocka_unit_test(inlets_keep_clear_of_plates),
         cmocka_unit_test(every_kind_has_room_beside_plates),
         cmocka_unit_test(every_kind_has_room_between_the_walls),

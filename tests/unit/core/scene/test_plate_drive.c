@@ -22,7 +22,7 @@ static vec2 path[] = { { 0.0, 0.0 }, { 2.0, 0.0 } };
 static double times[] = { 1.0, 2.0 }, angles[] = { 0.0, 1.0 };
 
 static const plate_drive drive = { .force = 10.0, .torque = 20.0, .rate = 1.0 };
-static const plate_load none = { 0.0, 0.0 }, at_limit = { -20.0, 0.0 };
+static const plate_load none = { .torque = 0.0 }, at_limit = { .torque = -20.0 };
 
 static plate_motion turning(void)
 {
@@ -42,7 +42,7 @@ static double follow(plate_motion *motion, const plate_load *load, double t, int
 {
     for (int k = 0; k < n; k++)
         plate_drive_follow(motion, 0, &drive, load, t + 0.01 * k, t + 0.01 * (k + 1));
-    return plate_motion_angle(motion, 0, t + 0.01 * n);
+    return plate_motion_at(motion, 0, t + 0.01 * n).angle;
 }
 
 static void it_is_as_told_up_to_half_its_limit_and_slower_beyond(void **state)
@@ -54,24 +54,66 @@ static void it_is_as_told_up_to_half_its_limit_and_slower_beyond(void **state)
     (void)state;
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
         plate_motion motion = turning();
-        const plate_load load = { -20.0 * expected[k][0], 0.0 };
+        const plate_load load = { .torque = -20.0 * expected[k][0] };
         plate_drive_follow(&motion, 0, &drive, &load, 1.0, 1.25);
-        assert_near(plate_motion_angle(&motion, 0, 1.25), 0.25 * expected[k][1], 1e-15);
-        assert_near(plate_motion_angle(&motion, 0, 1.125), 0.125 * expected[k][1], 1e-15);
+        assert_near(plate_motion_at(&motion, 0, 1.25).angle, 0.25 * expected[k][1], 1e-15);
+        assert_near(plate_motion_at(&motion, 0, 1.125).angle, 0.125 * expected[k][1], 1e-15);
         assert_int_equal(plate_drive_state_of(&motion, 0, 1.25),
                          expected[k][1] == 0.0  ? PLATE_DRIVE_STALLED
                          : expected[k][1] < 1.0 ? PLATE_DRIVE_BEHIND
                                                 : PLATE_DRIVE_AS_TOLD);
         // At rest after the piece, until it follows again.
         if (expected[k][1] < 1.0)
-            assert_near(plate_motion_angle(&motion, 0, 9.0), 0.25 * expected[k][1], 1e-15);
+            assert_near(plate_motion_at(&motion, 0, 9.0).angle, 0.25 * expected[k][1], 1e-15);
+        plate_motion_fini(&motion);
+    }
+}
+
+// Shifted by (0.3, 0.4) m in a second with a limit of 10 N, of which what stands against its way counts.
+static void a_shift_is_slower_the_more_bears_against_it(void **state)
+{
+    static const double expected[][2] = {
+        { -2.0, 1.0 }, { 0.4, 1.0 }, { 0.75, 0.5 }, { 1.0, 0.0 }
+    };
+    static const plate_drive linear = { .force = 10.0, .torque = 20.0, .speed = 0.5 };
+    static double flat[] = { 0.0, 0.0 };
+    static vec2 shifts[] = { { 0.0, 0.0 }, { 0.3, 0.4 } };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
+        scene_obstacle o;
+        plate_motion motion;
+        const double force = 10.0 * expected[k][0], part = expected[k][1];
+        // Against the way, and 7 N across it.
+        const plate_load load = { .resultant = { -0.6 * force - 0.8 * 7.0,
+                                                 -0.8 * force + 0.6 * 7.0 } };
+        scene_obstacle_init(&o);
+        o.n_points = 2;
+        o.path = path;
+        o.turn = (scene_series){ 2, times, 2, flat, INFINITY };
+        o.shifts = shifts;
+        o.n_shifts = 2;
+        assert_int_equal(plate_motion_init(&motion, 1, &o, NULL), BF_OK);
+        assert_true(plate_drive_is_needed(&motion, 0, 1.0, 1.25));
+        plate_drive_follow(&motion, 0, &linear, &load, 1.0, 1.25);
+        assert_near(plate_motion_at(&motion, 0, 1.25).shift.x, 0.25 * 0.3 * part, 1e-15);
+        assert_near(plate_motion_at(&motion, 0, 1.25).shift.y, 0.25 * 0.4 * part, 1e-15);
+        assert_int_equal(plate_drive_state_of(&motion, 0, 1.25), part == 0.0 ? PLATE_DRIVE_STALLED
+                                                                 : part < 1.0
+                                                                     ? PLATE_DRIVE_BEHIND
+                                                                     : PLATE_DRIVE_AS_TOLD);
+        // It catches up at 0.5 m/s once nothing bears on it.
+        for (int m = 0; m < 102; m++)
+            plate_drive_follow(&motion, 0, &linear, &none, 1.25 + 0.01 * m, 1.25 + 0.01 * (m + 1));
+        assert_near(plate_motion_at(&motion, 0, 2.25).shift.x, 0.3, 1e-12);
+        assert_int_equal(plate_drive_state_of(&motion, 0, 2.27), PLATE_DRIVE_AS_TOLD);
         plate_motion_fini(&motion);
     }
 }
 
 static void what_pushes_in_its_direction_does_not_turn_it_faster(void **state)
 {
-    static const plate_load with = { 1e6, 0.0 };
+    static const plate_load with = { .torque = 1e6 };
     plate_motion motion = turning();
 
     (void)state;
@@ -103,7 +145,7 @@ static void a_command_begins_where_it_stands(void **state)
     (void)state;
     (void)follow(&motion, &at_limit, 1.0, 50);
     plate_motion_command_turn(&motion, 0, 1.5, -1.0, 0.5);
-    assert_near(plate_motion_angle(&motion, 0, 1.75), -0.5, 1e-15);
+    assert_near(plate_motion_at(&motion, 0, 1.75).angle, -0.5, 1e-15);
     assert_int_equal(plate_drive_state_of(&motion, 0, 1.75), PLATE_DRIVE_AS_TOLD);
     plate_motion_fini(&motion);
 }
@@ -112,7 +154,7 @@ static void a_command_begins_where_it_stands(void **state)
 static void a_plate_that_comes_is_held_back_by_the_force_on_its_surfaces(void **state)
 {
     static double switches[] = { 1.0, 2.0, 3.0 }, there[] = { 0.0, 1.0, 0.0 };
-    static const plate_load held = { 0.0, 7.5 };
+    static const plate_load held = { .force = 7.5 };
     const double come = 2.0 + PLATE_MOTION_COMING / 2.0;
     scene_obstacle o;
     plate_motion motion;
@@ -127,7 +169,7 @@ static void a_plate_that_comes_is_held_back_by_the_force_on_its_surfaces(void **
     assert_false(plate_drive_is_needed(&motion, 0, 3.0, 3.01));
     plate_drive_follow(&motion, 0, &drive, &held, 2.0, come);
     assert_near(plate_motion_extent(&motion, 0, come), 0.25, 1e-14);
-    plate_drive_follow(&motion, 0, &drive, &(plate_load){ 0.0, 10.0 }, come, 2.9);
+    plate_drive_follow(&motion, 0, &drive, &(plate_load){ .force = 10.0 }, come, 2.9);
     assert_near(plate_motion_extent(&motion, 0, 2.9), 0.25, 1e-14);
     assert_int_equal(plate_drive_state_of(&motion, 0, 2.9), PLATE_DRIVE_STALLED);
     assert_true(plate_motion_extent(&motion, 0, 3.0) == 0.0);
@@ -194,6 +236,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_is_as_told_up_to_half_its_limit_and_slower_beyond),
+        cmocka_unit_test(a_shift_is_slower_the_more_bears_against_it),
         cmocka_unit_test(what_pushes_in_its_direction_does_not_turn_it_faster),
         cmocka_unit_test(it_catches_up_at_its_fastest_rate),
         cmocka_unit_test(a_command_begins_where_it_stands),

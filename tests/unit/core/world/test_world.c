@@ -45,9 +45,9 @@ static void assert_commanded(const bf_world *w)
     assert_true(belt_speeds_at(&w->belts, 0, 1.0) == 1.0);
     assert_near(belt_speeds_at(&w->belts, 0, 1.25), 0.5, 1e-12);
     assert_true(belt_speeds_at(&w->belts, 0, 1.6) == 0.0);
-    assert_true(plate_motion_angle(&w->plates, 0, 2.0) == 0.0);
-    assert_near(plate_motion_angle(&w->plates, 0, 2.1), 0.2, 1e-12);
-    assert_true(plate_motion_angle(&w->plates, 0, 2.3) == 0.4);
+    assert_true(plate_motion_at(&w->plates, 0, 2.0).angle == 0.0);
+    assert_near(plate_motion_at(&w->plates, 0, 2.1).angle, 0.2, 1e-12);
+    assert_true(plate_motion_at(&w->plates, 0, 2.3).angle == 0.4);
     assert_false(plate_motion_is_present(&w->plates, 0, 3.0));
 }
 
