@@ -108,6 +108,15 @@ test("things are doubled, mirrored, turned and deleted; rules are told in words 
   assert.deepEqual((await scenarioIn(page)).obstacles[1].motion, { t_s: [0, 4, 5], turn_deg: [0, 0, -30] });
   await thing.getByRole("button", { name: "Without motion" }).click();
 
+  // A pusher goes to and fro across the belt.
+  await press("+ Pusher");
+  const { motion } = (await scenarioIn(page)).obstacles.at(-1);
+  assert.deepEqual(motion.shift_m.map(([x]) => x), [0, 0, 0, 0, 0]);
+  assert.ok(motion.shift_m[2][1] > 0);
+  assert.equal(Number(await thing.getByLabel("Shift 3, y").inputValue()), motion.shift_m[2][1]);
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+  await press("Delete");
+
   // A beam across the belt at 1.2 m, turned about its middle, lies along it; without its eye the rule has a fault.
   await page.getByRole("button", { name: "Photo eye eye-1" }).click();
   await press("Turn by 90°");

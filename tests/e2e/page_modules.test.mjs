@@ -5,7 +5,7 @@ import test from "node:test";
 
 import { cargoOf } from "../../web/src/cargo.js";
 import { chipsOf, differences, nameOfVariant } from "../../web/src/differences.js";
-import { Equipment, isPresentAt, turnAt } from "../../web/src/equipment.js";
+import { Equipment, isPresentAt, placeAt } from "../../web/src/equipment.js";
 import { fileNameOf, fixed, parts, quantity, readable } from "../../web/src/format.js";
 import { areaOf, beltOutline, beltVelocity, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson } from "../../web/src/json_text.js";
@@ -120,13 +120,31 @@ test("hulls and their centres are those of plain bodies", () => {
 
 test("a plate turns linearly between its times, and in rounds from the last one to the first of the next", () => {
   const swing = { t_s: [0, 2, 2.5], turn_deg: [0, 0, 35] };
-  for (const [t, angle] of [[0, 0], [1, 0], [2.25, 17.5], [2.5, 35], [90, 35]]) near(turnAt(swing, t), angle);
+  for (const [t, angle] of [[0, 0], [1, 0], [2.25, 17.5], [2.5, 35], [90, 35]]) near(placeAt(swing, t).turn, angle);
   // From 35 degrees at 2.5 s back to 0 at 4 s.
-  for (const [t, angle] of [[3.25, 17.5], [4, 0], [6.25, 17.5]]) near(turnAt({ ...swing, repeat_s: 4 }, t), angle);
+  for (const [t, angle] of [[3.25, 17.5], [4, 0], [6.25, 17.5]]) near(placeAt({ ...swing, repeat_s: 4 }, t).turn, angle);
   // Before its first time a plate has the first angle; in later rounds it comes from the last one.
   const late = { t_s: [1, 2], turn_deg: [10, 20], repeat_s: 4 };
-  for (const [t, angle] of [[0.5, 10], [4.5, 20 - (10 * 2.5) / 3]]) near(turnAt(late, t), angle);
-  assert.equal(turnAt({ pivot_m: [0, 0] }, 1), 0);
+  for (const [t, angle] of [[0.5, 10], [4.5, 20 - (10 * 2.5) / 3]]) near(placeAt(late, t).turn, angle);
+  assert.equal(placeAt({ pivot_m: [0, 0] }, 1).turn, 0);
+});
+
+test("a plate is shifted linearly between its times, and by a command from where it is", () => {
+  const stroke = { t_s: [0, 1, 2], shift_m: [[0, 0], [0.2, 0.4], [0.2, 0]], repeat_s: 4 };
+  const shifts = [[0.5, [0.1, 0.2]], [1.5, [0.2, 0.2]], [3, [0.1, 0]], [4.5, [0.1, 0.2]]];
+  for (const [t, [x, y]] of shifts) {
+    const { turn, shift } = placeAt(stroke, t);
+    assert.equal(turn, 0);
+    near(shift[0], x);
+    near(shift[1], y);
+  }
+  const scenario = { obstacles: [{ id: "pusher", motion: stroke }], actions: [{ do: { obstacle: "pusher", shift_m: [0, 0.5], over_s: 0.5 } }] };
+  const drives = [];
+  const equipment = new Equipment(scenario, { t: [], columns: new Map() }, [{ t_s: 1.5, action: 0 }], drives);
+  const at = (t) => equipment.at(t).plates[0].shift.map((value) => Number(value.toFixed(9)));
+  assert.deepEqual([1, 1.75, 2, 9].map(at), [[0.2, 0.4], [0.1, 0.35], [0, 0.5], [0, 0.5]]);
+  drives.push({ t_s: 1.75, obstacle: "pusher", state: "stalled", turn_deg: 0, shift_m: [0.1, 0.35] });
+  assert.deepEqual([1.75, 9].map(at), [[0.1, 0.35], [0.1, 0.35]]);
 });
 
 test("a plate's body lies downstream, a guide's on both sides of its path or on that of the plate that it goes on from", () => {

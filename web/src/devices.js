@@ -3,17 +3,17 @@
 import { bodyOf } from "./plate.js";
 import { strokeTwice, writeTwice } from "./scenery.js";
 
-// Where a point of an obstacle is when it has turned by degrees about its pivot.
-function turned({ path_m: path, motion }, degrees) {
+// Where a point of an obstacle is that has turned by degrees about its pivot and is shifted.
+function moved({ path_m: path, motion }, { turn: degrees, shift: [dx, dy] }) {
   const [px, py] = motion?.pivot_m ?? path[0];
   const [c, s] = [Math.cos((degrees * Math.PI) / 180), Math.sin((degrees * Math.PI) / 180)];
-  return ([x, y]) => [px + c * (x - px) - s * (y - py), py + s * (x - px) + c * (y - py)];
+  return ([x, y]) => [px + dx + c * (x - px) - s * (y - py), py + dy + s * (x - px) + c * (y - py)];
 }
 
-function addPlate(plates, view, scenario, obstacle, turn) {
+function addPlate(plates, view, scenario, obstacle, state) {
   const { path_m: path, thickness_m: thickness } = obstacle;
   const least = (2 * view.ratio) / view.scale; // a plate is never thinner than two pixels
-  const place = turned(obstacle, turn);
+  const place = moved(obstacle, state);
   for (let k = 0; k + 1 < path.length; k++) {
     bodyOf(scenario, path, k, Math.max(thickness, least)).map(place).forEach(([x, y], c) => (c === 0 ? plates.moveTo(view.x(x), view.y(y)) : plates.lineTo(view.x(x), view.y(y))));
     plates.closePath();
@@ -24,7 +24,7 @@ function addPlate(plates, view, scenario, obstacle, turn) {
 function drawPlates(context, view, scenario, states, colors) {
   const [here, away] = [new Path2D(), new Path2D()];
   scenario.obstacles.forEach((obstacle, k) =>
-    addPlate(states[k].isPresent ? here : away, view, scenario, obstacle, states[k].turn));
+    addPlate(states[k].isPresent ? here : away, view, scenario, obstacle, states[k]));
   context.lineJoin = "round";
   strokeTwice(context, here, { width: 1.5, color: colors.plate, halo: colors.rim }, view.ratio);
   context.fillStyle = colors.plate;

@@ -10,7 +10,7 @@ const EXACT = 13; // digits with which the foot stays where it was drawn
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
 
-// { from, to } of an obstacle that is one straight plate and does not turn, else null.
+// { from, to } of an obstacle that is one straight plate and does not move, else null.
 export function plateOf(obstacle) {
   if (!obstacle || obstacle.motion) return null;
   const { end_m: end, length_m: length, angle_deg: angle, from_m: from, to_m: to, path_m: path } = obstacle;

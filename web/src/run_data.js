@@ -23,7 +23,7 @@ export class RunData {
     this.snapshots = [];
     this.curve = { t: [], columns: new Map() };
     this.actions = []; // that photo eyes commanded, { t_s, action }
-    this.drives = []; // of obstacles that cargo holds back, { t_s, obstacle, state, turn_deg }
+    this.drives = []; // of obstacles that cargo holds back, { t_s, obstacle, state, turn_deg, shift_m }
     this.onChange = () => {}; // (what) => ..., what is "run", "curve", "snapshots", "figures" or "summary"
   }
 

@@ -10,8 +10,9 @@ function at([low, high], share) {
   return tidy(Math.round((low + share * (high - low)) / step) * step, 6);
 }
 
-// A gate opens and closes by turns, a flap swings; both begin as they are drawn.
+// A gate opens and closes by turns, a flap swings, a pusher goes to and fro; all begin as they are drawn.
 const GATE = { t_s: [0, 5], value: [false, true], repeat_s: 10 };
+const PUSHER = ({ y_m: [from, to] }) => ({ t_s: [0, 4, 4.5, 5, 5.5], shift_m: [0, 0, 1, 1, 0].map((share) => [0, tidy(0.4 * share * (to - from), 4)]), repeat_s: 10 });
 const FLAP = { t_s: [0, 4, 5, 9, 10], turn_deg: [0, 0, 30, 30, 0], repeat_s: 10 };
 
 function deflector({ x_m: xs, y_m: ys }) {
@@ -21,6 +22,8 @@ function deflector({ x_m: xs, y_m: ys }) {
 
 const across = ({ x_m: xs, y_m: ys }, share) => [[at(xs, share), ys[0]], [at(xs, share), ys[1]]];
 const plateAcross = (domain) => ({ from_m: across(domain, 0.6)[0], to_m: across(domain, 0.6)[1] });
+// Along the lower side of the middle third.
+const beside = ({ x_m: xs, y_m: ys }) => ({ from_m: [at(xs, 0.4), at(ys, 0.05)], to_m: [at(xs, 0.6), at(ys, 0.05)] });
 const guide = ({ x_m: xs, y_m: ys }) => ({ from_m: [at(xs, 0.1), at(ys, 0.3)], to_m: [at(xs, 0.9), at(ys, 0.3)] });
 
 function middleThird({ x_m: xs, y_m: ys }) {
@@ -41,7 +44,8 @@ const known = {
   belts: { one: "Belt", stem: "belt", first: [{ id: "main", velocity_m_s: [0.395, 0] }],
     makes: [["Belt", (domain) => ({ velocity_m_s: [0.4, 0], polygon_m: middleThird(domain) })], ["Curve", curve]] },
   obstacles: { one: "Plate", stem: "plate", makes: [["Deflector", deflector], ["Guide", guide],
-    ["Gate", (domain) => ({ ...plateAcross(domain), present: GATE })], ["Flap", (domain) => ({ ...deflector(domain), motion: FLAP })]] },
+    ["Gate", (domain) => ({ ...plateAcross(domain), present: GATE })], ["Flap", (domain) => ({ ...deflector(domain), motion: FLAP })],
+    ["Pusher", (domain) => ({ ...beside(domain), motion: PUSHER(domain) })]] },
   feeds: { one: "Feed", stem: "feed", makes: [["Feed", () => ({ edge: "west", rate_per_s: 5, arrivals: "poisson" })],
     ["Feed on a line", (domain) => ({ line_m: across(domain, 0.1), rate_per_s: 5, arrivals: "poisson" })]] },
   counters: { one: "Counter", stem: "counter", first: [{ id: "upstream" }],
@@ -85,9 +89,10 @@ export function freshId(scenario, resolved, list, stem) {
   for (let n = 1; ; n++) if (!taken.has(`${stem}-${n}`)) return `${stem}-${n}`;
 }
 
-function does({ belt, factor, obstacle, turn_deg: turn, present, feed, hold }) {
+function does({ belt, factor, obstacle, turn_deg: turn, shift_m: shift, present, feed, hold }) {
   if (belt !== undefined) return factor === 0 ? `stop ${belt}` : `${belt} at ${factor} of its speed`;
   if (turn !== undefined) return `turn ${obstacle} to ${turn}°`;
+  if (shift !== undefined) return shift.some((way) => way !== 0) ? `shift ${obstacle} by ${shift.join(", ")} m` : `shift ${obstacle} back`;
   if (feed !== undefined) return `${hold ? "hold" : "release"} ${feed}`;
   return present ? `${obstacle} comes` : `${obstacle} goes`;
 }
@@ -123,7 +128,8 @@ function changed(item, { point, vector = (v) => v, angle = (a) => a, turn = (a) 
     if (name === "velocity_m_s") return [name, round(vector(value))];
     if (ANGLES.includes(name)) return [name, tidy(angle(value))];
     if (name === "turn_deg" && Array.isArray(value)) return [name, value.map(turn)];
-    if (name === "motion") return [name, changed(value, { point, turn })];
+    if (name === "shift_m" && Array.isArray(value[0])) return [name, value.map((pair) => round(vector(pair)))];
+    if (name === "motion") return [name, changed(value, { point, vector, turn })];
     if (name === "arc") return [name, changed(value, { point, angle })];
     return [name, value];
   }));
