@@ -136,6 +136,27 @@ static void the_curve_turns_left_between_two_straight_belts(void **unused)
     scene_fini(&s);
 }
 
+// Each command to its plates is one way, and one back.
+static void the_pusher_and_its_gate_go_out_and_come_back(void **unused)
+{
+    scene s = read_example("pusher");
+    vec2 sum[4] = { { 0.0, 0.0 } };
+    int n[4] = { 0 };
+
+    (void)unused;
+    for (size_t k = 0; k < s.n_actions; k++) {
+        if (s.actions[k].type != SCENE_ACTION_SHIFT)
+            continue;
+        sum[s.actions[k].target] = vec2_add(sum[s.actions[k].target], s.actions[k].shift);
+        n[s.actions[k].target]++;
+    }
+    assert_int_equal(n[2], 2);
+    assert_int_equal(n[3], 2);
+    assert_true(sum[2].x == 0.53 && sum[2].y == 0.0);
+    assert_true(sum[3].x == 0.0 && sum[3].y == 0.21);
+    scene_fini(&s);
+}
+
 // With them parts overlap by less than 5 % of a radius, see core/README.md.
 static void fed_examples_have_soft_parts_and_the_congested_closure(void **unused)
 {
@@ -191,6 +212,7 @@ int main(void)
         cmocka_unit_test(one_example_chooses_its_own_step),
         cmocka_unit_test(mixed_cargo_is_cylinders_and_boxes),
         cmocka_unit_test(the_curve_turns_left_between_two_straight_belts),
+        cmocka_unit_test(the_pusher_and_its_gate_go_out_and_come_back),
         cmocka_unit_test(fed_examples_have_soft_parts_and_the_congested_closure),
         cmocka_unit_test(every_example_can_be_solved_by_both_models),
     };
