@@ -93,7 +93,7 @@ test("both models of a fed run stand in one plot, and in the list with what went
     Array.from({ length: 2 }, () => ["offered", "admitted", "waiting", "left the belt"]).flat());
   await showsValue(page, "offered", 60);
   const measures = (await d.get(`/v1/compare?a=${ids[0]}&b=${ids[1]}&column=left_domain`)).json;
-  await page.getByRole("group", { name: "What this says" }).getByText(measures.verdicts[0].text).waitFor();
+  await page.getByRole("group", { name: "What this says" }).getByText(measures.verdicts[0].text.replaceAll(" -", " −")).waitFor();
   await page.getByText("Agreement").click();
   const gap = page.locator(".measures tbody tr", { hasText: "Mean gap" }).locator("td").last();
   await gap.getByText(/\d/).waitFor();
