@@ -18,7 +18,8 @@
     X(API_EVENT_FIGURES, "figures")                                                                \
     X(API_EVENT_EYE, "photo_eye")                                                                  \
     X(API_EVENT_ACTION, "action")                                                                  \
-    X(API_EVENT_DRIVE, "drive")
+    X(API_EVENT_DRIVE, "drive")                                                                    \
+    X(API_EVENT_BELT, "belt")
 
 /// The values stand in the store: never renumber. Those from API_EVENT_EYE on say what the equipment did.
 typedef enum api_event_type {
@@ -33,9 +34,9 @@ typedef struct api_event {
     uint64_t id;           ///< rising over all runs of a store, never reused
     char run[API_ID_SIZE]; ///< of this run
     api_event_type type;   ///< kind
-    uint64_t snapshot; ///< API_EVENT_SNAPSHOT: its index; _EYE, _ACTION, _DRIVE: frame_change.index
-    size_t n;          ///< bytes of data
-    const char *data;  ///< JSON object, one line; valid during api_event_fn
+    uint64_t snapshot;     ///< API_EVENT_SNAPSHOT: its index; from _EYE on: frame_change.index
+    size_t n;              ///< bytes of data
+    const char *data;      ///< JSON object, one line; valid during api_event_fn
 } api_event;
 
 /// Take one event while events are read; not BF_OK stops the reading and is passed on.

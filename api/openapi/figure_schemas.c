@@ -11,7 +11,8 @@ enum { HELP_SIZE = 400 };
 
 static const char *const titles[FIGURE_SCOPES] = { "RunFigures",     "FeedFigures",
                                                    "CounterFigures", "PhotoEyeFigures",
-                                                   "BeltFigures",    "OutletFigures" };
+                                                   "BeltFigures",    "FailureFigures",
+                                                   "OutletFigures" };
 
 static void write_number(json_out *w, const figure *f)
 {
@@ -111,6 +112,11 @@ void openapi__write_belt_figures(json_out *w)
     write_item(w, FIGURE_OF_BELT);
 }
 
+void openapi__write_failure_figures(json_out *w)
+{
+    write_item(w, FIGURE_OF_FAILURE);
+}
+
 void openapi__write_outlet_figures(json_out *w)
 {
     write_item(w, FIGURE_OF_OUTLET);
@@ -119,7 +125,10 @@ void openapi__write_outlet_figures(json_out *w)
 void openapi__write_figures(json_out *w)
 {
     static const char *const of_some[FIGURE_SCOPES] = {
-        [FIGURE_OF_BELT] = "Of each belt that a schedule or a photo eye commands; absent: none",
+        [FIGURE_OF_BELT] =
+            "Of each belt whose speed changes: by its schedule, photo eyes, failures or "
+            "breaks; absent: none",
+        [FIGURE_OF_FAILURE] = "Of each kind of failure of belts; absent: none",
         [FIGURE_OF_OUTLET] =
             "With feeds, of each belt from which cargo leaves the domain, where there "
             "are several; absent: none"

@@ -85,6 +85,7 @@ void openapi__write_feed_figures(json_out *w);
 void openapi__write_counter_figures(json_out *w);
 void openapi__write_eye_figures(json_out *w);
 void openapi__write_belt_figures(json_out *w);
+void openapi__write_failure_figures(json_out *w);
 void openapi__write_outlet_figures(json_out *w);
 void openapi__write_states(json_out *w);
 void openapi__write_study_states(json_out *w);

@@ -98,6 +98,7 @@ LINE("FiguresLine", figures_line, "figures", "FiguresEvent");
 LINE("PhotoEyeLine", eye_line, "photo_eye", "PhotoEyeEvent");
 LINE("ActionLine", action_line, "action", "ActionEvent");
 LINE("DriveLine", drive_line, "drive", "DriveEvent");
+LINE("BeltLine", belt_line, "belt", "BeltEvent");
 
 // The same of a study; `status` has no id.
 #define STUDY_LINE(title, name, word, data, ...)                                                   \
@@ -287,6 +288,8 @@ static const openapi_schema table[] = {
     WRITTEN("PhotoEyeFigures", openapi__write_eye_figures, "Key figures of a photo eye"),
     WRITTEN("BeltFigures", openapi__write_belt_figures,
             "Key figures of a belt that a schedule or a photo eye commands"),
+    WRITTEN("FailureFigures", openapi__write_failure_figures,
+            "Key figures of a kind of failure of a belt"),
     WRITTEN("OutletFigures", openapi__write_outlet_figures,
             "Key figures of one of several belts from which cargo leaves the domain"),
     OBJECT(submission_validation_members, "A submission that is valid"),
@@ -302,7 +305,8 @@ static const openapi_schema table[] = {
           "counter, under its id; `left_domain`, that have left the domain; `fallen` off the "
           "belts, where some of the domain is under no belt; of each feed `<feed>.offered`, "
           "`.admitted`, `.waiting` and `.discarded`; of each photo eye `<eye>.blocked`; "
-          "of each belt that a schedule or a photo eye commands `<belt>.speed_m_s`; with feeds, of "
+          "of each belt whose speed changes `<belt>.speed_m_s`; of each kind of failure "
+          "`<failure>.failed`, 1 while a belt is down by it; with feeds, of "
           "each belt from which cargo leaves the domain, where there are several, `<belt>.left`",
       .table = &results_columns_members,
       .others = "[number]" },
@@ -310,6 +314,7 @@ static const openapi_schema table[] = {
     OBJECT(results_eye_members, "A photo eye changed its state"),
     OBJECT(results_action_members, "An action of a photo eye was carried out"),
     OBJECT(results_drive_members, "Cargo holds an obstacle back, or no longer"),
+    OBJECT(results_stop_members, "A failure or a break stops a belt, or no longer"),
     OBJECT(results_grid_members, "Grid of a density"),
     OBJECT(results_parts_layout_members, "Layout of the parts of a snapshot"),
     OBJECT(results_snapshot_item_members, "A snapshot in a list"),
@@ -379,7 +384,8 @@ static const openapi_schema table[] = {
          "\"contentMediaType\":\"application/json\",\"contentSchema\":"
          "{\"$ref\":\"#/components/schemas/EventData\"}",
          "Server-sent events. `event` is one of status, progress, curve, snapshot, figures, "
-         "photo_eye, action, drive and end, of a study trial, status and end; `data` is an object "
+         "photo_eye, action, drive, belt and end, of a study trial, status and end; `data` is an "
+         "object "
          "in one "
          "line; `id` rises. A comment is sent while there are no events"),
     TYPE(
@@ -394,7 +400,7 @@ static const openapi_schema table[] = {
     { .name = "EventData",
       .help = "Data of an event",
       .one_of = "StatusEvent ProgressEvent CurveEvent SnapshotEvent EndEvent FiguresEvent "
-                "PhotoEyeEvent ActionEvent DriveEvent Trial Study" },
+                "PhotoEyeEvent ActionEvent DriveEvent BeltEvent Trial Study" },
     OBJECT(events_status_data, "The run has changed its state; the whole run"),
     OBJECT(events_progress_data, "Progress of the run"),
     OBJECT(events_curve_data, "Samples of the outflow curve"),
@@ -404,10 +410,11 @@ static const openapi_schema table[] = {
     OBJECT(events_eye_data, "A photo eye changed its state"),
     OBJECT(events_action_data, "An action of a photo eye was carried out"),
     OBJECT(events_drive_data, "Cargo holds an obstacle back, or no longer"),
+    OBJECT(events_belt_data, "A failure or a break stops a belt, or no longer"),
     { .name = "EventLine",
       .help = "An event",
       .one_of = "StatusLine ProgressLine CurveLine SnapshotLine EndLine FiguresLine PhotoEyeLine "
-                "ActionLine DriveLine TrialLine StudyStatusLine StudyEndLine" },
+                "ActionLine DriveLine BeltLine TrialLine StudyStatusLine StudyEndLine" },
     OBJECT(status_line, "A status event"),
     OBJECT(progress_line, "A progress event"),
     OBJECT(curve_line, "A curve event"),
@@ -417,6 +424,7 @@ static const openapi_schema table[] = {
     OBJECT(eye_line, "An event of a photo eye"),
     OBJECT(action_line, "An event of an action"),
     OBJECT(drive_line, "An event of a drive"),
+    OBJECT(belt_line, "An event of a belt that fails or has a break"),
     OBJECT(trial_line, "A trial of a study has ended"),
     OBJECT(study_status_line, "A study has changed"),
     OBJECT(study_end_line, "A study has ended; its last event"),

@@ -5,6 +5,7 @@
 #include "api/results/results_priv.h"
 #include "api/results/run_json.h"
 #include "core/base/check.h"
+#include "core/scene/belt_stops.h"
 #include "core/scene/plate_drive.h"
 
 #include <math.h>
@@ -177,6 +178,7 @@ static bool is_shifted(const void *item)
 }
 
 static const char *const eye_states[] = { "clear", "blocked", NULL };
+const char *const results__belt_states[] = { "running", "failed", "break", NULL };
 const char *const results__drive_states[] = { "as_told", "behind", "stalled", NULL };
 
 #define AT(place) offsetof(change_event, place)
@@ -203,6 +205,14 @@ static const member drive_members[] = {
     RESULTS__DRIVE_MEMBERS(is_shifted),
 };
 const member_table events_drive_data = { MEMBER_TABLE("DriveEvent", drive_members) };
+
+static const member belt_members[] = {
+    MEMBER("run", string, AT(run), RUN, .type = "#Id"),
+    MEMBER("t_s", number, AT(t), "When it was so", .unit = "s"),
+    MEMBER("belt", string, AT(id), "Its id", .type = "#ScenarioId"),
+    RESULTS__BELT_MEMBERS,
+};
+const member_table events_belt_data = { MEMBER_TABLE("BeltEvent", belt_members) };
 #undef AT
 
 bf_status events_change(const char *run_id, const frame_change *c, bf_buffer *out, bf_error *err)
@@ -214,6 +224,7 @@ bf_status events_change(const char *run_id, const frame_change *c, bf_buffer *ou
         [FRAME_CHANGE_EYE] = { &events_eye_data, 2 },
         [FRAME_CHANGE_ACTION] = { &events_action_data, 1 },
         [FRAME_CHANGE_DRIVE] = { &events_drive_data, PLATE_DRIVE_STATE_COUNT },
+        [FRAME_CHANGE_BELT] = { &events_belt_data, BELT_STOPS_CAUSE_COUNT },
     };
     const change_event event = { .run = run_id,
                                  .t = c->t,

@@ -24,6 +24,7 @@ extern const member_table events_figures_data;
 extern const member_table events_eye_data;
 extern const member_table events_action_data;
 extern const member_table events_drive_data;
+extern const member_table events_belt_data;
 
 /// {"run", "id", "status", "progress", ...}: the run as GET /v1/runs/{id} shows it.
 BF_MUST_CHECK bf_status events_status(const api_run *record, bf_buffer *out, bf_error *err);

@@ -11,7 +11,8 @@
 
 enum { ITEMS_MAX = SCENE_BELTS_MAX };
 _Static_assert((int)ITEMS_MAX >= (int)SCENE_FEEDS_MAX && (int)ITEMS_MAX >= (int)SCENE_EYES_MAX &&
-                   (int)ITEMS_MAX >= (int)SCENE_COUNTERS_MAX,
+                   (int)ITEMS_MAX >= (int)SCENE_COUNTERS_MAX &&
+                   (int)ITEMS_MAX >= (int)SCENE_ALL_FAILURES_MAX,
                "there is room for the items of every scope");
 
 static const struct {
@@ -23,6 +24,7 @@ static const struct {
     [FIGURE_OF_COUNTER] = { "counters", "counter" },
     [FIGURE_OF_EYE] = { "photo_eyes", "photo_eye" },
     [FIGURE_OF_BELT] = { "belts", "belt" },
+    [FIGURE_OF_FAILURE] = { "failures", "failure" },
     [FIGURE_OF_OUTLET] = { "outlets", "outlet" },
 };
 
@@ -60,6 +62,7 @@ static void find_items(const char *columns, items *ret_items)
     } told_by[] = { { ".offered", FIGURE_OF_FEED },
                     { ".blocked", FIGURE_OF_EYE },
                     { ".speed_m_s", FIGURE_OF_BELT },
+                    { ".failed", FIGURE_OF_FAILURE },
                     { ".left", FIGURE_OF_OUTLET } };
     bool is_counter = true;
     size_t n = 0;

@@ -1,9 +1,10 @@
-// What photo eyes saw and did, from frames and from stored events: photo_eyes.csv, and JSON with the actions.
+// What photo eyes saw and did, drives under load and belts that failed, from frames and from stored events: photo_eyes.csv, and JSON with the actions.
 
 #include "api/results/results.h"
 
 #include "api/json/number.h"
 #include "api/results/results_priv.h"
+#include "core/scene/belt_stops.h"
 #include "core/scene/plate_drive.h"
 
 #include <jansson.h>
@@ -79,6 +80,21 @@ static bool read_drive(json_t *json, results_drive *ret_drive)
     return drive.state < PLATE_DRIVE_STATE_COUNT;
 }
 
+static bool read_stop(json_t *json, results_stop *ret_stop)
+{
+    const char *id, *state;
+    results_stop stop = { .state = 0 };
+
+    if (json_unpack(json, "{s:F, s:s, s:s}", "t_s", &stop.t, "belt", &id, "state", &state) != 0)
+        return false;
+    while (results__belt_states[stop.state] != NULL &&
+           strcmp(results__belt_states[stop.state], state) != 0)
+        stop.state++;
+    snprintf(stop.id, sizeof stop.id, "%s", id);
+    *ret_stop = stop;
+    return stop.state < BELT_STOPS_CAUSE_COUNT;
+}
+
 static bf_status take_event(void *context, const api_event *event, bf_error *err)
 {
     results_changes *changes = context;
@@ -87,6 +103,7 @@ static bf_status take_event(void *context, const api_event *event, bf_error *err
     results_eye_change change;
     results_action action;
     results_drive drive;
+    results_stop stop;
 
     if (event->type == API_EVENT_EYE && read_eye(json, &change))
         status = buffer_append(&changes->eyes, &change, sizeof change);
@@ -94,10 +111,11 @@ static bf_status take_event(void *context, const api_event *event, bf_error *err
         status = buffer_append(&changes->actions, &action, sizeof action);
     else if (event->type == API_EVENT_DRIVE && read_drive(json, &drive))
         status = buffer_append(&changes->drives, &drive, sizeof drive);
+    else if (event->type == API_EVENT_BELT && read_stop(json, &stop))
+        status = buffer_append(&changes->stops, &stop, sizeof stop);
     json_decref(json);
-    return status == BF_OK
-               ? BF_OK
-               : bf_fail(err, status, "", "an event of an eye or a drive cannot be read");
+    return status == BF_OK ? BF_OK
+                           : bf_fail(err, status, "", "an event of the equipment cannot be read");
 }
 
 bf_status results_changes_read(const api_services *services, const char *id,
@@ -115,6 +133,7 @@ void results_changes_fini(results_changes *changes)
     buffer_fini(&changes->eyes);
     buffer_fini(&changes->actions);
     buffer_fini(&changes->drives);
+    buffer_fini(&changes->stops);
 }
 
 bf_status results_changes_csv(const results_changes *changes, bf_buffer *out, bf_error *err)
@@ -165,6 +184,16 @@ const member_table results_drive_members = { MEMBER_TABLE("Drive", drive_members
                                              .size = sizeof(results_drive) };
 #undef AT
 
+#define AT(place) offsetof(results_stop, place)
+static const member stop_members[] = {
+    MEMBER("t_s", number, AT(t), "When it was so", .unit = "s"),
+    MEMBER("belt", text, AT(id), "Its id", .type = "#ScenarioId"),
+    RESULTS__BELT_MEMBERS,
+};
+const member_table results_stop_members = { MEMBER_TABLE("BeltStop", stop_members),
+                                            .size = sizeof(results_stop) };
+#undef AT
+
 // What the JSON is written from.
 typedef struct changes_view {
     const results_eye_change *eyes;
@@ -173,6 +202,8 @@ typedef struct changes_view {
     size_t n_actions;
     const results_drive *drives;
     size_t n_drives;
+    const results_stop *stops;
+    size_t n_stops;
     bool is_cut;
 } changes_view;
 
@@ -186,6 +217,9 @@ static const member changes_members[] = {
            "How obstacles that cargo holds back follow what they are told: a change of state, and "
            "every 2 degrees that they turn, or 10 mm that they are shifted, while behind",
            .offset_n = AT(n_drives), .table = &results_drive_members),
+    MEMBER("belts", list, AT(stops),
+           "When failures and breaks began to stop belts, and when they ended",
+           .offset_n = AT(n_stops), .table = &results_stop_members),
     MEMBER("is_cut", bool, AT(is_cut),
            "There are as many as a run keeps, and what came later is not among them"),
 };
@@ -199,10 +233,12 @@ bf_status results_changes_json(const results_changes *changes, bf_buffer *out, b
                         .actions = (const results_action *)(const void *)changes->actions.bytes,
                         .n_actions = changes->actions.n / sizeof *of.actions,
                         .drives = (const results_drive *)(const void *)changes->drives.bytes,
-                        .n_drives = changes->drives.n / sizeof *of.drives };
+                        .n_drives = changes->drives.n / sizeof *of.drives,
+                        .stops = (const results_stop *)(const void *)changes->stops.bytes,
+                        .n_stops = changes->stops.n / sizeof *of.stops };
     json_out w = json_out_to(out);
 
-    of.is_cut = of.n_eyes + of.n_actions + of.n_drives >= FRAME_CHANGES_MAX;
+    of.is_cut = of.n_eyes + of.n_actions + of.n_drives + of.n_stops >= FRAME_CHANGES_MAX;
     members_write(&w, &results_changes_members, &of);
     return json_out_status(&w, err);
 }

@@ -33,6 +33,7 @@ extern const member_table results_parts_layout_members;
 extern const member_table results_eye_members;
 extern const member_table results_action_members;
 extern const member_table results_drive_members;
+extern const member_table results_stop_members;
 extern const member_table results_changes_members;
 extern const member_table results_summary_members; ///< its tag is the model
 
@@ -109,11 +110,19 @@ typedef struct results_drive {
     vec2 shift;             ///< of its path, m
 } results_drive;
 
-/// What the photo eyes of a run saw and did, and drives under load, so far. Zero-initialise; results_changes_fini().
+/// Whether a failure or a break stops a belt.
+typedef struct results_stop {
+    double t;               ///< s
+    char id[SCENE_ID_SIZE]; ///< of the belt
+    uint32_t state;         ///< belt_stops_cause
+} results_stop;
+
+/// What the photo eyes of a run saw and did, drives under load, and belts that failed, so far. Zero-initialise; results_changes_fini().
 typedef struct results_changes {
     bf_buffer eyes;    ///< results_eye_change, in the order of their times
     bf_buffer actions; ///< results_action, same
     bf_buffer drives;  ///< results_drive, same
+    bf_buffer stops;   ///< results_stop, same
 } results_changes;
 
 /// Read the changes of a stored run into the empty *changes. BF_ECORRUPT: an event is damaged.
@@ -123,7 +132,7 @@ void results_changes_fini(results_changes *changes);
 
 /// Append photo_eyes.csv, its header also where no state changed, or the JSON of all:
 /// {"changes": [{"t_s", "photo_eye", "state"}], "actions": [{"t_s", "action", "target"}],
-///  "drives": [{"t_s", "obstacle", "state", "turn_deg"}], "is_cut": false}.
+///  "drives": [{"t_s", "obstacle", "state", "turn_deg"}], "belts": [{"t_s", "belt", "state"}], "is_cut": false}.
 BF_MUST_CHECK bf_status results_changes_csv(const results_changes *changes, bf_buffer *out,
                                             bf_error *err);
 BF_MUST_CHECK bf_status results_changes_json(const results_changes *changes, bf_buffer *out,

@@ -10,6 +10,7 @@
 
 /// Words of plate_drive_state.
 extern const char *const results__drive_states[];
+extern const char *const results__belt_states[];
 
 /// Members of a drive in its event and in the list of all; AT() is the place of `state`, `turn_deg` and `shift` in their structs,
 /// of which is_shifted tells whether the last one is not 0.
@@ -20,6 +21,12 @@ extern const char *const results__drive_states[];
                .unit = "deg"),                                                                     \
         MEMBER("shift_m", point, AT(shift), "By which its path is shifted; none without it",       \
                .unit = "m", .applies = is_shifted)
+
+/// What stops a belt, as events and lists tell it; results__belt_states has the words of belt_stops_cause.
+#define RESULTS__BELT_MEMBERS                                                                      \
+    MEMBER("state", enum, AT(state),                                                               \
+           "From then on: neither a failure nor a break stops it, a failure does, or a break",     \
+           .words = results__belt_states)
 
 /// Samples of a curve, as results_curve_members writes them.
 typedef struct results__samples {

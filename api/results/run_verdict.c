@@ -3,6 +3,7 @@
 #include "core/base/number_text.h"
 #include "core/feed/arrivals.h"
 #include "core/feed/capacity.h"
+#include "core/scene/belt_speeds.h"
 
 #include <math.h>
 
@@ -242,7 +243,7 @@ static bool may_stand(const scene *s)
     bool may = s->n_actions > 0;
 
     for (size_t k = 0; k < s->n_belts; k++)
-        may |= s->belts[k].speed_schedule.n_times > 0;
+        may |= belt_speeds_may_change(&s->belts[k]);
     return may;
 }
 
@@ -312,12 +313,17 @@ static void say_chance(const run_verdict_subject *of, verdicts *all)
 {
     const double needs = value_of(of, FIGURE_THROUGHPUT_NEEDS, 0);
     char number[VERDICT_NUMBER_SIZE];
+    bool fail = false;
 
     if (!isfinite(needs))
         return;
+    for (size_t k = 0; k < of->scene->n_belts; k++)
+        fail = fail || belt_stops_are_drawn(&of->scene->belts[k].stops);
     verdict *v = verdict_add(all, "too_short");
-    verdict_say(v, "Parts arrive by chance, and the run is too short to say how far that moved its "
-                   "throughput.");
+    verdict_say(v,
+                "%s by chance, and the run is too short to say how far that moved its "
+                "throughput.",
+                fail ? "Belts fail" : "Parts arrive");
     verdict_advise(v, "Let duration_s be about %s, or make several runs of other substreams.",
                    verdict_number(needs, (double)NAN, number));
     verdict_rests_on(v, "throughput_needs_s", "", needs);

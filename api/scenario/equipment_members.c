@@ -5,6 +5,10 @@
 #include "core/scene/ranges.h"
 #include "core/scene/scene.h"
 
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+
 static const char *const treatment_words[] = { "sealed", "field", "wall", NULL };
 static const char *const state_words[] = { "clear", "blocked", NULL };
 HAS_WORDS(treatment_words, SCENE_TREATMENT_COUNT);
@@ -45,6 +49,104 @@ static const member speed_schedule_members[] = {
 static const member_table speed_schedule_table = {
     MEMBER_TABLE("speedSchedule", speed_schedule_members), .size = sizeof(scene_speed_schedule)
 };
+#undef AT
+
+static const char *const time_law_words[] = { "exponential", "weibull", "fixed", NULL };
+HAS_WORDS(time_law_words, SCENE_TIME_LAW_COUNT);
+
+static void init_failure(void *item, size_t place)
+{
+    (void)place;
+    *(scene_failure *)item =
+        (scene_failure){ .between = { .shape = 1.0 }, .repair = { .shape = 1.0 } };
+}
+
+static void init_break(void *item, size_t place)
+{
+    (void)place;
+    *(scene_break *)item = (scene_break){ .every = INFINITY };
+}
+
+static const char *const drawn_form[] = { "mtbf_s", "mtbf_distribution", "mtbf_shape",
+                                          "mttr_s", "mttr_distribution", "mttr_shape",
+                                          NULL };
+static const char *const listed_form[] = { "t_s", "duration_s", NULL };
+static const char *const *const failure_forms[] = { [SCENE_FAILURE_DRAWN] = drawn_form,
+                                                    [SCENE_FAILURE_LISTED] = listed_form,
+                                                    [SCENE_FAILURE_COUNT] = NULL };
+
+#define AT(place) offsetof(scene_failure, place)
+static bool has_no_between_shape(const void *item)
+{
+    return ((const scene_failure *)item)->between.law != SCENE_TIME_WEIBULL;
+}
+
+static bool has_no_repair_shape(const void *item)
+{
+    return ((const scene_failure *)item)->repair.law != SCENE_TIME_WEIBULL;
+}
+
+// A shape that says nothing would be lost without a word.
+static void check_shape(json_in *in, const struct json_t *object, const char *name, bool is_used)
+{
+    const size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
+
+    if (!is_used && json_object_get(object, name) != NULL)
+        json_in_fault(in, "is of a Weibull distribution, and this is none");
+    json_pointer_leave(&in->pointer, mark);
+}
+
+static void check_shapes(json_in *in, const struct json_t *object, void *item)
+{
+    check_shape(in, object, "mtbf_shape", !has_no_between_shape(item));
+    check_shape(in, object, "mttr_shape", !has_no_repair_shape(item));
+}
+
+static const member failure_members[] = {
+    MEMBER("id", text, AT(id), "its name", .default_text = "failure-1, failure-2, ...", .least = 1,
+           .limit = SCENE_ID_SIZE),
+    MEMBER("mtbf_s", number, AT(between.mean),
+           "first form: mean operating time from a repair, or the start, to the next failure",
+           .unit = "s", .range = &scene_range_time),
+    MEMBER("mtbf_distribution", enum, AT(between.law), "of these times", .words = time_law_words,
+           .flags = MEMBER_INIT),
+    MEMBER("mtbf_shape", number, AT(between.shape), "of a Weibull distribution",
+           .range = &scene_range_weibull_shape, .flags = MEMBER_INIT | MEMBER_OMIT_EMPTY,
+           .is_empty = has_no_between_shape),
+    MEMBER("mttr_s", number, AT(repair.mean), "first form: mean time to repair", .unit = "s",
+           .range = &scene_range_time),
+    MEMBER("mttr_distribution", enum, AT(repair.law), "of these times", .words = time_law_words,
+           .flags = MEMBER_INIT),
+    MEMBER("mttr_shape", number, AT(repair.shape), "of a Weibull distribution",
+           .range = &scene_range_weibull_shape, .flags = MEMBER_INIT | MEMBER_OMIT_EMPTY,
+           .is_empty = has_no_repair_shape),
+    MEMBER("t_s", numbers, AT(times), "second form: when each failure begins, rising", .unit = "s",
+           .offset_n = AT(n_times), .range = &scene_range_instant, .least = 1,
+           .limit = SCENE_STOPS_MAX),
+    MEMBER("duration_s", numbers, AT(durations), "second form: how long each one lasts",
+           .unit = "s", .offset_n = AT(n_durations), .range = &scene_range_time, .least = 1,
+           .limit = SCENE_STOPS_MAX),
+};
+static const member_table failure_table = { MEMBER_TABLE("failure", failure_members),
+                                            .size = sizeof(scene_failure),
+                                            .init = init_failure,
+                                            .post_read = check_shapes,
+                                            .choice = MEMBER_ONE_FORM,
+                                            .offset_choice = AT(type),
+                                            .forms = failure_forms };
+#undef AT
+
+#define AT(place) offsetof(scene_break, place)
+static const member break_members[] = {
+    MEMBER("start_s", number, AT(start), "when the first one begins", .unit = "s",
+           .range = &scene_range_instant),
+    MEMBER("duration_s", number, AT(duration), "how long each one lasts", .unit = "s",
+           .range = &scene_range_time),
+    MEMBER("every_s", number, AT(every), "from the start of one to that of the next", .unit = "s",
+           .range = &scene_range_time, .flags = MEMBER_OMIT_EMPTY, .default_text = "there is one"),
+};
+static const member_table break_table = { MEMBER_TABLE("break", break_members),
+                                          .size = sizeof(scene_break), .init = init_break };
 #undef AT
 
 #define AT(place) offsetof(scene_belt, place)
@@ -120,6 +222,13 @@ static const member belt_members[] = {
     MEMBER("speed_schedule", object, AT(speed_schedule), "how its speed changes in time",
            .table = &speed_schedule_table, .offset_n = AT(speed_schedule.n_times),
            .flags = MEMBER_OMIT_EMPTY, .default_text = "factor 1 at all times"),
+    MEMBER("failures", list, AT(stops.failures), "kinds of its breakdowns and micro-stops",
+           .table = &failure_table, .offset_n = AT(stops.n_failures), .least = 1,
+           .limit = SCENE_FAILURES_MAX, .flags = MEMBER_OMIT_EMPTY,
+           .default_text = "it does not fail"),
+    MEMBER("breaks", list, AT(stops.breaks), "planned stops: breaks, and times between shifts",
+           .table = &break_table, .offset_n = AT(stops.n_breaks), .least = 1,
+           .limit = SCENE_BREAKS_MAX, .flags = MEMBER_OMIT_EMPTY, .default_text = "none"),
     MEMBER("polygon_m", points, AT(polygon), "corners of a simple polygon", .unit = "m",
            .offset_n = AT(n_points), .least = 3, .limit = SCENE_POINTS_MAX,
            .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_polygon, .default_text = "the domain"),

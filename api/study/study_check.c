@@ -102,7 +102,8 @@ static void check_objective(json_in *in, study_document *d, const scene *s, size
                                                       "feed",
                                                       "counter",
                                                       "photo eye",
-                                                      "belt with a schedule or an action",
+                                                      "belt whose speed changes",
+                                                      "kind of failure",
                                                       "belt that is one of several outlets" };
     study_document_objective *o = &d->objectives[k];
     const figure *f = &figure_table[o->figure];

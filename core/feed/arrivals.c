@@ -1,9 +1,9 @@
 #include "core/feed/arrivals.h"
 
 #include "core/base/digest.h"
+#include "core/base/draws.h"
 #include "core/base/memory.h"
 #include "core/base/search.h"
-#include "core/feed/draws.h"
 
 #include <math.h>
 #include <string.h>

@@ -148,6 +148,16 @@ const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_STOPPED_TOTAL] = { "stopped", "total_s", "s", "For how long together", OF(BELT, BOTH) },
     [FIGURE_STOPPED_LONGEST] = { "stopped", "longest_s", "s", "For how long at most at a time",
                                  OF(BELT, BOTH) },
+    [FIGURE_AVAILABILITY] = { "availability", NULL, NULL,
+                              "Share of the time after the warm-up outside its breaks in which "
+                              "the belt was not down by a failure; absent where it has none",
+                              OF(BELT, BOTH) },
+    [FIGURE_FAILED_COUNT] = { "failed", "count", NULL,
+                              "Failures of this kind that began after the warm-up",
+                              OF(FAILURE, BOTH) },
+    [FIGURE_FAILED_TOTAL] = { "failed", "total_s", "s",
+                              "For how long the belt was down by them together, outside its breaks",
+                              OF(FAILURE, BOTH) },
     [FIGURE_OUTFLOW] = { "outflow_per_h", NULL, "parts/h",
                          "Parts that left the domain from the belt after the warm-up, by the time "
                          "since then",
@@ -161,8 +171,8 @@ figure_id figure_first(figure_scope scope)
 {
     static const figure_id first[FIGURE_SCOPES + 1] = { FIGURE_THROUGHPUT,    FIGURE_OFFERED,
                                                         FIGURE_CONTENT_MEAN,  FIGURE_GAP_MIN,
-                                                        FIGURE_STOPPED_COUNT, FIGURE_OUTFLOW,
-                                                        FIGURE_COUNT };
+                                                        FIGURE_STOPPED_COUNT, FIGURE_FAILED_COUNT,
+                                                        FIGURE_OUTFLOW,       FIGURE_COUNT };
 
     return first[scope];
 }
@@ -182,6 +192,15 @@ static size_t belts_of(const scene *s, figure_scope scope)
     return n;
 }
 
+static size_t count_failures(const scene *s)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        n += s->belts[k].stops.n_failures;
+    return n;
+}
+
 size_t figure_items(const scene *s, figure_scope scope)
 {
     const size_t n_outlets = s->n_feeds > 0 ? belts_of(s, FIGURE_OF_OUTLET) : 0;
@@ -190,6 +209,7 @@ size_t figure_items(const scene *s, figure_scope scope)
                                       s->n_counters,
                                       s->n_eyes,
                                       belts_of(s, FIGURE_OF_BELT),
+                                      count_failures(s),
                                       n_outlets > 1 ? n_outlets : 0 };
 
     return n[scope];
@@ -201,6 +221,16 @@ size_t figure_belt(const scene *s, figure_scope scope, size_t k)
 
     while (!is_of(&s->belts[belt], scope) || k-- > 0)
         belt++;
+    return belt;
+}
+
+size_t figure_failure(const scene *s, size_t k, size_t *ret_failure)
+{
+    size_t belt = 0;
+
+    for (; k >= s->belts[belt].stops.n_failures; belt++)
+        k -= s->belts[belt].stops.n_failures;
+    *ret_failure = k;
     return belt;
 }
 
@@ -217,6 +247,8 @@ size_t figure_outlet(const scene *s, size_t belt)
 
 const char *figure_item_id(const scene *s, figure_scope scope, size_t item)
 {
+    size_t failure = 0;
+
     switch (scope) {
     case FIGURE_OF_FEED:
         return s->feeds[item].id;
@@ -227,6 +259,10 @@ const char *figure_item_id(const scene *s, figure_scope scope, size_t item)
     case FIGURE_OF_BELT:
     case FIGURE_OF_OUTLET:
         return s->belts[figure_belt(s, scope, item)].id;
+    case FIGURE_OF_FAILURE: {
+        const size_t belt = figure_failure(s, item, &failure);
+        return s->belts[belt].stops.failures[failure].id;
+    }
     default:
         return "";
     }

@@ -1,8 +1,8 @@
 /// The key figures of a run: one table of their words, units and definitions, and where their values stand.
 ///
 /// A run has the values of all figures of the table as doubles in one array: those of the run, then those of its first
-/// feed, of its second feed, and so on, then of its counters, of its photo eyes, of its belts whose speeds change and of
-/// its outlets, each in the order of the table. NAN: the run cannot say; never 0 instead.
+/// feed, of its second feed, and so on, then of its counters, of its photo eyes, of its belts whose speeds change, of their
+/// failures and of its outlets, each in the order of the table. NAN: the run cannot say; never 0 instead.
 ///
 /// Every figure but offered, admitted, discarded, entered, left, throughput_needs_s, flow_needs_s, outflow_needs_s,
 /// steady_at_s and drained_at_s leaves out what was before the first sample at or after the scenario's warmup_s, the warm-up.
@@ -20,7 +20,8 @@ typedef enum figure_scope {
     FIGURE_OF_FEED,    ///< each feed
     FIGURE_OF_COUNTER, ///< each counter
     FIGURE_OF_EYE,     ///< each photo eye
-    FIGURE_OF_BELT,    ///< each belt that a schedule or a photo eye commands
+    FIGURE_OF_BELT,    ///< each belt that belt_speeds_may_change()
+    FIGURE_OF_FAILURE, ///< each kind of failure, in the order of their belts
     FIGURE_OF_OUTLET, ///< with feeds, each belt that cargo leaves the domain from, where there are several
     FIGURE_SCOPES
 } figure_scope;
@@ -73,6 +74,9 @@ typedef enum figure_id {
     FIGURE_STOPPED_COUNT, ///< the first one of a belt
     FIGURE_STOPPED_TOTAL,
     FIGURE_STOPPED_LONGEST,
+    FIGURE_AVAILABILITY,
+    FIGURE_FAILED_COUNT, ///< the first one of a kind of failure
+    FIGURE_FAILED_TOTAL,
     FIGURE_OUTFLOW, ///< the first one of an outlet
     FIGURE_OUTFLOW_ERROR,
     FIGURE_OUTFLOW_NEEDS,
@@ -104,7 +108,8 @@ extern const figure figure_table[FIGURE_COUNT];
 /// The first figure of a scope; of FIGURE_SCOPES, FIGURE_COUNT.
 figure_id figure_first(figure_scope scope);
 
-/// What there is of a scope in a scene: 1, its feeds, counters, photo eyes, belts that belt_speeds_may_change(), or outlets.
+/// What there is of a scope in a scene: 1, its feeds, counters, photo eyes, belts that belt_speeds_may_change(), kinds of
+/// failures, or outlets.
 size_t figure_items(const scene *s, figure_scope scope);
 
 /// Which belt of the scene the k-th one of FIGURE_OF_BELT, or of FIGURE_OF_OUTLET, is.
@@ -113,7 +118,11 @@ size_t figure_belt(const scene *s, figure_scope scope, size_t k);
 /// Which outlet a belt is; figure_items() of FIGURE_OF_OUTLET or more: none.
 size_t figure_outlet(const scene *s, size_t belt);
 
-/// Id of an item of a scope: that of the feed, the counter, the photo eye or the belt (of an outlet, too); "" of the run.
+/// Which belt of the scene the k-th kind of failure is of, and which of its failures it is.
+size_t figure_failure(const scene *s, size_t k, size_t *ret_failure);
+
+/// Id of an item of a scope: that of the feed, the counter, the photo eye, the belt (of an outlet, too) or the failure; ""
+/// of the run.
 const char *figure_item_id(const scene *s, figure_scope scope, size_t item);
 
 /// Values of all figures of a scene.

@@ -64,6 +64,9 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
     for (size_t k = 0; k < s->n_eyes; k++)
         f->eyes[k].last_end = (double)NAN;
     f->n_belts = figure_items(s, FIGURE_OF_BELT);
+    for (size_t k = 0; k < s->n_belts; k++)
+        f->n_stops = belt_stops_are_any(&s->belts[k].stops) ? f->n_belts : f->n_stops;
+    f->n_failures = figure_items(s, FIGURE_OF_FAILURE);
     f->n_flows = f->has_exits ? s->n_counters + figure_items(s, FIGURE_OF_OUTLET) : 0;
     f->queue = queue_of(s);
     if (s->warmup <= 0.0)
@@ -318,12 +321,46 @@ void figures_eye_state(figures *f, size_t eye, double t, bool is_blocked)
     e->is_blocked = is_blocked;
 }
 
+// What stopped a belt from a time on for as long as `lasted`, s.
+static void add_stop(figures *f, size_t belt, stop_sums *sums, unsigned now, double lasted)
+{
+    const bool is_break = (now & BELT_STOPS_BREAK) != 0;
+    size_t first = 0; // kind of failure of the belt
+
+    for (size_t k = 0; k < belt; k++)
+        first += f->s->belts[k].stops.n_failures;
+    for (size_t k = 0; k < f->s->belts[belt].stops.n_failures; k++) {
+        failure_sums *of = &f->failures[first + k];
+        const bool is_down = (now & 1U << k) != 0;
+        of->n += is_down && (sums->now & 1U << k) == 0 ? 1.0 : 0.0;
+        of->total += is_down && !is_break ? lasted : 0.0;
+    }
+    sums->planned += is_break ? lasted : 0.0;
+    sums->failed += !is_break && (now & BELT_STOPS_FAILED) != 0 ? lasted : 0.0;
+}
+
+static void add_stops(figures *f, const belt_speeds *speeds, size_t k, double from, double to)
+{
+    const size_t belt = figure_belt(f->s, FIGURE_OF_BELT, k);
+    stop_sums *sums = &f->stops[k];
+    double until;
+
+    for (double at = from; at < to; at = until) {
+        const unsigned now = belt_speeds_stopped_by(speeds, belt, at, &until);
+        if (f->run.is_warm)
+            add_stop(f, belt, sums, now, fmin(until, to) - at);
+        sums->now = now;
+    }
+}
+
 void figures_belts(figures *f, const belt_speeds *speeds, double t)
 {
     for (size_t k = 0; k < f->n_belts; k++) {
         belt_sums *b = &f->belts[k];
         const size_t belt = figure_belt(f->s, FIGURE_OF_BELT, k);
         double until;
+        if (k < f->n_stops)
+            add_stops(f, speeds, k, b->known_until, t);
         for (double at = b->known_until; at < t; at = until) {
             const bool stands = belt_speeds_stands(speeds, belt, at, &until);
             if (b->stands && !stands && f->run.is_warm) {

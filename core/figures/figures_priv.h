@@ -59,6 +59,19 @@ typedef struct belt_sums {
     double longest;     ///< of one of them, s
 } belt_sums;
 
+/// Of a belt with failures or breaks; saved only where there are some.
+typedef struct stop_sums {
+    uint64_t now;   ///< belt_stops_now()
+    double failed;  ///< time down by failures outside breaks, s
+    double planned; ///< time in breaks, s
+} stop_sums;
+
+/// Of a kind of failure.
+typedef struct failure_sums {
+    double n;     ///< that began
+    double total; ///< time down by them outside breaks, s
+} failure_sums;
+
 /// Of jams.
 typedef struct jam_sums {
     double since;        ///< of the last exit or empty domain, s
@@ -110,10 +123,14 @@ struct figures {
     flow_sums *flows;                          ///< of each counter, then of each outlet
     size_t n_belts;                            ///< that belt_speeds_may_change()
     belt_sums belts[SCENE_BELTS_MAX];          ///< of each of them
-    quantiles residence;                       ///< times in the domain
-    quantiles ages;                            ///< has_exits: of what is inside, at the last sample
-    quantiles ages_first;                      ///< same at the end of the warm-up
-    bool are_ages_old; ///< those of the sample that is being taken have not begun to come
+    size_t n_stops;                   ///< of `stops`: n_belts, or 0 where nothing stops any
+    stop_sums stops[SCENE_BELTS_MAX]; ///< of each of them
+    size_t n_failures;                ///< kinds
+    failure_sums failures[SCENE_ALL_FAILURES_MAX]; ///< of each of them
+    quantiles residence;                           ///< times in the domain
+    quantiles ages;       ///< has_exits: of what is inside, at the last sample
+    quantiles ages_first; ///< same at the end of the warm-up
+    bool are_ages_old;    ///< those of the sample that is being taken have not begun to come
     quantiles waits[SCENE_FEEDS_MAX]; ///< waits at each feed
     quantiles gaps[SCENE_EYES_MAX];   ///< gaps at each photo eye
     fifo inside;                      ///< without feeds: the domain

@@ -156,6 +156,23 @@ static void fill_belt(const figures *f, size_t k, double *ret_values)
     ret_values[figure_at(f->s, FIGURE_STOPPED_LONGEST, k)] = fmax(b->longest, now);
 }
 
+static void fill_stops(const figures *f, double *ret_values)
+{
+    const double lasted = f->run.t - f->run.t_start;
+
+    for (size_t k = 0; k < f->n_stops && f->run.is_warm; k++) {
+        const stop_sums *of = &f->stops[k];
+        const double planned = lasted - of->planned;
+        if (f->s->belts[figure_belt(f->s, FIGURE_OF_BELT, k)].stops.n_failures > 0)
+            ret_values[figure_at(f->s, FIGURE_AVAILABILITY, k)] =
+                ratio(planned - of->failed, planned);
+    }
+    for (size_t k = 0; k < f->n_failures && f->run.is_warm; k++) {
+        ret_values[figure_at(f->s, FIGURE_FAILED_COUNT, k)] = f->failures[k].n;
+        ret_values[figure_at(f->s, FIGURE_FAILED_TOTAL, k)] = f->failures[k].total;
+    }
+}
+
 static void fill_eye(const figures *f, size_t k, double *ret_values)
 {
     const quantiles *gaps = &f->gaps[k];
@@ -200,6 +217,7 @@ void figures_fill(const figures *f, double *ret_values)
     }
     for (size_t k = 0; k < f->n_belts; k++)
         fill_belt(f, k, ret_values);
+    fill_stops(f, ret_values);
     for (size_t k = 0; k < n; k++)
         ret_values[k] = rounded(ret_values[k]);
 }
@@ -211,6 +229,8 @@ void figures_save(const figures *f, checkpoint_writer *w)
     checkpoint_write(w, f->feeds, f->s->n_feeds * sizeof *f->feeds);
     checkpoint_write(w, f->eyes, f->s->n_eyes * sizeof *f->eyes);
     checkpoint_write(w, f->belts, f->n_belts * sizeof *f->belts);
+    checkpoint_write(w, f->stops, f->n_stops * sizeof *f->stops);
+    checkpoint_write(w, f->failures, f->n_failures * sizeof *f->failures);
     checkpoint_write(w, f->flows, f->n_flows * sizeof *f->flows);
     quantiles_save(&f->residence, w);
     if (f->has_exits) {
@@ -236,6 +256,8 @@ bool figures_load(figures *f, checkpoint_reader *r)
                    checkpoint_read(r, f->feeds, f->s->n_feeds * sizeof *f->feeds) &&
                    checkpoint_read(r, f->eyes, f->s->n_eyes * sizeof *f->eyes) &&
                    checkpoint_read(r, f->belts, f->n_belts * sizeof *f->belts) &&
+                   checkpoint_read(r, f->stops, f->n_stops * sizeof *f->stops) &&
+                   checkpoint_read(r, f->failures, f->n_failures * sizeof *f->failures) &&
                    checkpoint_read(r, f->flows, f->n_flows * sizeof *f->flows) &&
                    quantiles_load(&f->residence, r) && f->run.batches.n < STEADY_BATCHES_MAX;
 

@@ -41,7 +41,7 @@ static bool has_stop(const micro_def *def)
 {
     const surroundings around = { .domain = def->domain };
     bool stops = def->n_obstacles > 0 || def->n_belts != 1 || def->belts[0].turn != 0.0 ||
-                 def->belts[0].speed_schedule.n_times > 0 || def->n_actions > 0;
+                 belt_speeds_may_change(&def->belts[0]) || def->n_actions > 0;
 
     for (int side = 0; side < SCENE_SIDE_COUNT && !stops; side++)
         stops = def->edges[side] == SCENE_EDGE_WALL &&

@@ -23,7 +23,8 @@ static size_t count_before_feeds(const scene *s)
 size_t columns_count(const scene *s)
 {
     return count_before_feeds(s) + COLUMNS_OF_FEED * s->n_feeds + s->n_eyes +
-           figure_items(s, FIGURE_OF_BELT) + figure_items(s, FIGURE_OF_OUTLET);
+           figure_items(s, FIGURE_OF_BELT) + figure_items(s, FIGURE_OF_FAILURE) +
+           figure_items(s, FIGURE_OF_OUTLET);
 }
 
 void columns_name(const scene *s, size_t k, char *ret_name)
@@ -31,7 +32,8 @@ void columns_name(const scene *s, size_t k, char *ret_name)
     const size_t n_before_feeds = count_before_feeds(s);
     const size_t n_before_eyes = n_before_feeds + COLUMNS_OF_FEED * s->n_feeds;
     const size_t n_before_belts = n_before_eyes + s->n_eyes;
-    const size_t n_before_outlets = n_before_belts + figure_items(s, FIGURE_OF_BELT);
+    const size_t n_before_failures = n_before_belts + figure_items(s, FIGURE_OF_BELT);
+    const size_t n_before_outlets = n_before_failures + figure_items(s, FIGURE_OF_FAILURE);
 
     if (k < s->n_counters)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s", s->counters[k].id);
@@ -45,9 +47,12 @@ void columns_name(const scene *s, size_t k, char *ret_name)
                  of_feed[(k - n_before_feeds) % COLUMNS_OF_FEED].word);
     else if (k < n_before_belts)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.blocked", s->eyes[k - n_before_eyes].id);
-    else if (k < n_before_outlets)
+    else if (k < n_before_failures)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.speed_m_s",
                  figure_item_id(s, FIGURE_OF_BELT, k - n_before_belts));
+    else if (k < n_before_outlets)
+        snprintf(ret_name, COLUMN_NAME_SIZE, "%s.failed",
+                 figure_item_id(s, FIGURE_OF_FAILURE, k - n_before_failures));
     else
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.left",
                  figure_item_id(s, FIGURE_OF_OUTLET, k - n_before_outlets));

@@ -12,14 +12,19 @@ static const double told_shift = 0.01; // m, same
 
 control control_of(const scene *s, bf_world *w, const run_backend *backend, const run_plan *plan)
 {
-    const bool needs_ticks = s->n_feeds > 0 || s->n_eyes > 0 || s->until != SCENE_UNTIL_DURATION ||
-                             scene_has_moving_obstacles(s);
+    bool has_stops = false;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        has_stops = has_stops || belt_stops_are_any(&s->belts[k].stops);
+    const bool needs_ticks = has_stops || s->n_feeds > 0 || s->n_eyes > 0 ||
+                             s->until != SCENE_UNTIL_DURATION || scene_has_moving_obstacles(s);
 
     return (control){ .scene = s,
                       .world = w,
                       .backend = backend,
                       .n_tick = needs_ticks ? plan->n_tick : 0,
                       .dt = plan->dt,
+                      .has_stops = has_stops,
                       .eyes = photo_eyes_of(s, plan->dt),
                       .commands = commands_of(s, plan->dt) };
 }
@@ -134,6 +139,25 @@ static bf_status watch_drives(control *c, uint64_t step, figures *to, const run_
     return status;
 }
 
+static bf_status watch_belts(control *c, uint64_t step, const run_sink *sink, bf_error *err)
+{
+    bf_status status = BF_OK;
+    double until;
+
+    for (size_t k = 0; c->has_stops && k < c->scene->n_belts && status == BF_OK; k++) {
+        const unsigned now =
+            belt_speeds_stopped_by(&c->world->belts, k, (double)step * c->dt, &until);
+        const frame_change change = { .type = FRAME_CHANGE_BELT,
+                                      .item = (uint32_t)k,
+                                      .state = belt_stops_cause_of(now) };
+        if (change.state == c->stops[k])
+            continue;
+        c->stops[k] = change.state;
+        status = emit_change(c, step, &change, c->scene->belts[k].id, sink, err);
+    }
+    return status;
+}
+
 bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, const run_sink *sink,
                        bf_error *err)
 {
@@ -153,7 +177,9 @@ bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, con
         status = command_due(c, solver, step, sink, err);
     if (status == BF_OK && c->scene->n_feeds > 0)
         status = c->backend->admit(solver, to, err);
-    return status == BF_OK ? watch_drives(c, step, to, sink, err) : status;
+    if (status == BF_OK)
+        status = watch_drives(c, step, to, sink, err);
+    return status == BF_OK ? watch_belts(c, step, sink, err) : status;
 }
 
 bool control_is_drained(const control *c, const void *solver)
@@ -169,6 +195,8 @@ void control_save(const control *c, checkpoint_writer *w)
         return;
     checkpoint_write(w, &c->n_changes, sizeof c->n_changes);
     checkpoint_write(w, c->drives, c->scene->n_obstacles * sizeof *c->drives);
+    if (c->has_stops)
+        checkpoint_write(w, c->stops, c->scene->n_belts * sizeof *c->stops);
     photo_eyes_save(&c->eyes, w);
     commands_save(&c->commands, w);
     for (size_t k = 0; k < c->eyes.n; k++)
@@ -181,6 +209,7 @@ bf_status control_load(control *c, checkpoint_reader *r, bf_error *err)
         return BF_OK;
     if (!checkpoint_read(r, &c->n_changes, sizeof c->n_changes) ||
         !checkpoint_read(r, c->drives, c->scene->n_obstacles * sizeof *c->drives) ||
+        (c->has_stops && !checkpoint_read(r, c->stops, c->scene->n_belts * sizeof *c->stops)) ||
         !photo_eyes_load(&c->eyes, r))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
     bf_status status = commands_load(&c->commands, r, err);

@@ -1,5 +1,5 @@
-/// What a run does at its ticks beside stepping: departures, photo eyes, actions, admissions and drives, in this
-/// order.
+/// What a run does at its ticks beside stepping: departures, photo eyes, actions, admissions, drives and belts that fail, in
+/// this order.
 ///
 /// A tick is a number of steps (run_plan.n_tick) that depends on the scenario alone. There is one at t = 0, at
 /// every multiple of it, and at the end; scenarios that need none have none.
@@ -32,6 +32,8 @@ typedef struct control {
     commands commands;                         ///< see there
     passages passages[SCENE_EYES_MAX];         ///< of parts, at each eye
     control_drive drives[SCENE_OBSTACLES_MAX]; ///< of the obstacles
+    uint32_t stops[SCENE_BELTS_MAX];           ///< of the belts: belt_stops_cause, told last
+    bool has_stops;                            ///< some belt has failures or breaks
     uint64_t n_changes; ///< frames of changes since t = 0, at most FRAME_CHANGES_MAX
 } control;
 

@@ -1,9 +1,9 @@
 #include "core/run/crossings.h"
 
 #include "core/base/digest.h"
+#include "core/base/draws.h"
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
-#include "core/feed/draws.h"
 #include "core/feed/line_cells.h"
 #include "core/scene/mix.h"
 #include "core/scene/regime.h"

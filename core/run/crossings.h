@@ -17,7 +17,7 @@
 ///
 /// Choice   the length l of a part is its extent along the belt at the heading of the first feed; of random headings and
 ///          of cargo that is there at the start, the mean over all headings; of kinds, the mean by what feeds bring.
-/// Bits     draws are a function of the eye's id, the scenario's substream and the number of the part (core/feed/draws.h).
+/// Bits     draws are a function of the eye's id, the scenario's substream and the number of the part (core/base/draws.h).
 /// Units    SI.
 
 #pragma once

@@ -36,8 +36,8 @@ typedef enum frame_type {
     FRAME_END,        ///< the run is over: done, or stopped on request
     FRAME_ERROR,      ///< the run failed
     FRAME_PARTS,      ///< the parts at the time of the snapshot before it
-    FRAME_CHANGE, ///< a photo eye changed its state, an action was carried out, or a drive is loaded
-    FRAME_FIGURES, ///< the key figures so far
+    FRAME_CHANGE,     ///< what equipment did: see frame_change_type
+    FRAME_FIGURES,    ///< the key figures so far
     FRAME_SLICE, ///< a part of the array of the snapshot or parts frame that comes next; in bytes only
     FRAME_TYPE_COUNT
 } frame_type;
@@ -98,9 +98,8 @@ typedef struct frame_snapshot {
     const float *rho; ///< n2 rows of n1, normalised; NULL in a decoded frame: it came in slices
 } frame_snapshot;
 
-/// Values of a part, by the equations of motion: x, y, heading, vx, vy, spin, or position (3),
-/// quaternion w, x, y, z (4), velocity (3), angular velocity (3). SI units, rad. In scenarios with feeds id and kind
-/// stand before them.
+/// Values of a part, by the equations of motion: x, y, heading, vx, vy, spin, or position (3), quaternion w, x, y, z (4),
+/// velocity (3), angular velocity (3). SI units, rad. In scenarios with feeds id and kind stand before them.
 enum {
     FRAME_VALUES_PLANAR = 6,
     FRAME_VALUES_SPATIAL = 13,
@@ -149,17 +148,18 @@ typedef enum frame_change_type {
     FRAME_CHANGE_EYE,    ///< the state of a photo eye
     FRAME_CHANGE_ACTION, ///< the target of an action
     FRAME_CHANGE_DRIVE, ///< how a plate follows what it is told; while it is behind, every 2 degrees or 10 mm
+    FRAME_CHANGE_BELT,  ///< whether a failure or a break stops a belt
     FRAME_CHANGE_TYPE_COUNT
 } frame_change_type;
 
-/// A change of a photo eye's state, an action that is carried out, or a drive under load.
+/// What equipment did.
 typedef struct frame_change {
     uint64_t index;         ///< 0 for the first of the run
     double t;               ///< s
     uint32_t type;          ///< frame_change_type
-    uint32_t item;          ///< index of the photo eye, action or obstacle in the scenario
-    uint32_t state;         ///< from now on; of an eye: 1 if blocked; of a drive: plate_drive_state
-    char id[SCENE_ID_SIZE]; ///< of the photo eye, of the action's target, or of the obstacle
+    uint32_t item;          ///< index in the scenario: of the photo eye, action, obstacle or belt
+    uint32_t state;         ///< from now on: 1 if blocked, plate_drive_state, or belt_stops_cause
+    char id[SCENE_ID_SIZE]; ///< of the photo eye, the action's target, the obstacle or the belt
     double turn;            ///< of the obstacle, counter-clockwise, rad; else 0
     vec2 shift;             ///< of the obstacle, m; else 0
 } frame_change;

@@ -83,8 +83,10 @@ static bf_status make_inlets(const scene *s, surroundings *ret_inlets, bf_error 
         return BF_OK;
     bf_status status = surroundings_copy(&around, ret_inlets, err);
     scene_belt *belts = (scene_belt *)ret_inlets->belts;
-    for (size_t k = 0; k < ret_inlets->n_belts; k++)
-        belts[k].speed_schedule = s->belts[k].speed_schedule; // borrowed
+    for (size_t k = 0; k < ret_inlets->n_belts; k++) { // borrowed
+        belts[k].speed_schedule = s->belts[k].speed_schedule;
+        belts[k].stops = s->belts[k].stops;
+    }
     for (int side = 0; side < SCENE_SIDE_COUNT && status == BF_OK; side++)
         if (scene_is_fed(s, (scene_side)side))
             extend_side(ret_inlets, (scene_side)side, 2.0 * mix_radii_of(s).largest);

@@ -5,6 +5,7 @@
 #include "core/base/number_text.h"
 #include "core/feed/arrivals.h"
 #include "core/feed/capacity.h"
+#include "core/figures/figure.h"
 #include "core/micro/hardness.h"
 #include "core/run/review_belts.h"
 #include "core/run/review_closure.h"
@@ -16,8 +17,9 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { DIGITS = 4 };        ///< of numbers in sentences
-enum { BEAM_POINTS = 101 }; ///< of a beam that belts are looked for under
+enum { DIGITS = 4 };          ///< of numbers in sentences
+enum { LEAST_FAILURES = 10 }; ///< of a kind in a run: their number is then known to a third
+enum { BEAM_POINTS = 101 };   ///< of a beam that belts are looked for under
 
 review_warning *review_add(review_warnings *w, const char *pointer, const char *title)
 {
@@ -196,6 +198,34 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
     }
 }
 
+/// Warn of failures that are too rare for the run.
+static void review_failures(const scene *s, review_warnings *ret_warnings)
+{
+    const double lasts = fmax(s->duration - s->warmup, 0.0);
+    char pointer[BF_POINTER_SIZE], every[NUMBER_TEXT_SIZE], expected[NUMBER_TEXT_SIZE],
+        needed[NUMBER_TEXT_SIZE];
+
+    for (size_t k = 0; k < figure_items(s, FIGURE_OF_FAILURE); k++) {
+        size_t i;
+        const size_t belt = figure_failure(s, k, &i);
+        const scene_failure *f = &s->belts[belt].stops.failures[i];
+        const double cycle = f->between.mean + f->repair.mean;
+        if (f->type != SCENE_FAILURE_DRAWN || lasts >= LEAST_FAILURES * cycle)
+            continue;
+        snprintf(pointer, sizeof pointer, "/belts/%zu/failures/%zu/mtbf_s", belt, i);
+        review_warning *item =
+            review_add(ret_warnings, pointer, "The run is too short to see what failures do");
+        snprintf(
+            item->meaning, sizeof item->meaning,
+            "'%s' stops the belt '%s' every %s s, so that the run has about %s of them after "
+            "its warm-up, and its figures are those of chance: about %s s are needed for %d, or "
+            "as many in replications.",
+            f->id, s->belts[belt].id, number_text(cycle, DIGITS, every),
+            number_text(lasts / cycle, 2, expected),
+            number_text(LEAST_FAILURES * cycle, DIGITS, needed), (int)LEAST_FAILURES);
+    }
+}
+
 static void review_step(const scene *s, review_warnings *ret_warnings)
 {
     const double step = scene_macro_step(s), positive = scene_step_positive(s);
@@ -280,6 +310,7 @@ bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
     for (size_t k = 0; k < s->n_feeds && status == BF_OK; k++)
         status = review_rate(s, k, &ret_review->warnings, err);
     review_actions(s, &ret_review->warnings);
+    review_failures(s, &ret_review->warnings);
     if (model == RUN_MACRO) {
         review_step(s, &ret_review->warnings);
         review_closure(s, &ret_review->warnings);

@@ -366,6 +366,13 @@ static void fill_columns(run *r, const run_load *load, double *values)
         *values++ = vec2_length(s->belts[belt].velocity) *
                     belt_speeds_at(&r->world.belts, belt, time_now(r));
     }
+    for (size_t k = 0; k < figure_items(s, FIGURE_OF_FAILURE); k++) {
+        size_t failure = 0;
+        double until;
+        const size_t belt = figure_failure(s, k, &failure);
+        *values++ =
+            belt_speeds_stopped_by(&r->world.belts, belt, time_now(r), &until) >> failure & 1U;
+    }
     for (size_t k = 0; k < figure_items(s, FIGURE_OF_OUTLET); k++)
         *values++ = r->flows[s->n_counters + k];
 }

@@ -77,7 +77,7 @@ typedef struct run_review {
 /// Review a resolved and checked scenario for a model: cargo that begins behind a plate (review_plates.h); rates of
 /// feeds that belts cannot carry (feed_capacity());
 /// actions in a circle, where a belt is stopped by its own cargo in a beam, and nothing but photo eyes above belts
-/// that stand likewise starts it again; of the macroscopic model a step at which densities may become negative, see
+/// that stand likewise starts it again; failures that are too rare for the run; of the macroscopic model a step at which densities may become negative, see
 /// scene_step_positive(), and what lies outside its validity. BF_ENOMEM.
 BF_MUST_CHECK bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
                                       bf_error *err);

@@ -8,6 +8,7 @@
 #include "core/run/review_belts.h"
 #include "core/run/validity_table.h"
 #include "core/run/validity_text.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/layout.h"
 #include "core/scene/mix.h"
 #include "core/scene/plate_motion.h"
@@ -251,7 +252,7 @@ static void note_speeds(findings *f)
         for (size_t i = 0; i < schedule->n_times; i++)
             note(f, VALIDITY_SPEED, speed * schedule->factors[i],
                  "/belts/%zu/speed_schedule/factor/%zu", k, i);
-        n_schedules += schedule->n_times > 0 || belt->is_commanded;
+        n_schedules += belt_speeds_may_change(belt);
     }
     for (size_t k = 0; k < f->s->n_actions; k++) {
         const scene_action *a = &f->s->actions[k];

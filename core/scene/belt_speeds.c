@@ -43,35 +43,86 @@ static void add_ramp(double t, double target, double until, belt_speeds_curve *c
         add_knot(c, until, from + (target - from) * ((until - t) / (end - t)));
 }
 
+// Go on to the next time at which the target may change, but to `until` at most.
+static void go_on(const scene_belt *belt, double until, belt_speeds_origin *at)
+{
+    const scene_speed_schedule *s = &belt->speed_schedule;
+    const double next = at->next < s->n_times ? s->times[at->next] : INFINITY;
+
+    belt_stops_go_on(&belt->stops, at->target > 0.0, fmin(next, until), &at->stops);
+    for (; at->next < s->n_times && s->times[at->next] <= at->stops.t; at->next++)
+        at->target = s->factors[at->next];
+}
+
+static void add_stop(double t, unsigned now, belt_speeds_curve *c)
+{
+    belt_speeds_stop *last = c->n_stops > 0 ? &c->stops[c->n_stops - 1] : NULL;
+
+    if (last != NULL && last->t == t)
+        last->now = now;
+    else if (last == NULL || last->now != now)
+        c->stops[c->n_stops++] = (belt_speeds_stop){ t, now };
+}
+
+// The knots, and what stops the belt, from the curve's origin on.
+static void fill(const scene_belt *belt, belt_speeds_curve *c)
+{
+    const double end = c->belt != NULL ? belt->stops.until : INFINITY;
+    belt_speeds_origin at = c->origin;
+
+    c->n = c->n_stops = 0;
+    add_knot(c, at.stops.t, at.factor);
+    for (size_t k = 0; k < c->n_segments && at.stops.t <= end && at.stops.t < INFINITY; k++) {
+        const double from = at.stops.t, told = at.target;
+        const unsigned now = belt_stops_now(&belt->stops, &at.stops);
+        if (c->belt != NULL)
+            add_stop(from, now, c);
+        go_on(belt, INFINITY, &at);
+        add_ramp(from, now == 0 ? told : 0.0, at.stops.t, c);
+    }
+}
+
 static bf_status make_curve(const scene_belt *belt, belt_speeds_curve *c)
 {
     const scene_speed_schedule *s = &belt->speed_schedule;
     const bool begins = s->n_times > 0 && s->times[0] == 0.0;
+    const bool has_stops = belt_stops_are_any(&belt->stops);
+    const double target = begins ? s->factors[0] : 1.0;
+    const belt_stops_state start = belt_stops_start(&belt->stops);
+    const bool is_stopped = belt_stops_now(&belt->stops, &start) != 0;
 
-    *c = (belt_speeds_curve){ .speed = vec2_length(belt->velocity),
-                              .acceleration = belt->acceleration,
-                              .deceleration = belt->deceleration,
-                              .is_commandable = belt->is_commanded,
-                              .knots =
-                                  memory_alloc(COMMAND_KNOTS + 2 * s->n_times, sizeof *c->knots) };
-    if (c->knots == NULL)
+    *c = (belt_speeds_curve){
+        .speed = vec2_length(belt->velocity),
+        .acceleration = belt->acceleration,
+        .deceleration = belt->deceleration,
+        .is_commandable = belt->is_commanded,
+        .belt = has_stops ? belt : NULL,
+        .n_segments = 1 + s->n_times + (has_stops ? belt_stops_count(&belt->stops) : 0),
+        .origin = { start, is_stopped ? 0.0 : target, target, begins ? 1 : 0 }
+    };
+    c->knots = memory_alloc(COMMAND_KNOTS + 2 * c->n_segments, sizeof *c->knots);
+    c->stops = has_stops ? memory_alloc(c->n_segments, sizeof *c->stops) : NULL;
+    if (c->knots == NULL || (has_stops && c->stops == NULL))
         return BF_ENOMEM;
-    add_knot(c, 0.0, begins ? s->factors[0] : 1.0);
-    for (size_t k = begins ? 1 : 0; k < s->n_times; k++)
-        add_ramp(s->times[k], s->factors[k], k + 1 < s->n_times ? s->times[k + 1] : INFINITY, c);
+    fill(belt, c);
     return BF_OK;
 }
 
 void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double factor)
 {
+    static const scene_belt plain = { .acceleration = INFINITY }; // without schedule and stops
     belt_speeds_curve *c = &speeds->curves[belt];
-    const double from = belt_speeds_at(speeds, belt, t);
+    const scene_belt *of = c->belt != NULL ? c->belt : &plain;
+    belt_speeds_origin *at = &c->origin;
 
     BF_CHECK(c->is_commandable);
     c->was_commanded = true;
-    c->n = 0;
-    add_knot(c, t, from);
-    add_ramp(t, factor, INFINITY, c);
+    at->factor = belt_speeds_at(speeds, belt, t);
+    while (at->stops.t < t)
+        go_on(of, t, at);
+    at->target = factor;
+    at->next = of->speed_schedule.n_times;
+    fill(of, c);
 }
 
 void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w)
@@ -81,10 +132,22 @@ void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w)
         saved_curve saved = { .n = c->was_commanded ? c->n : 0 };
         if (!c->is_commandable)
             continue;
-        for (size_t i = 0; i < saved.n; i++)
+        for (size_t i = 0; i < saved.n && c->belt == NULL; i++)
             saved.knots[i] = c->knots[i];
         checkpoint_write(w, &saved, sizeof saved);
+        if (c->belt != NULL)
+            checkpoint_write(w, &c->origin, sizeof c->origin);
     }
+}
+
+// What follows from an origin is made again.
+static bool load_origin(belt_speeds_curve *c, checkpoint_reader *r)
+{
+    if (!checkpoint_read(r, &c->origin, sizeof c->origin) ||
+        c->origin.next > c->belt->speed_schedule.n_times)
+        return false;
+    fill(c->belt, c);
+    return true;
 }
 
 bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r)
@@ -95,19 +158,24 @@ bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r)
         belt_speeds_curve *c = &speeds->curves[k];
         if (!c->is_commandable)
             continue;
-        if (!checkpoint_read(r, &saved, sizeof saved) || saved.n > COMMAND_KNOTS)
+        if (!checkpoint_read(r, &saved, sizeof saved) ||
+            (c->belt == NULL && saved.n > COMMAND_KNOTS))
             return false;
         c->was_commanded = saved.n > 0;
-        if (c->was_commanded)
-            memcpy(c->knots, saved.knots, sizeof saved.knots);
-        c->n = c->was_commanded ? saved.n : c->n;
+        if (c->belt != NULL && !load_origin(c, r))
+            return false;
+        if (c->belt != NULL || !c->was_commanded)
+            continue;
+        memcpy(c->knots, saved.knots, sizeof saved.knots);
+        c->n = saved.n;
     }
     return true;
 }
 
 bool belt_speeds_may_change(const scene_belt *belt)
 {
-    return belt->speed_schedule.n_times > 0 || belt->is_commanded;
+    return belt->speed_schedule.n_times > 0 || belt->is_commanded ||
+           belt_stops_are_any(&belt->stops);
 }
 
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts)
@@ -140,8 +208,10 @@ bf_status belt_speeds_init(belt_speeds *ret_speeds, size_t n_belts, const scene_
 
 void belt_speeds_fini(belt_speeds *speeds)
 {
-    for (size_t k = 0; k < speeds->n_belts; k++)
+    for (size_t k = 0; k < speeds->n_belts; k++) {
         memory_free(speeds->curves[k].knots);
+        memory_free(speeds->curves[k].stops);
+    }
     memory_free(speeds->curves);
     *speeds = (belt_speeds){ .n_belts = 0 };
 }
@@ -177,6 +247,16 @@ bool belt_speeds_stands(const belt_speeds *speeds, size_t belt, double t, double
 
     *ret_until = is_last ? INFINITY : c->knots[k + 1].t;
     return c->knots[k].factor == 0.0 && (is_last || c->knots[k + 1].factor == 0.0);
+}
+
+unsigned belt_speeds_stopped_by(const belt_speeds *speeds, size_t belt, double t, double *ret_until)
+{
+    const belt_speeds_curve *c = &speeds->curves[belt];
+    const size_t k =
+        c->n_stops > 0 ? search_last(&c->stops->t, sizeof *c->stops, c->n_stops, t) : 0;
+
+    *ret_until = k + 1 < c->n_stops ? c->stops[k + 1].t : INFINITY;
+    return c->n_stops > 0 ? c->stops[k].now : 0;
 }
 
 double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, double to)
@@ -262,4 +342,5 @@ void belt_speeds_check(const scene_belt *belt, const char *pointer, bf_faults *f
     snprintf(at, sizeof at, "%s/speed_schedule/t_s", pointer);
     scene__check_times(s->times, s->n_times, at, false, faults);
     check_factors(belt, pointer, faults);
+    belt_stops_check(&belt->stops, pointer, faults);
 }

@@ -11,6 +11,9 @@
 ///
 /// A command has the effect of a time of the schedule, and the schedule has none from then on.
 ///
+/// While failures or breaks stop a belt (belt_stops.h), its target is 0, with the deceleration of any other stop; behind them it is
+/// what schedule or commands tell by then.
+///
 /// Units    SI.
 /// Errors   belt_speeds_init() expects schedules that belt_speeds_check() finds no fault in.
 
@@ -19,6 +22,7 @@
 #include "core/base/checkpoint.h"
 #include "core/base/faults.h"
 #include "core/base/status.h"
+#include "core/scene/belt_stops.h"
 #include "core/scene/types.h"
 
 #include <stdbool.h>
@@ -31,17 +35,37 @@ typedef struct belt_speeds_knot {
     double factor; ///< f from there on, towards the next knot
 } belt_speeds_knot;
 
+/// What stops a belt from a time on.
+typedef struct belt_speeds_stop {
+    double t;     ///< s
+    unsigned now; ///< belt_stops_now(), until the next one
+} belt_speeds_stop;
+
+/// What a belt is told at a time, and how far its failures and breaks have come.
+typedef struct belt_speeds_origin {
+    belt_stops_state stops; ///< with the time
+    double factor;          ///< f, from which the ramp to the target begins
+    double target;          ///< that schedule or commands tell
+    uint64_t next; ///< time of the schedule that comes next; its number of times: none does
+} belt_speeds_origin;
+
 /// f of a belt.
 typedef struct belt_speeds_curve {
     size_t n; ///< >= 1
     belt_speeds_knot
-        *knots;   ///< the first at t = 0 or at the time of the last command, times not falling;
-                  ///< constant after the last
-    double speed; ///< |v_T|, m/s
-    double acceleration; ///< m/s2
-    double deceleration; ///< m/s2
-    bool is_commandable; ///< scene_belt.is_commanded
-    bool was_commanded;  ///< there was a command
+        *knots; ///< the first at t = 0 or at the time of the last command, times not falling;
+                ///< constant after the last
+    const scene_belt *belt; ///< borrowed, where it has failures or breaks; else NULL
+    size_t n_stops;         ///< 0 where there are none
+    belt_speeds_stop
+        *stops; ///< changes of what stops it, times rising, from the same time on as the knots
+    size_t n_segments; ///< between two times at which a target may change: at most as many are kept
+    belt_speeds_origin origin; ///< of the knots
+    double speed;              ///< |v_T|, m/s
+    double acceleration;       ///< m/s2
+    double deceleration;       ///< m/s2
+    bool is_commandable;       ///< scene_belt.is_commanded
+    bool was_commanded;        ///< there was a command
 } belt_speeds_curve;
 
 /// The speeds of a number of belts.
@@ -51,7 +75,8 @@ typedef struct belt_speeds {
     bool are_constant;         ///< belt_speeds_are_constant(); then none is ever commanded
 } belt_speeds;
 
-/// Make the speeds of belts. The caller owns them: belt_speeds_fini(). BF_ENOMEM: *ret_speeds is empty.
+/// Make the speeds of belts; those with failures or breaks must outlive them. The caller owns them: belt_speeds_fini(). BF_ENOMEM: *ret_speeds
+/// is empty.
 BF_MUST_CHECK bf_status belt_speeds_init(belt_speeds *ret_speeds, size_t n_belts,
                                          const scene_belt *belts, bf_error *err);
 
@@ -63,6 +88,10 @@ double belt_speeds_at(const belt_speeds *speeds, size_t belt, double t);
 
 /// Whether a belt stands from a time t >= 0 on, s, and until when at least: the next knot of its f.
 bool belt_speeds_stands(const belt_speeds *speeds, size_t belt, double t, double *ret_until);
+
+/// What stops a belt from a time t on, belt_stops_now(), and until when at least.
+unsigned belt_speeds_stopped_by(const belt_speeds *speeds, size_t belt, double t,
+                                double *ret_until);
 
 /// The mean of f of a belt over [from, to], s, 0 <= from < to; the same bits as f where that is constant. 1 for n_belts.
 double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, double to);
@@ -80,14 +109,14 @@ void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double fact
 void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w);
 BF_MUST_CHECK bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r);
 
-/// True if a belt has a speed schedule or can be commanded.
+/// True if a belt has a speed schedule, failures or breaks, or can be commanded.
 bool belt_speeds_may_change(const scene_belt *belt);
 
-/// True if no belt has a speed schedule or can be commanded: every f is 1 at all times.
+/// True if no belt_speeds_may_change(): every f is 1 at all times.
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts);
 
 /// The largest f of a belt that its schedule and actions allow at any time.
 double belt_speeds_largest(const scene_belt *belt);
 
-/// Note faults of a belt's accelerations and schedule; pointer is that of the belt.
+/// Note faults of a belt's accelerations, schedule, failures and breaks; pointer is that of the belt.
 void belt_speeds_check(const scene_belt *belt, const char *pointer, bf_faults *faults);

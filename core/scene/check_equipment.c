@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /// Largest angle of a turn, rad: far from any sensible value, so that later arithmetic is safe.
 #define ANGLE_MAX 1e6
@@ -114,6 +115,35 @@ static void check_overlaps(const scene *s, bf_faults *faults)
     }
 }
 
+// Ids of failures name figures and seed their draws, so they are unique in the scenario.
+static void check_failures(const scene *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE + 2 * ROOM_FOR_INDEX];
+    const scene_failure *all[SCENE_ALL_FAILURES_MAX];
+    size_t n = 0;
+
+    for (size_t k = 0; k < s->n_belts; k++) {
+        for (size_t i = 0; i < s->belts[k].stops.n_failures; i++, n++) {
+            const scene_failure *f = &s->belts[k].stops.failures[i];
+            size_t m = 0;
+            snprintf(pointer, sizeof pointer, "/belts/%zu/failures/%zu/id", k, i);
+            if (n == SCENE_ALL_FAILURES_MAX) {
+                faults_add_limit(faults, pointer, "is of more than %d kinds of failures of belts",
+                                 SCENE_ALL_FAILURES_MAX);
+                return;
+            }
+            while (m < n && strcmp(all[m]->id, f->id) != 0)
+                m++;
+            if (!scene_is_id(f->id))
+                faults_add(faults, pointer, ID_TEXT, SCENE_ID_SIZE - 1);
+            else if (m < n)
+                faults_add(faults, pointer, "'%s' is the id of another kind of failure, too",
+                           f->id);
+            all[n] = f;
+        }
+    }
+}
+
 void scene__check_belts(const scene *s, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE];
@@ -150,6 +180,7 @@ void scene__check_belts(const scene *s, bf_faults *faults)
     }
     if (are_sound)
         check_overlaps(s, faults);
+    check_failures(s, faults);
 }
 
 static const number_rule obstacle_rules[] = {

@@ -32,6 +32,33 @@ static uint64_t add_speed(uint64_t digest, const scene_belt *belt)
     return ADD_ITEMS(digest, s->factors, s->n_times);
 }
 
+static uint64_t add_drawn_time(uint64_t digest, const scene_drawn_time *t)
+{
+    return ADD_NUMBERS(digest, t->mean, t->law, t->shape);
+}
+
+// Nothing for a belt that nothing stops.
+static uint64_t add_stops(uint64_t digest, const scene_belt *belt)
+{
+    const scene_stops *s = &belt->stops;
+
+    if (s->n_failures == 0 && s->n_breaks == 0)
+        return digest;
+    digest = ADD_NUMBERS(digest, (double)s->n_failures, (double)s->n_breaks, (double)s->substream,
+                         belt->acceleration, belt->deceleration);
+    for (size_t k = 0; k < s->n_failures; k++) {
+        const scene_failure *f = &s->failures[k];
+        digest = digest_add(digest, f->id, strlen(f->id)); // of which the draws depend
+        digest = ADD_NUMBERS(digest, f->type);
+        digest = add_drawn_time(add_drawn_time(digest, &f->between), &f->repair);
+        digest = ADD_ITEMS(digest, f->times, f->n_times);
+        digest = ADD_ITEMS(digest, f->durations, f->n_times);
+    }
+    for (size_t k = 0; k < s->n_breaks; k++)
+        digest = ADD_NUMBERS(digest, s->breaks[k].start, s->breaks[k].duration, s->breaks[k].every);
+    return digest;
+}
+
 static uint64_t add_belts(uint64_t digest, size_t n, const scene_belt *belts)
 {
     for (size_t k = 0; k < n; k++) {
@@ -40,7 +67,7 @@ static uint64_t add_belts(uint64_t digest, size_t n, const scene_belt *belts)
             digest = ADD_NUMBERS(digest, belts[k].turn, belts[k].centre.x, belts[k].centre.y);
         if (belts[k].friction > 0.0)
             digest = ADD_NUMBERS(digest, belts[k].friction);
-        digest = add_speed(digest, &belts[k]);
+        digest = add_stops(add_speed(digest, &belts[k]), &belts[k]);
         digest = ADD_ITEMS(digest, belts[k].polygon, belts[k].n_points);
     }
     return digest;

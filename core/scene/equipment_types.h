@@ -1,4 +1,4 @@
-/// Photo eyes and what they command, as plain data.
+/// Photo eyes and what they command, and what stops belts, as plain data.
 ///
 /// Units    SI: m, s. Angles are radians.
 
@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /// A photo eye: a light barrier across a line.
 typedef struct scene_photo_eye {
@@ -43,3 +44,59 @@ typedef struct scene_action {
     vec2 shift;   ///< of a shift: to where, from the path as in the document, m
     double over;  ///< of a turn and of a shift: how long it takes, s, > 0 (default 0.5)
 } scene_action;
+
+/// How the times between failures, or of repairs, are distributed about their mean.
+typedef enum scene_time_law {
+    SCENE_TIME_EXPONENTIAL, ///< memoryless
+    SCENE_TIME_WEIBULL,     ///< with a shape: below 1 early failures, above 1 wear
+    SCENE_TIME_FIXED,       ///< each is the mean
+    SCENE_TIME_LAW_COUNT
+} scene_time_law;
+
+/// A time that is drawn again and again.
+typedef struct scene_drawn_time {
+    double mean;        ///< s, > 0
+    scene_time_law law; ///< see there (default SCENE_TIME_EXPONENTIAL)
+    double shape;       ///< of SCENE_TIME_WEIBULL (default 1)
+} scene_drawn_time;
+
+/// How failures of one kind come.
+typedef enum scene_failure_type {
+    SCENE_FAILURE_DRAWN,  ///< at random
+    SCENE_FAILURE_LISTED, ///< at given times
+    SCENE_FAILURE_COUNT
+} scene_failure_type;
+
+/// A kind of failure of a belt, which stands from its beginning to the end of its repair. Only the members of its
+/// type are used.
+typedef struct scene_failure {
+    char id
+        [SCENE_ID_SIZE]; ///< unique among the failures of all belts (default "failure-<n>", n from 1)
+    scene_failure_type type; ///< see there
+    scene_drawn_time
+        between; ///< drawn: from a repair, or the start, to the next failure; operating time, see
+                 ///< belt_stops.h
+    scene_drawn_time repair; ///< drawn: of each one
+    size_t n_times;          ///< listed: failures
+    double *times;           ///< listed: when each begins, s, >= 0, rising
+    size_t n_durations;      ///< as many as there are times
+    double *durations;       ///< listed: how long each lasts, s, > 0
+} scene_failure;
+
+/// Planned stops of a belt: breaks, or the time between shifts.
+typedef struct scene_break {
+    double start;    ///< of the first one, s, >= 0
+    double duration; ///< s, > 0
+    double
+        every; ///< from the start of one to that of the next, s, > duration (default INFINITY: there is one)
+} scene_break;
+
+/// What stops a belt beside its speed schedule and commands.
+typedef struct scene_stops {
+    size_t n_failures;       ///< (default none)
+    scene_failure *failures; ///< see there
+    size_t n_breaks;         ///< (default none)
+    scene_break *breaks;     ///< see there
+    uint64_t substream;      ///< of the scene; set by scene_resolve()
+    double until; ///< s, how long stops are needed: the scene's duration; set by scene_resolve()
+} scene_stops;

@@ -3,11 +3,16 @@
 #pragma once
 
 enum {
-    SCENE_NAME_SIZE = 201,       ///< bytes of a scenario's name with its terminator
-    SCENE_ID_SIZE = 65,          ///< bytes of an id with its terminator
-    SCENE_BELTS_MAX = 256,       ///< belts in a scenario
-    SCENE_SPEEDS_MAX = 10000,    ///< times of a belt's speed schedule
-    SCENE_SERIES_MAX = 100000,   ///< times of a profile, a list of arrivals, a motion
+    SCENE_NAME_SIZE = 201,        ///< bytes of a scenario's name with its terminator
+    SCENE_ID_SIZE = 65,           ///< bytes of an id with its terminator
+    SCENE_BELTS_MAX = 256,        ///< belts in a scenario
+    SCENE_SPEEDS_MAX = 10000,     ///< times of a belt's speed schedule
+    SCENE_SERIES_MAX = 100000,    ///< times of a profile, a list of arrivals, a motion
+    SCENE_FAILURES_MAX = 8,       ///< kinds of failures of a belt
+    SCENE_ALL_FAILURES_MAX = 256, ///< of all belts
+    SCENE_BREAKS_MAX = 32,        ///< entries of a belt's breaks
+    SCENE_STOPS_MAX =
+        10000, ///< stops of a belt by failures and breaks that are to be expected in a run
     SCENE_FEEDS_MAX = 64,        ///< feeds in a scenario
     SCENE_EYES_MAX = 64,         ///< photo eyes in a scenario
     SCENE_STAGES_MAX = 1000,     ///< stages of a gap of Erlang arrivals

@@ -13,6 +13,7 @@ const bf_range scene_range_share = { 0.0, INFINITY, true, false, 1e9 };
 const bf_range scene_range_force_limit = { 0.0, INFINITY, true, false, 1e9 };
 const bf_range scene_range_acceleration = { 0.0, INFINITY, true, false, 1e9 };
 const bf_range scene_range_speed_factor = { 0.0, INFINITY, false, false, 1e9 };
+const bf_range scene_range_weibull_shape = { 0.2, 100.0, false, false, 0.0 };
 const bf_range scene_range_rate = { 0.0, INFINITY, true, false, 1e9 };
 const bf_range scene_range_profile = { 0.0, INFINITY, false, false, 1e9 };
 const bf_range scene_range_place = { 0.0, 1.0, false, false, 0.0 };

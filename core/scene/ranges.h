@@ -4,19 +4,20 @@
 
 #include "core/base/range.h"
 
-extern const bf_range scene_range_time;         ///< duration and intervals of output, s
-extern const bf_range scene_range_instant;      ///< times of a schedule, s
-extern const bf_range scene_range_length;       ///< lengths, m
-extern const bf_range scene_range_lever;        ///< levers of friction, m
-extern const bf_range scene_range_mass;         ///< kg
-extern const bf_range scene_range_share;        ///< proportions of a mix
-extern const bf_range scene_range_force_limit;  ///< of drives, N
-extern const bf_range scene_range_acceleration; ///< of belts, m/s2
-extern const bf_range scene_range_speed_factor; ///< of a belt's velocity
-extern const bf_range scene_range_rate;         ///< of feeds, parts/s
-extern const bf_range scene_range_profile;      ///< rates of a profile, parts/s
-extern const bf_range scene_range_place;        ///< places along a line, 0 to 1
-extern const bf_range scene_range_ratio;        ///< densities relative to a packed one, precisions
+extern const bf_range scene_range_time;          ///< duration and intervals of output, s
+extern const bf_range scene_range_instant;       ///< times of a schedule, s
+extern const bf_range scene_range_length;        ///< lengths, m
+extern const bf_range scene_range_lever;         ///< levers of friction, m
+extern const bf_range scene_range_mass;          ///< kg
+extern const bf_range scene_range_share;         ///< proportions of a mix
+extern const bf_range scene_range_force_limit;   ///< of drives, N
+extern const bf_range scene_range_acceleration;  ///< of belts, m/s2
+extern const bf_range scene_range_speed_factor;  ///< of a belt's velocity
+extern const bf_range scene_range_weibull_shape; ///< of times between failures and of repairs
+extern const bf_range scene_range_rate;          ///< of feeds, parts/s
+extern const bf_range scene_range_profile;       ///< rates of a profile, parts/s
+extern const bf_range scene_range_place;         ///< places along a line, 0 to 1
+extern const bf_range scene_range_ratio;         ///< densities relative to a packed one, precisions
 extern const bf_range
     scene_range_count; ///< rows, columns and parts; how many parts is limited separately
 extern const bf_range

@@ -1,5 +1,7 @@
 #include "core/scene/regime.h"
 
+#include "core/scene/belt_stops.h"
+
 #include <math.h>
 
 // Multiples of the longest period that are tried for a common one.
@@ -56,6 +58,9 @@ static bool commands_by_draws(const scene *s)
 
 bool scene_has_chance(const scene *s, bool is_density)
 {
+    for (size_t k = 0; k < s->n_belts; k++)
+        if (belt_stops_are_drawn(&s->belts[k].stops))
+            return true;
     if (is_density)
         return commands_by_draws(s);
     for (size_t k = 0; k < s->n_feeds; k++)
@@ -90,14 +95,33 @@ static void add_series(scene_regime *r, const scene *s, double t0, size_t n, con
             r->is_constant = false;
 }
 
+// Drawn failures are chance; those of a list, and breaks that do not repeat from the start on, change it once and for all.
+static void add_stops(scene_regime *r, const scene *s, const scene_stops *stops)
+{
+    for (size_t i = 0; i < stops->n_failures; i++)
+        for (size_t k = 0; k < stops->failures[i].n_times; k++) {
+            const double t = stops->failures[i].times[k];
+            const double borders[] = { t, t + stops->failures[i].durations[k] };
+            add_series(r, s, 0.0, 2, borders, (double)INFINITY);
+        }
+    for (size_t k = 0; k < stops->n_breaks; k++) {
+        const scene_break *b = &stops->breaks[k];
+        const double borders[] = { b->start, b->start + b->duration };
+        add_series(r, s, 0.0, 2, borders, b->start < b->every ? b->every : (double)INFINITY);
+    }
+}
+
 scene_regime scene_regime_of(const scene *s, bool is_density)
 {
     scene_regime r = { .has_chance = scene_has_chance(s, is_density),
                        .is_constant = s->n_feeds > 0 };
 
-    for (size_t k = 0; k < s->n_belts; k++)
-        add_series(&r, s, 0.0, s->belts[k].speed_schedule.n_times, s->belts[k].speed_schedule.times,
+    for (size_t k = 0; k < s->n_belts; k++) {
+        const scene_belt *belt = &s->belts[k];
+        add_series(&r, s, 0.0, belt->speed_schedule.n_times, belt->speed_schedule.times,
                    (double)INFINITY);
+        add_stops(&r, s, &belt->stops);
+    }
     for (size_t k = 0; k < s->n_obstacles; k++) {
         const scene_series *turn = &s->obstacles[k].turn, *presence = &s->obstacles[k].presence;
         add_series(&r, s, 0.0, turn->n_times, turn->times, turn->repeat);

@@ -1,7 +1,7 @@
 /// Whether a scene is left to chance, and whether what it does in the long run is always the same.
 ///
 /// Chance are the draws of feeds, which depend on the substream: times of Poisson and Erlang arrivals, kinds of a mix,
-/// places on a line, headings. The density is fed by rates, and has chance only where photo eyes that draw the gaps between its
+/// places on a line, headings; and those of failures of belts, which both models have. The density is fed by rates, and has chance only where photo eyes that draw the gaps between its
 /// parts (density_ratio "auto") command something. Two runs of a scene without chance are the same run.
 ///
 /// Rates, speeds and plates are constant, or repeat with a common period, the cycle; or they change, and no time of the

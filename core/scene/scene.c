@@ -290,6 +290,19 @@ static void fill_in_numbered(char *id, const char *word, size_t n)
         snprintf(id, SCENE_ID_SIZE, "%s-%zu", word, n + 1);
 }
 
+static void resolve_stops(scene *s)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < s->n_belts; k++) {
+        scene_stops *stops = &s->belts[k].stops;
+        for (size_t i = 0; i < stops->n_failures; i++)
+            fill_in_numbered(stops->failures[i].id, "failure", n++);
+        stops->substream = s->substream;
+        stops->until = s->duration;
+    }
+}
+
 // Targets know what actions may do to them.
 static void resolve_actions(scene *s)
 {
@@ -342,6 +355,7 @@ static void resolve_derived(scene *s)
     fill_in(&s->macro.dispersion, 2.0 * (isfinite(speed) ? speed : paper_speed));
     for (size_t k = 0; k < s->n_belts; k++)
         fill_in_id(s->belts[k].id, k == 0 ? "main" : "belt", k);
+    resolve_stops(s);
     for (size_t k = 0; k < s->n_obstacles; k++) {
         fill_in_numbered(s->obstacles[k].id, "obstacle", k);
         scene_resolve_obstacle(&s->obstacles[k], mollifier);
@@ -440,6 +454,12 @@ void scene_fini(scene *s)
     for (size_t k = 0; k < s->n_belts; k++) {
         memory_free(s->belts[k].speed_schedule.times);
         memory_free(s->belts[k].speed_schedule.factors);
+        for (size_t i = 0; i < s->belts[k].stops.n_failures; i++) {
+            memory_free(s->belts[k].stops.failures[i].times);
+            memory_free(s->belts[k].stops.failures[i].durations);
+        }
+        memory_free(s->belts[k].stops.failures);
+        memory_free(s->belts[k].stops.breaks);
         memory_free(s->belts[k].polygon);
     }
     for (size_t k = 0; k < s->n_obstacles; k++) {

@@ -42,6 +42,7 @@ bf_status surroundings_copy(const surroundings *from, surroundings *ret_copy, bf
         const size_t n_points = from->belts[k].n_points;
         belts[k] = from->belts[k];
         belts[k].speed_schedule = (scene_speed_schedule){ .n_times = 0 };
+        belts[k].stops = (scene_stops){ .n_failures = 0 };
         belts[k].polygon = memory_alloc(n_points, sizeof *belts[k].polygon);
         if (belts[k].polygon == NULL)
             break;

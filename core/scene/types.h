@@ -67,6 +67,7 @@ typedef struct scene_belt {
     double acceleration; ///< with which its speed rises, m/s2, > 0 (default INFINITY: at once)
     double deceleration; ///< with which it falls, m/s2, > 0 (default INFINITY: at once)
     scene_speed_schedule speed_schedule; ///< see there
+    scene_stops stops;                   ///< see there
     bool is_commanded;     ///< there is an action that changes its speed; set by scene_resolve()
     double command_factor; ///< the largest factor of these; set by scene_resolve()
     bool
@@ -228,16 +229,17 @@ typedef struct scene {
     scene_initial initial;              ///< see there
     size_t n_feeds;                     ///< (default none)
     scene_feed *feeds;                  ///< see there
-    uint64_t substream;      ///< of all feeds' draws, < 2^53 (default 0); replications differ in it
-    size_t n_eyes;           ///< (default none)
-    scene_photo_eye *eyes;   ///< see there
-    size_t n_actions;        ///< (default none)
-    scene_action *actions;   ///< see there
-    double warmup;           ///< s that key figures leave out, >= 0 (default 0)
-    double jam_time;         ///< s without an exit that count as a jam, > 0 (default 5)
-    scene_until until;       ///< (default SCENE_UNTIL_DURATION)
-    double steady_precision; ///< SCENE_UNTIL_STEADY: half width of the throughput's confidence
-                             ///< interval, relative to the throughput, > 0 (default 0.05)
+    uint64_t substream;    ///< of all draws of feeds and failures, < 2^53 (default 0); replications
+                           ///< differ in it
+    size_t n_eyes;         ///< (default none)
+    scene_photo_eye *eyes; ///< see there
+    size_t n_actions;      ///< (default none)
+    scene_action *actions; ///< see there
+    double warmup;         ///< s that key figures leave out, >= 0 (default 0)
+    double jam_time;       ///< s without an exit that count as a jam, > 0 (default 5)
+    scene_until until;     ///< (default SCENE_UNTIL_DURATION)
+    double steady_precision;   ///< SCENE_UNTIL_STEADY: half width of the throughput's confidence
+                               ///< interval, relative to the throughput, > 0 (default 0.05)
     scene_placement placement; ///< of initial; filled in by scene_check()
     size_t n_counters;         ///< (default one)
     scene_counter *counters;   ///< (default "upstream": the domain)

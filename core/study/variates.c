@@ -1,6 +1,6 @@
 #include "core/study/variates.h"
 
-#include "core/feed/draws.h"
+#include "core/base/draws.h"
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-/// Random variates of studies: each is a function of what it is for, by the generator of core/feed/draws.h. So a study
+/// Random variates of studies: each is a function of what it is for, by the generator of core/base/draws.h. So a study
 /// makes the same trials whatever the order in which they end.
 ///
 ///     key     = (seed, 1)              feeds have (seed, 0)

@@ -146,7 +146,7 @@ static void print_work(const solving *s)
                1000.0 * s->end.largest_overlap, 100.0 * s->end.overlap_share);
 }
 
-// How often commanded belts stood.
+// How often belts whose speed changes stood, and failed.
 static void print_stops(const solving *s)
 {
     const double *values = (const double *)(const void *)s->figures.bytes;
@@ -157,6 +157,15 @@ static void print_stops(const solving *s)
             printf("  stops        of '%s': %.0f, %.6g s in all, %.6g s at most\n",
                    figure_item_id(&s->scene, FIGURE_OF_BELT, k), stopped[0], stopped[1],
                    stopped[2]);
+        if (!isnan(stopped[FIGURE_AVAILABILITY - FIGURE_STOPPED_COUNT]))
+            printf("  availability of '%s': %.6g\n", figure_item_id(&s->scene, FIGURE_OF_BELT, k),
+                   stopped[FIGURE_AVAILABILITY - FIGURE_STOPPED_COUNT]);
+    }
+    for (size_t k = 0; k < figure_items(&s->scene, FIGURE_OF_FAILURE); k++) {
+        const double *failed = &values[figure_at(&s->scene, FIGURE_FAILED_COUNT, k)];
+        if (!isnan(failed[0]))
+            printf("  failures     of '%s': %.0f, %.6g s in all\n",
+                   figure_item_id(&s->scene, FIGURE_OF_FAILURE, k), failed[0], failed[1]);
     }
 }
 

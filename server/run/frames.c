@@ -120,6 +120,7 @@ static bf_status add_change(supervisor__task *task, const frame_change *c, bf_er
         [FRAME_CHANGE_EYE] = API_EVENT_EYE,
         [FRAME_CHANGE_ACTION] = API_EVENT_ACTION,
         [FRAME_CHANGE_DRIVE] = API_EVENT_DRIVE,
+        [FRAME_CHANGE_BELT] = API_EVENT_BELT,
     };
 
     if (c->type >= FRAME_CHANGE_TYPE_COUNT)

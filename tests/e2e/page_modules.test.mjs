@@ -206,6 +206,14 @@ test("actions move plates from the time on at which they were carried out", () =
   assert.deepEqual(at(6), [33, false, null]); // the curve does not know yet
 });
 
+test("a belt is down by its failures as the curve tells", () => {
+  const scenario = { obstacles: [], belts: [{ id: "a" }, { id: "b", failures: [{ id: "rare" }, { id: "often" }] }] };
+  const curve = { t: [0, 1, 2], columns: new Map([["rare.failed", [0, 1, 0]], ["often.failed", [0, 0, 1]]]) };
+  const equipment = new Equipment(scenario, curve, [], []);
+  assert.deepEqual([0.5, 1, 1.5, 2].map((t) => equipment.at(t).failures), [[[], []], [[], ["rare"]], [[], ["rare"]], [[], ["often"]]]);
+  assert.deepEqual(equipment.at(9).failures, [[], []]); // not known yet
+});
+
 test("a plate that cargo holds back is where its drive was", () => {
   const scenario = { obstacles: [{ id: "gate" }, { id: "flap", motion: { t_s: [0, 10], turn_deg: [0, 100] } }] };
   const drives = [];

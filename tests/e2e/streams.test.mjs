@@ -56,7 +56,7 @@ test("what photo eyes saw and did stands in events, in its resource and in the a
     const events = await (await d.events(run.id)).rest();
     const of = (kind) => events.filter(({ event }) => event === kind).map(({ data: { run: id, ...rest } }) => rest);
     const { json } = await d.get(`/v1/runs/${run.id}/photo_eyes`);
-    assert.deepEqual(json, { changes: of("photo_eye"), actions: of("action"), drives: [], is_cut: false });
+    assert.deepEqual(json, { changes: of("photo_eye"), actions: of("action"), drives: [], belts: [], is_cut: false });
     assert.equal(json.changes[0].state, "blocked");
     assert.deepEqual(json.actions.map(({ action, target }) => [action, target])[0], [0, "stop"]);
     const lines = json.changes.map((row) => `${row.t_s},${row.photo_eye},${row.state}\n`);
@@ -85,6 +85,22 @@ test("a plate that cargo stops is told in events, in its resource and in a sente
     const { key_figures: figures, verdicts } = (await d.get(`/v1/runs/${run.id}/summary`)).json;
     assert.equal(figures.stall.count, drives.filter(({ state }) => state === "stalled").length);
     assert.match(verdicts.find(({ kind }) => kind === "stalled").text, /'arm'/);
+  }
+});
+
+test("a belt that fails is told in events, in its resource, in the curve and in key figures alike", async (t) => {
+  const d = await daemon(t);
+  for (const model of ["macro", "micro"]) {
+    const run = await d.submit(tiny({ belts: [{ id: "main", failures: [{ id: "jam", t_s: [0.025], duration_s: [0.04] }] }] }), { model });
+    const events = await (await d.events(run.id)).rest();
+    const told = events.filter(({ event }) => event === "belt").map(({ data: { run: id, ...rest } }) => rest);
+    assert.deepEqual(told.map(({ belt, state }) => [belt, state]), [["main", "failed"], ["main", "running"]]);
+    assert.deepEqual((await d.get(`/v1/runs/${run.id}/photo_eyes`)).json.belts, told);
+    const { t_s: times, columns } = (await d.get(`/v1/runs/${run.id}/curve`)).json;
+    assert.deepEqual(columns["jam.failed"], times.map((at) => (at >= 0.025 && at < 0.065 ? 1 : 0)));
+    const { belts: [main], failures: [jam] } = (await d.get(`/v1/runs/${run.id}/summary`)).json.key_figures;
+    assert.deepEqual(jam, { id: "jam", failed: { count: 1, total_s: 0.04 } });
+    assert.ok(Math.abs(main.availability - (1 - 0.04 / times.at(-1))) < 1e-9);
   }
 });
 

@@ -1,5 +1,6 @@
-// What moves or changes above the cargo: plates as they stand at a time, and photo eyes with their states.
+// What moves or changes above the cargo: plates as they stand at a time, belts that are down, and photo eyes with their states.
 
+import { beltOutline } from "./geometry.js";
 import { bodyOf } from "./plate.js";
 import { strokeTwice, writeTwice } from "./scenery.js";
 
@@ -54,11 +55,24 @@ function drawEye(context, view, { id, line_m: line }, isBlocked, colors) {
   writeTwice(context, isBlocked ? `${id} blocked` : id, [view.x(x) + 7 * ratio, view.y(y) + 7 * ratio], color, colors.dark, ratio);
 }
 
+// The outline of a belt that is down, and by what.
+function drawFailed(context, view, { domain: { x_m: [x0, x1], y_m: [y0, y1] } }, belt, failures, colors) {
+  const { ratio } = view;
+  const corners = beltOutline(belt) ?? [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+  const outline = new Path2D();
+  corners.forEach(([x, y], k) => (k === 0 ? outline.moveTo(view.x(x), view.y(y)) : outline.lineTo(view.x(x), view.y(y))));
+  outline.closePath();
+  strokeTwice(context, outline, { width: 2.5, color: colors.blocked, halo: colors.dark, dash: [8, 5] }, ratio);
+  const at = [Math.min(...corners.map(([x]) => view.x(x))) + 7 * ratio, Math.min(...corners.map(([, y]) => view.y(y))) + 7 * ratio];
+  writeTwice(context, `${belt.id} down: ${failures.join(", ")}`, at, colors.blocked, colors.dark, ratio);
+}
+
 // state: of Equipment.at(). Onto a transparent canvas of the view's size.
 export function drawDevices(context, view, scenario, state, colors) {
   context.clearRect(0, 0, view.width, view.height);
   context.save();
   view.clip(context);
+  scenario.belts.forEach((belt, k) => state.failures[k].length > 0 && drawFailed(context, view, scenario, belt, state.failures[k], colors));
   drawPlates(context, view, scenario, state.plates, colors);
   context.restore();
   context.save();

@@ -1,5 +1,5 @@
-// What the equipment of a scenario does at a time: how plates are turned and shifted, which of them are there, and
-// the states of photo eyes.
+// What the equipment of a scenario does at a time: how plates are turned and shifted, which of them are there, the states of
+// photo eyes, and which belts are down.
 
 import { indexBefore } from "./series.js";
 
@@ -36,24 +36,26 @@ export class Equipment {
   // curve: { t, columns } of the run; done: its actions that were carried out, [{ t_s, action }] in this order; drives: how
   // obstacles followed what they were told, [{ t_s, obstacle, state, turn_deg, shift_m }] in this order. All may grow.
   constructor(scenario, curve, done, drives) {
-    const { obstacles, photo_eyes: eyes = [], actions = [] } = scenario;
-    Object.assign(this, { obstacles, eyes, actions, curve, done, drives });
+    const { belts = [], obstacles, photo_eyes: eyes = [], actions = [] } = scenario;
+    Object.assign(this, { belts, obstacles, eyes, actions, curve, done, drives });
     this.seen = 0;
   }
 
-  // { plates: [{ turn, shift, isPresent }], eyes: [true: blocked, null: not known] }.
+  // { plates: [{ turn, shift, isPresent }], eyes: [true: blocked, null: not known], failures: [ids of those by which each belt is down] }.
   at(t) {
     this.followCommands();
     return {
       plates: this.obstacles.map((obstacle, k) => ({ ...this.placeOf(k, t), isPresent: this.isThere(k, t) })),
-      eyes: this.eyes.map((eye) => this.stateOf(eye, t)),
+      eyes: this.eyes.map(({ id }) => this.stateOf(`${id}.blocked`, t)),
+      failures: this.belts.map(({ failures = [] }) => failures.map(({ id }) => id).filter((id) => this.stateOf(`${id}.failed`, t))),
     };
   }
 
-  stateOf({ id }, t) {
+  // Whether a column of the curve is 1 at t; null: it is not known yet.
+  stateOf(column, t) {
     const { t: times, columns } = this.curve;
     if (times.length === 0 || t > times.at(-1) + 1e-9) return null;
-    return columns.get(`${id}.blocked`)?.[indexBefore(times, t + 1e-9)] === 1;
+    return columns.get(column)?.[indexBefore(times, t + 1e-9)] === 1;
   }
 
   // The commands so far, of each obstacle in the order of their times, and how it followed them.

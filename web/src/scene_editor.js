@@ -78,7 +78,8 @@ export class SceneEditor {
     this.underlay?.draw(this.field.getContext("2d"), view, colors);
     drawScenery(this.scenery.getContext("2d"), view, scenario, colors);
     drawDevices(this.devices.getContext("2d"), view, scenario,
-      { plates: scenario.obstacles.map(() => ({ turn: 0, shift: [0, 0], isPresent: true })), eyes: (scenario.photo_eyes ?? []).map(() => null) }, colors);
+      { plates: scenario.obstacles.map(() => ({ turn: 0, shift: [0, 0], isPresent: true })), eyes: (scenario.photo_eyes ?? []).map(() => null),
+        failures: scenario.belts.map(() => []) }, colors);
     this.placeHandles();
   }
 

@@ -49,7 +49,8 @@ const plain = (schema) => {
   return word === undefined ? { ...schema, type } : { ...schema, ...oneOf.find((one) => one.const === undefined), word };
 };
 
-const isListOfObjects = ({ type, items }) => type === "array" && resolve(items).type === "object";
+const isObject = ({ type, oneOf }) => type === "object" || Boolean(oneOf?.every((one) => one.type === "object"));
+const isListOfObjects = ({ type, items }) => type === "array" && isObject(resolve(items));
 const isPoint = (schema) => schema.type === "array" && resolve(schema.items).type === "number" && schema.maxItems === 2;
 
 // What kind of box a member needs: choice, truth, text, id (of another thing), number, list (of numbers or truths), point, points, object, objects,
@@ -64,20 +65,20 @@ export function boxOf(member, schema) {
   if (type === "boolean") return { ...common, kind: "truth" };
   if (type === "string") return { ...common, kind: "text" };
   if (type === "number" || type === "integer") return { ...common, kind: "number", word: known.word };
-  if (type === "object" || known.oneOf?.every((one) => one.type === "object")) return { ...common, kind: "object" };
+  if (isObject(known)) return { ...common, kind: "object" };
   if (known.oneOf?.some(isListOfObjects)) return { ...common, kind: "one-or-many" };
   if (type !== "array") return { ...common, kind: "json" };
   if (isPoint(known)) return { ...common, kind: "point" };
   const items = resolve(known.items);
   if (isPoint(items)) return { ...common, kind: "points" };
   if (items.type === "number" || items.type === "boolean") return { ...common, kind: "list" };
-  return { ...common, kind: items.type === "object" ? "objects" : "json" };
+  return { ...common, kind: isObject(items) ? "objects" : "json" };
 }
 
 // "velocity_m_s" is "Velocity".
 export function labelOf(member) {
   const words = member.replace(/_(?:m_s2|m_s|m2|m|s|deg|per_s|per_h|n|kg)$/, "").replaceAll("_", " ");
-  return words[0].toUpperCase() + words.slice(1);
+  return (words[0].toUpperCase() + words.slice(1)).replace(/^Mt(bf|tr)\b/, (name) => name.toUpperCase());
 }
 
 // What is wrong with a number by itself, or "".

@@ -68,8 +68,9 @@ static void changes_of_photo_eyes_are_json_or_csv(void **state)
     (void)state;
     helper_run *of = ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/photo_eyes", NULL, NULL, 200);
-    assert_string_equal(ask_response.body.bytes,
-                        "{\"changes\":[],\"actions\":[],\"drives\":[],\"is_cut\":false}");
+    assert_string_equal(
+        ask_response.body.bytes,
+        "{\"changes\":[],\"actions\":[],\"drives\":[],\"belts\":[],\"is_cut\":false}");
     helper_add_event(&ask_daemon, of, API_EVENT_EYE,
                      "{\"t_s\":1.5,\"photo_eye\":\"pe\",\"state\":\"blocked\"}");
     helper_add_event(&ask_daemon, of, API_EVENT_PROGRESS, "{\"t_s\":1.5}");
@@ -79,7 +80,7 @@ static void changes_of_photo_eyes_are_json_or_csv(void **state)
     assert_string_equal(ask_response.body.bytes,
                         "{\"changes\":[{\"t_s\":1.5,\"photo_eye\":\"pe\",\"state\":\"blocked\"}],"
                         "\"actions\":[{\"t_s\":2,\"action\":3,\"target\":\"flap\"}],\"drives\":[],"
-                        "\"is_cut\":false}");
+                        "\"belts\":[],\"is_cut\":false}");
     ask_get(RUN_1 "/photo_eyes", "format=csv", NULL, 200);
     assert_string_equal(ask_response.body.bytes, "t_s,photo_eye,state\n1.5,pe,blocked\n");
     ask_get("/v1/runs/0190a0b0-0000-7000-8000-0000000000ff/photo_eyes", NULL, NULL, 404);

@@ -18,16 +18,20 @@ enum { OF_RUN = FIGURE_OFFERED, OF_FEED = FIGURE_CONTENT_MEAN - FIGURE_OFFERED }
 enum {
     OF_COUNTER = FIGURE_GAP_MIN - FIGURE_CONTENT_MEAN,
     OF_EYE = FIGURE_STOPPED_COUNT - FIGURE_GAP_MIN,
-    OF_BELT = FIGURE_OUTFLOW - FIGURE_STOPPED_COUNT,
+    OF_BELT = FIGURE_FAILED_COUNT - FIGURE_STOPPED_COUNT,
+    OF_FAILURE = FIGURE_OUTFLOW - FIGURE_FAILED_COUNT,
     OF_OUTLET = FIGURE_COUNT - FIGURE_OUTFLOW
 };
-enum { N_VALUES = OF_RUN + 2 * OF_FEED + OF_COUNTER + OF_EYE + OF_BELT + 2 * OF_OUTLET };
+enum {
+    N_VALUES = OF_RUN + 2 * OF_FEED + OF_COUNTER + OF_EYE + OF_BELT + OF_FAILURE + 2 * OF_OUTLET
+};
 
 // Two feeds, of which one has a dot in its id, a counter that is called like the column of a feed, a photo eye,
-// a belt that is commanded, and two outlets.
+// a belt that is commanded, a kind of its failures, and two outlets.
 static const char columns[] =
     "a.offered,left_domain,in.offered,in.admitted,in.waiting,in.discarded,"
-    "x.y.offered,x.y.admitted,x.y.waiting,x.y.discarded,pe1.blocked,in.speed_m_s,in.left,out.left";
+    "x.y.offered,x.y.admitted,x.y.waiting,x.y.discarded,pe1.blocked,in.speed_m_s,jam.failed,in."
+    "left,out.left";
 
 // All values are absent but some.
 static key_figures make(double values[N_VALUES])
@@ -41,9 +45,12 @@ static key_figures make(double values[N_VALUES])
     values[OF_RUN] = 240.0;
     values[OF_RUN + OF_FEED + FIGURE_WAIT_P95 - FIGURE_OFFERED] = 0.5;
     values[OF_RUN + 2 * OF_FEED] = 10.0;
-    values[N_VALUES - 2 * OF_OUTLET - 1] = 1.5;
+    values[N_VALUES - 2 * OF_OUTLET - 1] = 12.0;
+    values[N_VALUES - 2 * OF_OUTLET - OF_FAILURE - 1] = 0.875;
+    values[N_VALUES - 2 * OF_OUTLET - OF_FAILURE - 2] = 1.5;
     values[N_VALUES - OF_OUTLET] = 720.0;
-    values[N_VALUES - 2 * OF_OUTLET - OF_BELT - OF_EYE + FIGURE_DOUBLES - FIGURE_GAP_MIN] = 0.125;
+    values[N_VALUES - 2 * OF_OUTLET - OF_FAILURE - OF_BELT - OF_EYE + FIGURE_DOUBLES -
+           FIGURE_GAP_MIN] = 0.125;
     return (key_figures){ .columns = columns, .t = 60.0, .n = N_VALUES, .values = values };
 }
 
@@ -52,7 +59,8 @@ static const char text[] =
     "\"feeds\":[{\"id\":\"in\",\"offered\":240},{\"id\":\"x.y\",\"wait_s\":{\"p95\":0.5}}],"
     "\"counters\":[{\"id\":\"a.offered\",\"content\":{\"mean\":10}}],"
     "\"photo_eyes\":[{\"id\":\"pe1\",\"doubles_share\":0.125}],"
-    "\"belts\":[{\"id\":\"in\",\"stopped\":{\"longest_s\":1.5}}],"
+    "\"belts\":[{\"id\":\"in\",\"stopped\":{\"longest_s\":1.5},\"availability\":0.875}],"
+    "\"failures\":[{\"id\":\"jam\",\"failed\":{\"total_s\":12}}],"
     "\"outlets\":[{\"id\":\"in\"},{\"id\":\"out\",\"outflow_per_h\":720}]}";
 
 static void what_is_not_known_is_left_out(void **state)
@@ -110,6 +118,8 @@ static void as_csv_each_figure_is_a_line(void **state)
                                    "content.mean,counter,a.offered,10,parts\n"
                                    "doubles_share,photo_eye,pe1,0.125,\n"
                                    "stopped.longest_s,belt,in,1.5,s\n"
+                                   "availability,belt,in,0.875,\n"
+                                   "failed.total_s,failure,jam,12,s\n"
                                    "outflow_per_h,outlet,out,720,parts/h\n");
     buffer_fini(&out);
 }

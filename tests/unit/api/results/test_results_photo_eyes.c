@@ -3,6 +3,7 @@
 #include "api/results/events.h"
 #include "api/results/results.h"
 #include "core/base/memory.h"
+#include "core/scene/belt_stops.h"
 #include "core/scene/plate_drive.h"
 
 #include <math.h>
@@ -21,6 +22,12 @@ static const frame_change changes[] = {
     { .index = 1, .t = 0.5, .type = FRAME_CHANGE_ACTION, .item = 2, .id = "main" },
     { .index = 2, .t = 1.25, .type = FRAME_CHANGE_EYE, .id = "pe2" },
     { .index = 3, .t = 1.5, .type = FRAME_CHANGE_DRIVE, .state = 2, .id = "arm", .turn = -M_PI_4 },
+    { .index = 4,
+      .t = 2.0,
+      .type = FRAME_CHANGE_BELT,
+      .state = BELT_STOPS_BY_FAILURE,
+      .id = "main" },
+    { .index = 5, .t = 3.5, .type = FRAME_CHANGE_BELT, .state = BELT_STOPS_BY_BREAK, .id = "main" },
 };
 enum { N_CHANGES = sizeof changes / sizeof *changes };
 
@@ -42,7 +49,8 @@ static bf_status read_changes(api_store *store, const char *id, api_event_fn *ta
                               void *take_context, bf_error *err)
 {
     static const api_event_type types[FRAME_CHANGE_TYPE_COUNT] = { API_EVENT_EYE, API_EVENT_ACTION,
-                                                                   API_EVENT_DRIVE };
+                                                                   API_EVENT_DRIVE,
+                                                                   API_EVENT_BELT };
     bf_status status = BF_OK;
 
     assert_string_equal(id, run_id);
@@ -79,7 +87,8 @@ static void stored_events_give_the_same_lines(void **state)
         "{\"t_s\":1.25,\"photo_eye\":\"pe2\",\"state\":\"clear\"}],"
         "\"actions\":[{\"t_s\":0.5,\"action\":2,\"target\":\"main\"}],"
         "\"drives\":[{\"t_s\":1.5,\"obstacle\":\"arm\",\"state\":\"stalled\",\"turn_deg\":-45}],"
-        "\"is_cut\":false}");
+        "\"belts\":[{\"t_s\":2,\"belt\":\"main\",\"state\":\"failed\"},"
+        "{\"t_s\":3.5,\"belt\":\"main\",\"state\":\"break\"}],\"is_cut\":false}");
     results_changes_fini(&read);
     buffer_fini(&text);
 }
@@ -89,12 +98,14 @@ static void as_many_as_a_run_keeps_may_not_be_all(void **state)
     static const results_eye_change change = { .t = 1.0, .id = "pe" };
     static const results_action action = { .t = 1.0, .target = "main" };
     static const results_drive drive = { .t = 1.0, .id = "arm" };
+    static const results_stop stop = { .t = 1.0, .id = "main" };
     results_changes kept = { 0 };
     bf_buffer json = { 0 };
 
     (void)state;
     assert_int_equal(buffer_append(&kept.drives, &drive, sizeof drive), BF_OK);
-    for (int k = 0; k < FRAME_CHANGES_MAX - 3; k++)
+    assert_int_equal(buffer_append(&kept.stops, &stop, sizeof stop), BF_OK);
+    for (int k = 0; k < FRAME_CHANGES_MAX - 4; k++)
         assert_int_equal(buffer_append(&kept.eyes, &change, sizeof change), BF_OK);
     for (int k = 0; k < 2; k++) {
         assert_int_equal(buffer_append(&kept.actions, &action, sizeof action), BF_OK);
@@ -114,7 +125,7 @@ static void a_damaged_event_is_reported(void **state)
 
     (void)state;
     assert_int_equal(results_changes_read(&services, run_id, &read, NULL), BF_ECORRUPT);
-    assert_int_equal(read.eyes.n + read.actions.n + read.drives.n, 0);
+    assert_int_equal(read.eyes.n + read.actions.n + read.drives.n + read.stops.n, 0);
 }
 
 static void events_say_what_changed(void **state)
@@ -133,6 +144,11 @@ static void events_say_what_changed(void **state)
         data.bytes, "\"t_s\":1.5,\"obstacle\":\"arm\",\"state\":\"stalled\",\"turn_deg\":-45}"));
     const frame_change unknown = { .type = FRAME_CHANGE_DRIVE, .state = PLATE_DRIVE_STATE_COUNT };
     assert_int_equal(events_change(run_id, &unknown, &data, NULL), BF_ECORRUPT);
+    data.n = 0;
+    assert_int_equal(events_change(run_id, &changes[4], &data, NULL), BF_OK);
+    assert_non_null(strstr(data.bytes, "\"t_s\":2,\"belt\":\"main\",\"state\":\"failed\"}"));
+    const frame_change no_state = { .type = FRAME_CHANGE_BELT, .state = BELT_STOPS_CAUSE_COUNT };
+    assert_int_equal(events_change(run_id, &no_state, &data, NULL), BF_ECORRUPT);
     buffer_fini(&data);
 }
 

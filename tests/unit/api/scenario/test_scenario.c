@@ -100,6 +100,18 @@ static void every_member_finds_its_place(void **unused)
     assert_int_equal(s.belts[0].speed_schedule.n_factors, 3);
     assert_true(s.belts[0].speed_schedule.times[2] == 2.25);
     assert_true(s.belts[0].speed_schedule.factors[2] == 1.25);
+    const scene_stops *stops = &s.belts[0].stops;
+    assert_true(stops->n_failures == 2 && stops->n_breaks == 1);
+    assert_string_equal(stops->failures[0].id, "rare");
+    assert_true(stops->failures[0].type == SCENE_FAILURE_DRAWN);
+    assert_true(stops->failures[0].between.mean == 600.0 && stops->failures[0].repair.mean == 60.0);
+    assert_true(stops->failures[0].between.law == SCENE_TIME_WEIBULL);
+    assert_true(stops->failures[0].between.shape == 1.5);
+    assert_true(stops->failures[0].repair.law == SCENE_TIME_FIXED);
+    assert_true(stops->failures[1].type == SCENE_FAILURE_LISTED);
+    assert_true(stops->failures[1].times[1] == 2.0 && stops->failures[1].durations[1] == 0.5);
+    assert_true(stops->breaks[0].start == 3.0 && stops->breaks[0].every == 2.0);
+    assert_true(stops->substream == s.substream && stops->until == s.duration);
     assert_int_equal(s.belts[1].speed_schedule.n_times, 0);
     assert_true(s.belts[1].acceleration == INFINITY && s.belts[1].deceleration == INFINITY);
     assert_true(s.belts[1].velocity.y == 0.2 && s.belts[1].polygon[2].y == 0.8);

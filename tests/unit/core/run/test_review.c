@@ -43,6 +43,15 @@ static const review_warnings *warnings_of(scene *s)
     return &review.warnings;
 }
 
+// The warning at a pointer; NULL: there is none.
+static const review_warning *warning_at(const review_warnings *found, const char *pointer)
+{
+    for (size_t k = 0; k < found->n; k++)
+        if (strcmp(found->items[k].pointer, pointer) == 0)
+            return &found->items[k];
+    return NULL;
+}
+
 // 2004 parts/m2 at 0.4 m/s over 0.4 m and the width of a part, 1/sqrt(2004) m: 338.55 parts/s.
 static void rates_beyond_the_belts_are_warned_of(void **unused)
 {
@@ -187,6 +196,30 @@ static void a_beam_above_a_moving_belt_clears(void **unused)
     assert_int_equal(warnings_with(2, 1, across, 1, (rule[]){ { 0, true, 0, 0.0 } })->n, 0);
 }
 
+// Ten times 105 s are needed; without the warm-up the run has 900 s.
+static void failures_that_are_too_rare_for_the_run_are_warned_of(void **unused)
+{
+    (void)unused;
+    for (int k = 0; k < 2; k++) {
+        scene s;
+        make_scene(&s, true);
+        scene_stops *stops = &s.belts[1].stops;
+        stops->failures = memory_alloc(1, sizeof *stops->failures);
+        assert_non_null(stops->failures);
+        stops->n_failures = 1;
+        stops->failures[0] = (scene_failure){ .between = { 100.0, SCENE_TIME_EXPONENTIAL, 1.0 },
+                                              .repair = { 5.0, SCENE_TIME_EXPONENTIAL, 1.0 } };
+        s.output.curve_every = 1.0;
+        s.output.snapshot_every = 10.0;
+        s.warmup = 100.0;
+        s.duration = k == 0 ? 1150.0 : 1000.0;
+        const review_warning *found = warning_at(warnings_of(&s), "/belts/1/failures/0/mtbf_s");
+        assert_true((found != NULL) == (k == 1));
+        if (k == 1)
+            assert_non_null(strstr(found->meaning, "about 1,050 s are needed"));
+    }
+}
+
 static void no_memory_is_reported(void **unused)
 {
     bf_status status = BF_ENOMEM;
@@ -217,6 +250,7 @@ int main(void)
         cmocka_unit_test(two_belts_may_wait_for_each_other),
         cmocka_unit_test(a_beam_above_a_moving_belt_clears),
         cmocka_unit_test(an_eye_beside_the_belts_is_warned_of),
+        cmocka_unit_test(failures_that_are_too_rare_for_the_run_are_warned_of),
         cmocka_unit_test(no_memory_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,8 +1,11 @@
 // The digest that the checkpoints of a run belong to.
 
 #include "core/scene/definition.h"
+
+#include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,6 +21,24 @@ static void make_scene(scene *s)
     s->obstacles[0].turn =
         helper_scene_series(2, (double[]){ 0.5, 1.0 }, (double[]){ 0.1, 0.2 }, INFINITY);
     helper_scene_add_feed(s, SCENE_WEST, SCENE_ARRIVALS_POISSON, 10.0);
+    scene_stops *stops = &s->belts[0].stops;
+    const scene_series listed =
+        helper_scene_series(2, (double[]){ 1.0, 2.0 }, (double[]){ 0.1, 0.2 }, INFINITY);
+    stops->failures = memory_alloc(2, sizeof *stops->failures);
+    stops->breaks = memory_alloc(1, sizeof *stops->breaks);
+    assert_true(stops->failures != NULL && stops->breaks != NULL);
+    stops->n_failures = 2;
+    stops->n_breaks = 1;
+    stops->failures[0] = (scene_failure){ .id = "f",
+                                          .between = { 60.0, SCENE_TIME_WEIBULL, 1.5 },
+                                          .repair = { 6.0, SCENE_TIME_WEIBULL, 2.0 } };
+    stops->failures[1] = (scene_failure){ .id = "g",
+                                          .type = SCENE_FAILURE_LISTED,
+                                          .n_times = 2,
+                                          .times = listed.times,
+                                          .n_durations = 2,
+                                          .durations = listed.values };
+    stops->breaks[0] = (scene_break){ 1.0, 2.0, 3.0 };
 }
 
 static void a_definition_that_differs_in_one_number_has_another_digest(void **state)
@@ -34,6 +55,15 @@ static void a_definition_that_differs_in_one_number_has_another_digest(void **st
                                 &s.belts[0].deceleration,
                                 &s.belts[0].speed_schedule.times[1],
                                 &s.belts[0].speed_schedule.factors[1],
+                                &s.belts[0].stops.failures[0].between.mean,
+                                &s.belts[0].stops.failures[0].between.shape,
+                                &s.belts[0].stops.failures[0].repair.mean,
+                                &s.belts[0].stops.failures[0].repair.shape,
+                                &s.belts[0].stops.failures[1].times[1],
+                                &s.belts[0].stops.failures[1].durations[0],
+                                &s.belts[0].stops.breaks[0].start,
+                                &s.belts[0].stops.breaks[0].duration,
+                                &s.belts[0].stops.breaks[0].every,
                                 &s.obstacles[0].thickness,
                                 &s.obstacles[0].path[1].y,
                                 &s.obstacles[0].turn.times[1],

@@ -78,6 +78,40 @@ static void eyes_that_command_by_drawn_gaps_are_chance_of_the_density(void **sta
     scene_fini(&s);
 }
 
+static void failures_are_chance_of_both_models_unless_they_are_given(void **state)
+{
+    scene_failure f = { .between = { 60.0, SCENE_TIME_EXPONENTIAL, 1.0 },
+                        .repair = { 6.0, SCENE_TIME_FIXED, 1.0 } };
+    scene_belt belt = { .velocity = { 0.4, 0.0 } };
+    scene_stops *stops = &belt.stops;
+    scene s;
+
+    (void)state;
+    make(&s);
+    s.belts = &belt;
+    s.n_belts = 1;
+    stops->n_failures = 1;
+    stops->failures = &f;
+    assert_true(scene_has_chance(&s, true) && scene_has_chance(&s, false));
+    assert_true(scene_regime_of(&s, true).is_constant);
+    f.between.law = SCENE_TIME_FIXED;
+    assert_false(scene_has_chance(&s, true) || scene_has_chance(&s, false));
+    f = (scene_failure){ .type = SCENE_FAILURE_LISTED,
+                         .n_times = 1,
+                         .times = &(double){ s.warmup + 0.1 },
+                         .n_durations = 1,
+                         .durations = &(double){ 0.1 } };
+    assert_false(scene_has_chance(&s, true));
+    assert_false(scene_regime_of(&s, true).is_constant);
+    f.n_times = 0;
+    stops->n_breaks = 1;
+    stops->breaks = &(scene_break){ .start = 1.0, .duration = 0.5, .every = 4.0 };
+    assert_true(scene_regime_of(&s, true).is_constant && scene_regime_of(&s, true).cycle == 4.0);
+    s.belts = NULL;
+    s.n_belts = 0;
+    scene_fini(&s);
+}
+
 // Poisson belongs to a rate, not to a list; of a list what is not given is drawn.
 static void a_list_draws_what_it_does_not_give(void **state)
 {
@@ -153,6 +187,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_feeds_draw_is_chance),
         cmocka_unit_test(eyes_that_command_by_drawn_gaps_are_chance_of_the_density),
+        cmocka_unit_test(failures_are_chance_of_both_models_unless_they_are_given),
         cmocka_unit_test(a_list_draws_what_it_does_not_give),
         cmocka_unit_test(a_gate_that_repeats_is_a_cycle),
         cmocka_unit_test(what_changes_once_does_so_before_the_warm_up_or_is_not_constant),

@@ -284,6 +284,36 @@ static void counters_do_not_take_the_names_of_other_columns(void **state)
     }
 }
 
+// 33 belts with 8 kinds of failures each are 264.
+static void failures_have_ids_of_their_own_and_are_not_too_many(void **state)
+{
+    scene s;
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        helper_scene_example(&s, 60.0, SCENE_SEALED);
+        for (size_t n = s.n_belts; n < (k == 0 ? 2 : 33); n++)
+            snprintf(helper_scene_add_belt(&s, (vec2){ 0.2, 0.0 }, NULL, 0)->id, SCENE_ID_SIZE,
+                     "belt-%zu", n);
+        for (size_t n = 0; n < s.n_belts; n++) {
+            scene_stops *stops = &s.belts[n].stops;
+            stops->n_failures = k == 0 ? 1 : SCENE_FAILURES_MAX;
+            stops->until = 10.0;
+            stops->failures = memory_alloc(stops->n_failures, sizeof *stops->failures);
+            assert_non_null(stops->failures);
+            for (size_t i = 0; i < stops->n_failures; i++) {
+                stops->failures[i] =
+                    (scene_failure){ .between = { 60.0, SCENE_TIME_EXPONENTIAL, 1.0 },
+                                     .repair = { 6.0, SCENE_TIME_EXPONENTIAL, 1.0 } };
+                snprintf(stops->failures[i].id, SCENE_ID_SIZE, k == 0 ? "f" : "f-%zu-%zu", n, i);
+            }
+        }
+        assert_true(is_only_fault(&s, k == 0 ? BF_EINPUT : BF_ELIMIT,
+                                  k == 0 ? "/belts/1/failures/0/id" : "/belts/32/failures/0/id",
+                                  k == 0 ? "'f' is the id of another" : "more than 256"));
+    }
+}
+
 static void speed_schedules_are_checked_belt_by_belt(void **state)
 {
     scene s;
@@ -578,6 +608,7 @@ int main(void)
         cmocka_unit_test(a_wrong_member_is_reported_once_and_not_again_for_derived_members),
         cmocka_unit_test(ids_are_words_and_unique),
         cmocka_unit_test(counters_do_not_take_the_names_of_other_columns),
+        cmocka_unit_test(failures_have_ids_of_their_own_and_are_not_too_many),
         cmocka_unit_test(speed_schedules_are_checked_belt_by_belt),
         cmocka_unit_test(polygons_of_belts_are_simple),
         cmocka_unit_test(paths_of_obstacles_have_length),

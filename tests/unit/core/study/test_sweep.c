@@ -2,7 +2,7 @@
 
 #include "core/study/sweep.h"
 
-#include "core/feed/draws.h"
+#include "core/base/draws.h"
 #include "core/study/sobol.h"
 #include "core/study/variates.h"
 #include "tests/unit/core/helper_scene.h"

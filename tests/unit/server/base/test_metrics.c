@@ -120,7 +120,8 @@ static void few_labels_are_shown_before_they_were_counted(void **state)
                         "beltflow_frames_stored_total{kind=\"figures\"} 0\n"
                         "beltflow_frames_stored_total{kind=\"photo_eye\"} 0\n"
                         "beltflow_frames_stored_total{kind=\"action\"} 0\n"
-                        "beltflow_frames_stored_total{kind=\"drive\"} 0\n#");
+                        "beltflow_frames_stored_total{kind=\"drive\"} 0\n"
+                        "beltflow_frames_stored_total{kind=\"belt\"} 0\n#");
     assert_holds(&text, "beltflow_build_info{version=\"" BELTFLOW_VERSION "\",compiler=\"");
     buffer_fini(&text);
 }

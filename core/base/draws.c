@@ -1,4 +1,4 @@
-#include "core/feed/draws.h"
+#include "core/base/draws.h"
 
 #include <math.h>
 
@@ -28,10 +28,10 @@ void draws_philox(const uint64_t counter[4], const uint64_t key[2], uint64_t ret
     ret_words[3] = x3;
 }
 
-static void make_words(const draws *from, uint64_t part, draws_purpose purpose, uint64_t block,
+static void make_words(const draws *from, uint64_t item, draws_purpose purpose, uint64_t block,
                        uint64_t ret_words[4])
 {
-    const uint64_t counter[4] = { block | (uint64_t)purpose << 56, part, from->feed,
+    const uint64_t counter[4] = { block | (uint64_t)purpose << 56, item, from->source,
                                   from->substream };
     const uint64_t key[2] = { from->seed, 0 };
 
@@ -43,11 +43,11 @@ static double to_unit(uint64_t word)
     return (double)(word >> 11 | 1) * 0x1p-53;
 }
 
-double draws_unit(const draws *from, uint64_t part, draws_purpose purpose, uint64_t index)
+double draws_unit(const draws *from, uint64_t item, draws_purpose purpose, uint64_t index)
 {
     uint64_t words[4];
 
-    make_words(from, part, purpose, index / 4, words);
+    make_words(from, item, purpose, index / 4, words);
     return to_unit(words[index % 4]);
 }
 
@@ -62,4 +62,11 @@ double draws_gap(const draws *from, uint64_t part, uint32_t shape)
         sum -= log(to_unit(words[k % 4]));
     }
     return sum / shape;
+}
+
+double draws_weibull(const draws *from, uint64_t item, draws_purpose purpose, double shape)
+{
+    const double exponential = -log(draws_unit(from, item, purpose, 0));
+
+    return shape == 1.0 ? exponential : pow(exponential, 1.0 / shape) / tgamma(1.0 + 1.0 / shape);
 }

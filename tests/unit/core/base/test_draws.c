@@ -1,6 +1,6 @@
 // Unit tests of the draws of feeds.
 
-#include "core/feed/draws.h"
+#include "core/base/draws.h"
 
 #include "tests/unit/core/helper_scene.h"
 
@@ -44,7 +44,7 @@ static void philox_gives_the_known_answers(void **state)
 static void a_draw_is_the_word_of_its_own_counter(void **state)
 {
     (void)state;
-    const draws from = { .seed = 11, .substream = 3, .feed = 77 };
+    const draws from = { .seed = 11, .substream = 3, .source = 77 };
     const uint64_t counter[4] = { 1 | UINT64_C(1) << 56, 9, 77, 3 }, key[2] = { 11, 0 };
     uint64_t words[4];
     draws_philox(counter, key, words);
@@ -74,7 +74,7 @@ static void gaps_have_the_moments_of_erlang(void **state)
 {
     (void)state;
     enum { N = 100000 };
-    const draws from = { .seed = 5, .feed = 1 };
+    const draws from = { .seed = 5, .source = 1 };
     static const uint32_t shapes[] = { 1, 2, 7 };
     for (size_t i = 0; i < 3; i++) {
         double sum = 0.0, squares = 0.0;

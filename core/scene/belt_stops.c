@@ -1,0 +1,293 @@
+#include "core/scene/belt_stops.h"
+
+#include "core/base/digest.h"
+#include "core/base/draws.h"
+#include "core/scene/ranges.h"
+#include "core/scene/scene_priv.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+_Static_assert(sizeof(belt_stops_failure) == 3 * sizeof(double), "no padding");
+
+bool belt_stops_are_any(const scene_stops *stops)
+{
+    return stops->n_failures > 0 || stops->n_breaks > 0;
+}
+
+bool belt_stops_are_drawn(const scene_stops *stops)
+{
+    bool are_drawn = false;
+
+    for (size_t k = 0; k < stops->n_failures; k++) {
+        const scene_failure *f = &stops->failures[k];
+        are_drawn |= f->type == SCENE_FAILURE_DRAWN &&
+                     (f->between.law != SCENE_TIME_FIXED || f->repair.law != SCENE_TIME_FIXED);
+    }
+    return are_drawn;
+}
+
+// Time n of a kind of failure, s.
+static double draw(const scene_stops *stops, const scene_failure *f, uint64_t n,
+                   draws_purpose purpose)
+{
+    const scene_drawn_time *time = purpose == DRAWS_REPAIR ? &f->repair : &f->between;
+    const draws from = { 0, stops->substream, digest_add(DIGEST_START, f->id, strlen(f->id)) };
+
+    if (time->law == SCENE_TIME_FIXED)
+        return time->mean;
+    return time->mean *
+           draws_weibull(&from, n, purpose, time->law == SCENE_TIME_WEIBULL ? time->shape : 1.0);
+}
+
+// When border n of an entry of the breaks is: the begin of a break, or its end if n is odd.
+static double border_of(const scene_break *b, uint64_t n)
+{
+    const double begin = n < 2 ? b->start : b->start + (double)(n / 2) * b->every;
+
+    return n % 2 == 0 ? begin : begin + b->duration;
+}
+
+static bool is_down(const belt_stops_failure *f)
+{
+    return f->until < INFINITY;
+}
+
+unsigned belt_stops_now(const scene_stops *stops, const belt_stops_state *state)
+{
+    unsigned now = 0;
+
+    for (size_t k = 0; k < stops->n_failures; k++)
+        now |= is_down(&state->failures[k]) ? 1U << k : 0U;
+    for (size_t k = 0; k < stops->n_breaks; k++)
+        now |= state->n_borders[k] % 2 == 1 ? BELT_STOPS_BREAK : 0U;
+    return now;
+}
+
+belt_stops_cause belt_stops_cause_of(unsigned now)
+{
+    if (now == 0)
+        return BELT_STOPS_BY_NOTHING;
+    return (now & BELT_STOPS_FAILED) != 0 ? BELT_STOPS_BY_FAILURE : BELT_STOPS_BY_BREAK;
+}
+
+// When a listed failure that is not down begins next.
+static double next_listed(const scene_failure *f, const belt_stops_failure *state)
+{
+    return state->n < f->n_times ? f->times[state->n] : INFINITY;
+}
+
+static void begin(const scene_stops *stops, size_t k, belt_stops_state *state)
+{
+    const scene_failure *f = &stops->failures[k];
+    belt_stops_failure *of = &state->failures[k];
+
+    if (f->type == SCENE_FAILURE_LISTED) {
+        of->until = f->times[of->n] + f->durations[of->n];
+        of->n++;
+        return;
+    }
+    of->until = state->t + draw(stops, f, of->n, DRAWS_REPAIR);
+    of->n++;
+    of->left = draw(stops, f, of->n, DRAWS_BETWEEN);
+}
+
+// All that begins or ends at the state's time: repairs and breaks first.
+static void pass(const scene_stops *stops, bool runs, belt_stops_state *state)
+{
+    for (size_t k = 0; k < stops->n_failures; k++)
+        if (state->failures[k].until <= state->t)
+            state->failures[k].until = INFINITY;
+    for (size_t k = 0; k < stops->n_breaks; k++)
+        while (border_of(&stops->breaks[k], state->n_borders[k]) <= state->t)
+            state->n_borders[k]++;
+    for (size_t k = 0; k < stops->n_failures; k++)
+        if (stops->failures[k].type == SCENE_FAILURE_LISTED && !is_down(&state->failures[k]) &&
+            next_listed(&stops->failures[k], &state->failures[k]) <= state->t)
+            begin(stops, k, state);
+    for (size_t k = 0; k < stops->n_failures && runs && belt_stops_now(stops, state) == 0; k++)
+        if (stops->failures[k].type == SCENE_FAILURE_DRAWN && state->failures[k].left <= 0.0)
+            begin(stops, k, state);
+}
+
+belt_stops_state belt_stops_start(const scene_stops *stops)
+{
+    belt_stops_state state = { .t = 0.0 };
+
+    for (size_t k = 0; k < stops->n_failures; k++) {
+        const scene_failure *f = &stops->failures[k];
+        state.failures[k].until = INFINITY;
+        state.failures[k].left =
+            f->type == SCENE_FAILURE_DRAWN ? draw(stops, f, 0, DRAWS_BETWEEN) : 0.0;
+    }
+    pass(stops, false, &state);
+    return state;
+}
+
+void belt_stops_go_on(const scene_stops *stops, bool runs, double until, belt_stops_state *state)
+{
+    const bool operates = runs && belt_stops_now(stops, state) == 0;
+    double next = until;
+    size_t fails = SCENE_FAILURES_MAX;
+
+    for (size_t k = 0; k < stops->n_breaks; k++)
+        next = fmin(next, border_of(&stops->breaks[k], state->n_borders[k]));
+    for (size_t k = 0; k < stops->n_failures; k++) {
+        const scene_failure *f = &stops->failures[k];
+        const belt_stops_failure *of = &state->failures[k];
+        if (is_down(of))
+            next = fmin(next, of->until);
+        else if (f->type == SCENE_FAILURE_LISTED)
+            next = fmin(next, next_listed(f, of));
+        else if (operates && state->t + of->left < next) {
+            next = state->t + of->left;
+            fails = k;
+        }
+    }
+    // Of the one that fails exactly nothing is left, however the sum of times was rounded.
+    for (size_t k = 0; k < stops->n_failures && operates; k++)
+        state->failures[k].left = k == fails && next == state->t + state->failures[k].left
+                                      ? 0.0
+                                      : fmax(state->failures[k].left - (next - state->t), 0.0);
+    state->t = next;
+    if (next < INFINITY) // else nothing is left that begins or ends
+        pass(stops, runs, state);
+}
+
+// Failures of a kind that begin until stops->until if the belt always runs.
+static size_t count_failures(const scene_stops *stops, const scene_failure *f)
+{
+    size_t n = 0;
+
+    if (f->type == SCENE_FAILURE_LISTED)
+        return f->n_times;
+    for (double t = draw(stops, f, 0, DRAWS_BETWEEN); t <= stops->until; n++)
+        t += draw(stops, f, n, DRAWS_REPAIR) + draw(stops, f, n + 1, DRAWS_BETWEEN);
+    return n + 1; // rounding may let one more begin
+}
+
+size_t belt_stops_count(const scene_stops *stops)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < stops->n_failures; k++)
+        n += count_failures(stops, &stops->failures[k]);
+    for (size_t k = 0; k < stops->n_breaks; k++) {
+        const scene_break *b = &stops->breaks[k];
+        n += 1 + (size_t)(fmax(stops->until - b->start, 0.0) / b->every);
+    }
+    return 2 * n + 1; // and the first one past the end
+}
+
+// ---- checks
+
+static void check_drawn_time(const scene_drawn_time *time, const char *at, const char *mean,
+                             const char *shape, bf_faults *faults)
+{
+    char pointer[2 * BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    snprintf(pointer, sizeof pointer, "%s/%s", at, mean);
+    range_check(&scene_range_time, time->mean, pointer, faults);
+    snprintf(pointer, sizeof pointer, "%s/%s", at, shape);
+    if (time->law == SCENE_TIME_WEIBULL)
+        range_check(&scene_range_weibull_shape, time->shape, pointer, faults);
+}
+
+static void check_list(const scene_failure *f, const char *at, bf_faults *faults)
+{
+    const size_t n_before = faults->n;
+    char pointer[2 * BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    if (f->n_times > SCENE_STOPS_MAX) {
+        faults_add_limit(faults, at, "%zu times, the limit is %d", f->n_times, SCENE_STOPS_MAX);
+        return;
+    }
+    if (f->n_durations != f->n_times) {
+        faults_add(faults, at, "has %zu durations for %zu times", f->n_durations, f->n_times);
+        return;
+    }
+    snprintf(pointer, sizeof pointer, "%s/t_s", at);
+    if (!scene__check_times(f->times, f->n_times, pointer, false, faults))
+        return;
+    for (size_t k = 0; k < f->n_times && faults->n == n_before; k++) {
+        snprintf(pointer, sizeof pointer, "%s/duration_s/%zu", at, k);
+        range_check(&scene_range_time, f->durations[k], pointer, faults);
+    }
+    for (size_t k = 1; k < f->n_times && faults->n == n_before; k++) {
+        const double end = f->times[k - 1] + f->durations[k - 1];
+        snprintf(pointer, sizeof pointer, "%s/t_s/%zu", at, k);
+        if (f->times[k] <= end)
+            faults_add(faults, pointer,
+                       "%.15g s do not come after the end of the failure before, at %.15g s",
+                       f->times[k], end);
+    }
+}
+
+static void check_break(const scene_break *b, const char *at, bf_faults *faults)
+{
+    const size_t n_before = faults->n;
+    char pointer[2 * BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    snprintf(pointer, sizeof pointer, "%s/start_s", at);
+    range_check(&scene_range_instant, b->start, pointer, faults);
+    snprintf(pointer, sizeof pointer, "%s/duration_s", at);
+    range_check(&scene_range_time, b->duration, pointer, faults);
+    snprintf(pointer, sizeof pointer, "%s/every_s", at);
+    if (b->every != INFINITY)
+        range_check(&scene_range_time, b->every, pointer, faults);
+    if (faults->n == n_before && !(b->every > b->duration))
+        faults_add(faults, pointer, "must be more than the duration, %.15g s, not %.15g s",
+                   b->duration, b->every);
+}
+
+static void check_number(const scene_stops *stops, const char *at, bf_faults *faults)
+{
+    double expected = 0.0;
+
+    for (size_t k = 0; k < stops->n_failures; k++) {
+        const scene_failure *f = &stops->failures[k];
+        if (f->type == SCENE_FAILURE_DRAWN)
+            expected += stops->until / (f->between.mean + f->repair.mean);
+    }
+    for (size_t k = 0; k < stops->n_breaks; k++)
+        expected += stops->until / stops->breaks[k].every;
+    if (expected > SCENE_STOPS_MAX)
+        faults_add_limit(faults, at,
+                         "about %.6g failures and breaks are to be expected, the limit is %d",
+                         expected, SCENE_STOPS_MAX);
+}
+
+void belt_stops_check(const scene_stops *stops, const char *pointer, bf_faults *faults)
+{
+    const size_t n_before = faults->n;
+    char at[BF_POINTER_SIZE + 2 * ROOM_FOR_INDEX];
+
+    snprintf(at, sizeof at, "%s/failures", pointer);
+    if (stops->n_failures > SCENE_FAILURES_MAX)
+        faults_add_limit(faults, at, "%zu kinds, the limit is %d", stops->n_failures,
+                         SCENE_FAILURES_MAX);
+    snprintf(at, sizeof at, "%s/breaks", pointer);
+    if (stops->n_breaks > SCENE_BREAKS_MAX)
+        faults_add_limit(faults, at, "%zu entries, the limit is %d", stops->n_breaks,
+                         SCENE_BREAKS_MAX);
+    if (faults->n > n_before)
+        return;
+    for (size_t k = 0; k < stops->n_failures; k++) {
+        const scene_failure *f = &stops->failures[k];
+        snprintf(at, sizeof at, "%s/failures/%zu", pointer, k);
+        if (f->type == SCENE_FAILURE_LISTED) {
+            check_list(f, at, faults);
+            continue;
+        }
+        check_drawn_time(&f->between, at, "mtbf_s", "mtbf_shape", faults);
+        check_drawn_time(&f->repair, at, "mttr_s", "mttr_shape", faults);
+    }
+    for (size_t k = 0; k < stops->n_breaks; k++) {
+        snprintf(at, sizeof at, "%s/breaks/%zu", pointer, k);
+        check_break(&stops->breaks[k], at, faults);
+    }
+    snprintf(at, sizeof at, "%s/%s", pointer, stops->n_failures > 0 ? "failures" : "breaks");
+    if (faults->n == n_before)
+        check_number(stops, at, faults);
+}

@@ -1,0 +1,439 @@
+// Unit tests of what stops belts: failures at given and at drawn times, breaks, operating time, and entries at fault.
+
+#include "core/scene/belt_stops.h"
+
+#include "core/base/memory.h"
+#include "core/scene/belt_speeds.h"
+#include "core/scene/ranges.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// A belt of 0.5 m/s that stops at once.
+static scene_belt belt_with(scene_stops stops)
+{
+    return (scene_belt){
+        .velocity = { 0.3, 0.4 }, .acceleration = INFINITY, .deceleration = INFINITY, .stops = stops
+    };
+}
+
+static scene_failure drawn(const char *id, scene_drawn_time between, scene_drawn_time repair)
+{
+    scene_failure f = { .type = SCENE_FAILURE_DRAWN, .between = between, .repair = repair };
+
+    snprintf(f.id, sizeof f.id, "%s", id);
+    return f;
+}
+
+static scene_drawn_time fixed(double mean)
+{
+    return (scene_drawn_time){ mean, SCENE_TIME_FIXED, 1.0 };
+}
+
+static belt_speeds speeds_of(const scene_belt *belt)
+{
+    belt_speeds speeds;
+
+    assert_int_equal(belt_speeds_init(&speeds, 1, belt, NULL), BF_OK);
+    return speeds;
+}
+
+// What stops the belt changes at these times and to these.
+static void assert_stops(const belt_speeds *speeds, size_t n, const belt_speeds_stop *expected)
+{
+    double until = 0.0;
+
+    for (size_t k = 0; k < n; k++) {
+        assert_near(until, expected[k].t, 1e-12);
+        assert_int_equal(belt_speeds_stopped_by(speeds, 0, until, &until), expected[k].now);
+    }
+}
+
+#define ASSERT_STOPS(speeds, ...)                                                                  \
+    assert_stops(speeds,                                                                           \
+                 sizeof((const belt_speeds_stop[]){ __VA_ARGS__ }) / sizeof(belt_speeds_stop),     \
+                 (const belt_speeds_stop[]){ __VA_ARGS__ })
+
+static void listed_failures_stop_a_belt_with_its_ramps(void **state)
+{
+    double times[] = { 2.0, 10.0 }, durations[] = { 3.0, 1.0 };
+    scene_failure listed = { .type = SCENE_FAILURE_LISTED,
+                             .n_times = 2,
+                             .times = times,
+                             .n_durations = 2,
+                             .durations = durations };
+    scene_belt belt =
+        belt_with((scene_stops){ .n_failures = 1, .failures = &listed, .until = 20.0 });
+    (void)state;
+    belt.deceleration = 0.5;
+    belt.acceleration = 0.25;
+    belt_speeds speeds = speeds_of(&belt);
+    ASSERT_STOPS(&speeds, { 0.0, 0 }, { 2.0, 1 }, { 5.0, 0 }, { 10.0, 1 }, { 11.0, 0 });
+    const double expected[][2] = { { 2.0, 1.0 }, { 2.5, 0.5 }, { 3.0, 0.0 },  { 5.0, 0.0 },
+                                   { 6.0, 0.5 }, { 7.0, 1.0 }, { 11.0, 0.0 }, { 14.0, 1.0 } };
+    for (size_t k = 0; k < sizeof expected / sizeof *expected; k++)
+        assert_near(belt_speeds_at(&speeds, 0, expected[k][0]), expected[k][1], 1e-12);
+    belt_speeds_fini(&speeds);
+}
+
+static void a_belt_that_stands_by_its_schedule_does_not_fail(void **state)
+{
+    scene_failure f = drawn("f", fixed(10.0), fixed(2.0));
+    double times[] = { 4.0, 7.0, 27.0 }, factors[] = { 0.0, 0.5, 0.0 };
+    scene_belt belt = belt_with((scene_stops){ .n_failures = 1, .failures = &f, .until = 100.0 });
+    (void)state;
+    belt.speed_schedule = (scene_speed_schedule){ 3, times, 3, factors };
+    belt_speeds speeds = speeds_of(&belt);
+    ASSERT_STOPS(&speeds, { 0.0, 0 }, { 13.0, 1 }, { 15.0, 0 }, { 25.0, 1 }, { 27.0, 0 });
+    assert_true(belt_speeds_at(&speeds, 0, 14.0) == 0.0 && belt_speeds_at(&speeds, 0, 16.0) == 0.5);
+    assert_true(belt_speeds_at(&speeds, 0, 99.0) == 0.0);
+    belt_speeds_fini(&speeds);
+}
+
+// Failures of "often" at 3, 3 + 1 + 3 = 7 ... of operating time 3 each; "rare" is due after 10 of it.
+static void while_one_failure_lasts_the_others_wait(void **state)
+{
+    scene_failure failures[] = { drawn("often", fixed(3.0), fixed(1.0)),
+                                 drawn("rare", fixed(10.0), fixed(5.0)) };
+    const scene_belt belt =
+        belt_with((scene_stops){ .n_failures = 2, .failures = failures, .until = 25.0 });
+    (void)state;
+    belt_speeds speeds = speeds_of(&belt);
+    ASSERT_STOPS(&speeds, { 0.0, 0 }, { 3.0, 1 }, { 4.0, 0 }, { 7.0, 1 }, { 8.0, 0 }, { 11.0, 1 },
+                 { 12.0, 0 }, { 13.0, 2 }, { 18.0, 0 }, { 20.0, 1 }, { 21.0, 0 });
+    belt_speeds_fini(&speeds);
+}
+
+static void failures_that_are_due_at_once_come_one_after_the_other(void **state)
+{
+    scene_failure failures[] = { drawn("a", fixed(4.0), fixed(1.0)),
+                                 drawn("b", fixed(4.0), fixed(2.0)) };
+    const scene_belt belt =
+        belt_with((scene_stops){ .n_failures = 2, .failures = failures, .until = 12.0 });
+    (void)state;
+    belt_speeds speeds = speeds_of(&belt);
+    ASSERT_STOPS(&speeds, { 0.0, 0 }, { 4.0, 1 }, { 5.0, 2 }, { 7.0, 0 }, { 11.0, 1 });
+    belt_speeds_fini(&speeds);
+}
+
+// In a break no operating time passes, and a repair goes on.
+static void breaks_repeat_and_repairs_go_on_in_them(void **state)
+{
+    scene_failure f = drawn("f", fixed(8.5), fixed(3.0));
+    scene_break breaks[] = { { .start = 10.0, .duration = 5.0, .every = 20.0 },
+                             { .start = 0.0, .duration = 1.0, .every = INFINITY } };
+    const scene_belt belt = belt_with((scene_stops){
+        .n_failures = 1, .failures = &f, .n_breaks = 2, .breaks = breaks, .until = 60.0 });
+    enum { BREAK = BELT_STOPS_BREAK };
+    (void)state;
+    belt_speeds speeds = speeds_of(&belt);
+    assert_true(belt_speeds_at(&speeds, 0, 0.0) == 0.0 && belt_speeds_at(&speeds, 0, 1.0) == 1.0);
+    ASSERT_STOPS(&speeds, { 0.0, BREAK }, { 1.0, 0 }, { 9.5, 1 }, { 10.0, BREAK | 1 },
+                 { 12.5, BREAK }, { 15.0, 0 }, { 23.5, 1 }, { 26.5, 0 }, { 30.0, BREAK },
+                 { 35.0, 0 }, { 40.0, 1 }, { 43.0, 0 }, { 50.0, BREAK }, { 55.0, 0 }, { 56.5, 1 });
+    belt_speeds_fini(&speeds);
+}
+
+static void after_the_only_break_nothing_stops_a_belt(void **state)
+{
+    scene_break once = { .start = 10.0, .duration = 5.0, .every = INFINITY };
+    const scene_belt belt =
+        belt_with((scene_stops){ .n_breaks = 1, .breaks = &once, .until = 60.0 });
+    (void)state;
+    belt_speeds speeds = speeds_of(&belt);
+    ASSERT_STOPS(&speeds, { 0.0, 0 }, { 10.0, BELT_STOPS_BREAK }, { 15.0, 0 });
+    assert_true(belt_speeds_at(&speeds, 0, 1e6) == 1.0);
+    belt_speeds_fini(&speeds);
+}
+
+// Of the times between failures and of repairs of a belt that always runs.
+typedef struct times {
+    size_t n;
+    double *up, *down;
+} times;
+
+static times find_times(const scene_failure *f, uint64_t substream, double until)
+{
+    scene_failure copy = *f;
+    const scene_belt belt = belt_with((scene_stops){
+        .n_failures = 1, .failures = &copy, .substream = substream, .until = until });
+    belt_speeds speeds = speeds_of(&belt);
+    const size_t room = speeds.curves[0].n_stops;
+    times all = { .up = calloc(room, sizeof(double)), .down = calloc(room, sizeof(double)) };
+    double at = 0.0;
+
+    assert_true(all.up != NULL && all.down != NULL);
+    for (;; all.n++) {
+        double fails, repaired;
+        assert_int_equal(belt_speeds_stopped_by(&speeds, 0, at, &fails), 0);
+        if (fails >= until)
+            break;
+        assert_int_equal(belt_speeds_stopped_by(&speeds, 0, fails, &repaired), 1);
+        if (repaired >= until)
+            break;
+        all.up[all.n] = fails - at;
+        all.down[all.n] = repaired - fails;
+        at = repaired;
+    }
+    belt_speeds_fini(&speeds);
+    return all;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+// Of times by a Weibull distribution: the mean within four times its standard error, and by Kolmogorov and Smirnov below
+// what one of a thousand samples exceeds.
+static void assert_weibull(double *of, size_t n, double mean, double shape)
+{
+    const double gamma1 = tgamma(1.0 + 1.0 / shape), gamma2 = tgamma(1.0 + 2.0 / shape);
+    const double deviation = mean * sqrt(gamma2 / (gamma1 * gamma1) - 1.0);
+    double sum = 0.0, distance = 0.0;
+
+    qsort(of, n, sizeof *of, compare_doubles);
+    for (size_t k = 0; k < n; k++) {
+        const double p = 1.0 - exp(-pow(of[k] * gamma1 / mean, shape));
+        sum += of[k];
+        distance = fmax(distance, fmax(p - (double)k / (double)n, (double)(k + 1) / (double)n - p));
+    }
+    assert_near(sum / (double)n, mean, 4.0 * deviation / sqrt((double)n));
+    assert_true(distance * sqrt((double)n) < 1.95);
+}
+
+static void drawn_times_have_their_distributions(void **state)
+{
+    const struct {
+        double shape_up, shape_down;
+    } cases[] = { { 1.0, 2.5 }, { 0.7, 1.0 }, { 3.0, 0.5 } };
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        const scene_failure f =
+            drawn("f", (scene_drawn_time){ 40.0, SCENE_TIME_WEIBULL, cases[k].shape_up },
+                  (scene_drawn_time){ 10.0, SCENE_TIME_WEIBULL, cases[k].shape_down });
+        times all = find_times(&f, 7, 250000.0);
+        assert_true(all.n > 4500 && all.n < 5500);
+        assert_weibull(all.up, all.n, 40.0, cases[k].shape_up);
+        assert_weibull(all.down, all.n, 10.0, cases[k].shape_down);
+        free(all.up);
+        free(all.down);
+    }
+}
+
+static void draws_follow_the_id_and_the_substream_alone(void **state)
+{
+    const scene_drawn_time up = { 40.0, SCENE_TIME_EXPONENTIAL, 1.0 },
+                           down = { 10.0, SCENE_TIME_EXPONENTIAL, 1.0 };
+    const scene_failure f = drawn("f", up, down), g = drawn("g", up, down);
+    times of[] = { find_times(&f, 0, 1000.0), find_times(&f, 0, 1000.0), find_times(&f, 1, 1000.0),
+                   find_times(&g, 0, 1000.0) };
+    (void)state;
+    assert_int_equal(of[0].n, of[1].n);
+    assert_memory_equal(of[0].up, of[1].up, of[0].n * sizeof *of[0].up);
+    assert_memory_equal(of[0].down, of[1].down, of[0].n * sizeof *of[0].down);
+    assert_true(of[0].up[0] != of[2].up[0] && of[0].up[0] != of[3].up[0]);
+    assert_true(of[0].up[0] != of[0].down[0]);
+    for (size_t k = 0; k < 4; k++) {
+        free(of[k].up);
+        free(of[k].down);
+    }
+}
+
+static scene_belt commanded_belt(scene_failure *f)
+{
+    scene_belt belt = belt_with((scene_stops){ .n_failures = 1, .failures = f, .until = 500.0 });
+
+    belt.is_commanded = true;
+    belt.command_factor = 1.0;
+    belt.deceleration = 0.4;
+    return belt;
+}
+
+// Failures are due after 10 s of operating time: what was left of it at a command is left after it.
+static void commands_stop_the_clock_and_failures_override_them(void **state)
+{
+    scene_failure f = drawn("f", fixed(10.0), fixed(3.0));
+    const scene_belt belt = commanded_belt(&f);
+    (void)state;
+    belt_speeds speeds = speeds_of(&belt);
+    belt_speeds_command(&speeds, 0, 4.0, 0.0);
+    belt_speeds_command(&speeds, 0, 9.0, 0.5);
+    double until = 0.0;
+    assert_int_equal(belt_speeds_stopped_by(&speeds, 0, 9.0, &until), 0);
+    assert_near(until, 15.0, 1e-12);
+    assert_int_equal(belt_speeds_stopped_by(&speeds, 0, 15.0, &until), 1);
+    assert_near(until, 18.0, 1e-12);
+    belt_speeds_command(&speeds, 0, 16.5, 1.0); // heard at the end of the repair
+    assert_int_equal(belt_speeds_stopped_by(&speeds, 0, 16.5, &until), 1);
+    assert_near(until, 18.0, 1e-12);
+    assert_true(belt_speeds_at(&speeds, 0, 17.9) == 0.0 && belt_speeds_at(&speeds, 0, 18.1) == 1.0);
+    belt_speeds_fini(&speeds);
+}
+
+static void a_belt_that_was_commanded_fails_as_before_after_a_checkpoint(void **state)
+{
+    scene_failure f = drawn("f", (scene_drawn_time){ 8.0, SCENE_TIME_EXPONENTIAL, 1.0 },
+                            (scene_drawn_time){ 3.0, SCENE_TIME_WEIBULL, 2.0 });
+    const scene_belt belt = commanded_belt(&f);
+    belt_speeds speeds = speeds_of(&belt);
+    (void)state;
+    for (int n = 0; n < 12; n++) {
+        belt_speeds loaded = speeds_of(&belt);
+        checkpoint_writer w;
+        checkpoint_reader r;
+        bf_buffer out = { 0 };
+        checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
+        belt_speeds_save(&speeds, &w);
+        assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
+        assert_int_equal(checkpoint_open(&r, out.bytes, out.n, CHECKPOINT_RUN, 1, NULL), BF_OK);
+        assert_true(belt_speeds_load(&loaded, &r));
+        const double t = 7.3 * (n + 1);
+        belt_speeds_command(&loaded, 0, t, 0.25 * (n % 3));
+        belt_speeds_command(&speeds, 0, t, 0.25 * (n % 3));
+        for (double at = t; at < 500.0; at += 0.37)
+            assert_true(belt_speeds_at(&loaded, 0, at) == belt_speeds_at(&speeds, 0, at));
+        belt_speeds_fini(&loaded);
+        buffer_fini(&out);
+    }
+    belt_speeds_fini(&speeds);
+}
+
+static void without_memory_there_are_no_stops(void **state)
+{
+    scene_failure f = drawn("f", fixed(10.0), fixed(3.0));
+    const scene_belt belt =
+        belt_with((scene_stops){ .n_failures = 1, .failures = &f, .until = 50.0 });
+    (void)state;
+    for (size_t n = 1; n <= 3; n++) {
+        belt_speeds speeds;
+        memory_plan_fault(n, 0);
+        assert_int_equal(belt_speeds_init(&speeds, 1, &belt, NULL), BF_ENOMEM);
+        memory_plan_fault(0, 0);
+        assert_null(speeds.curves);
+    }
+}
+
+static void assert_fault(const scene_stops *stops, bf_status code, const char *pointer)
+{
+    bf_faults faults = { .n = 0 };
+
+    belt_stops_check(stops, "/belts/0", &faults);
+    assert_int_equal(faults.n, pointer != NULL ? 1 : 0);
+    if (pointer == NULL)
+        return;
+    assert_string_equal(faults.items[0].pointer, pointer);
+    assert_int_equal(faults.items[0].code, code);
+}
+
+static void times_and_shapes_are_in_range(void **state)
+{
+    const scene_drawn_time good = { 10.0, SCENE_TIME_EXPONENTIAL, 1.0 };
+    const struct {
+        scene_drawn_time between, repair;
+        const char *pointer;
+    } cases[] = {
+        { good, good, NULL },
+        { fixed(-1.0), good, "/belts/0/failures/0/mtbf_s" },
+        { fixed(0.0), good, "/belts/0/failures/0/mtbf_s" },
+        { good, fixed(0.0), "/belts/0/failures/0/mttr_s" },
+        { good, fixed(NAN), "/belts/0/failures/0/mttr_s" },
+        { { 9.0, SCENE_TIME_WEIBULL, 0.19 }, good, "/belts/0/failures/0/mtbf_shape" },
+        { { 9.0, SCENE_TIME_WEIBULL, 0.2 }, { 9.0, SCENE_TIME_WEIBULL, 100.0 }, NULL },
+        { good, { 9.0, SCENE_TIME_WEIBULL, 101.0 }, "/belts/0/failures/0/mttr_shape" },
+    };
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene_failure f = drawn("f", cases[k].between, cases[k].repair);
+        assert_fault(&(scene_stops){ .n_failures = 1, .failures = &f, .until = 10.0 }, BF_EINPUT,
+                     cases[k].pointer);
+    }
+}
+
+static void lists_rise_and_do_not_overlap(void **state)
+{
+    double t[] = { 1.0, 4.0, 6.0 }, lasts[] = { 2.0, 1.0, 1.0 };
+    scene_failure f = { .id = "f",
+                        .type = SCENE_FAILURE_LISTED,
+                        .n_times = 3,
+                        .times = t,
+                        .n_durations = 3,
+                        .durations = lasts };
+    const scene_stops stops = { .n_failures = 1, .failures = &f, .until = 10.0 };
+    (void)state;
+    assert_fault(&stops, BF_EINPUT, NULL);
+    lasts[1] = 2.0; // until the next one begins
+    assert_fault(&stops, BF_EINPUT, "/belts/0/failures/0/t_s/2");
+    lasts[1] = 0.0;
+    assert_fault(&stops, BF_EINPUT, "/belts/0/failures/0/duration_s/1");
+    lasts[1] = 1.0;
+    t[0] = -1.0;
+    assert_fault(&stops, BF_EINPUT, "/belts/0/failures/0/t_s/0");
+    t[0] = 1.0;
+    f.n_durations = 2;
+    assert_fault(&stops, BF_EINPUT, "/belts/0/failures/0");
+}
+
+static void breaks_end_before_the_next_one_begins(void **state)
+{
+    scene_break b = { .start = 5.0, .duration = 900.0, .every = 14400.0 };
+    const scene_stops stops = { .n_breaks = 1, .breaks = &b, .until = 10.0 };
+    (void)state;
+    assert_fault(&stops, BF_EINPUT, NULL);
+    b.every = 900.0;
+    assert_fault(&stops, BF_EINPUT, "/belts/0/breaks/0/every_s");
+    b = (scene_break){ .start = -1.0, .duration = 1.0, .every = INFINITY };
+    assert_fault(&stops, BF_EINPUT, "/belts/0/breaks/0/start_s");
+    b = (scene_break){ .start = 1.0, .duration = 0.0, .every = INFINITY };
+    assert_fault(&stops, BF_EINPUT, "/belts/0/breaks/0/duration_s");
+}
+
+static void there_are_not_too_many(void **state)
+{
+    static scene_failure many[SCENE_FAILURES_MAX + 1];
+    static scene_break breaks[SCENE_BREAKS_MAX + 1];
+    scene_failure f = drawn("f", fixed(0.9), fixed(0.1));
+    scene_stops stops = { .n_failures = 1, .failures = &f, .until = 1.0 * SCENE_STOPS_MAX };
+    (void)state;
+    assert_fault(&stops, BF_ELIMIT, NULL);
+    stops.until += 1.0;
+    assert_fault(&stops, BF_ELIMIT, "/belts/0/failures");
+    assert_fault(&(scene_stops){ .n_failures = SCENE_FAILURES_MAX + 1, .failures = many },
+                 BF_ELIMIT, "/belts/0/failures");
+    assert_fault(&(scene_stops){ .n_breaks = SCENE_BREAKS_MAX + 1, .breaks = breaks }, BF_ELIMIT,
+                 "/belts/0/breaks");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(listed_failures_stop_a_belt_with_its_ramps),
+        cmocka_unit_test(a_belt_that_stands_by_its_schedule_does_not_fail),
+        cmocka_unit_test(while_one_failure_lasts_the_others_wait),
+        cmocka_unit_test(failures_that_are_due_at_once_come_one_after_the_other),
+        cmocka_unit_test(breaks_repeat_and_repairs_go_on_in_them),
+        cmocka_unit_test(after_the_only_break_nothing_stops_a_belt),
+        cmocka_unit_test(drawn_times_have_their_distributions),
+        cmocka_unit_test(draws_follow_the_id_and_the_substream_alone),
+        cmocka_unit_test(commands_stop_the_clock_and_failures_override_them),
+        cmocka_unit_test(a_belt_that_was_commanded_fails_as_before_after_a_checkpoint),
+        cmocka_unit_test(without_memory_there_are_no_stops),
+        cmocka_unit_test(times_and_shapes_are_in_range),
+        cmocka_unit_test(lists_rise_and_do_not_overlap),
+        cmocka_unit_test(breaks_end_before_the_next_one_begins),
+        cmocka_unit_test(there_are_not_too_many),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
