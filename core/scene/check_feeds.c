@@ -430,7 +430,7 @@ static int steps_on(double way, double step, int most)
 }
 
 /// Whether a plate meets an inlet at an angle and a displacement of its range, looked for in steps by which its ends move by less than
-/// `step`, m. Displacements are those of a line, or of the box that they span.
+/// `step`, m, where SWINGS_MAX and MOVES_MAX allow so many. Displacements are those of a line, or of the box that they span.
 static bool moves_onto(const plate_pieces *pieces, size_t obstacle, const vec2 *inlet, size_t n,
                        const plate_range *r, double step)
 {

@@ -61,12 +61,12 @@ export class Frames {
     while (this.requests < AT_ONCE) {
       const url = this.wanted.find((one) => !this.fetching.has(one));
       if (url === undefined) return;
-      this.fetchSome(this.runFrom(url));
+      this.fetchSome(this.sequenceFrom(url));
     }
   }
 
   // A wanted snapshot with those behind it that are wanted, too: first few, so that something is shown soon, then more.
-  runFrom(url) {
+  sequenceFrom(url) {
     const [, path, number] = /^(.*\/)(\d+)$/.exec(url) ?? [];
     const size = this.bytes / Math.max(1, this.kept.size);
     const most = Math.min(REQUEST_MAX, this.kept.size, Math.floor(REQUEST_BYTES / Math.max(size, 1)));

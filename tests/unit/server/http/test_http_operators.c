@@ -118,7 +118,7 @@ static void a_server_that_works_gives_signs_of_life(void **state)
         server_await_sign_of_life();
 }
 
-// A thread that were stopped with the connection of a probe still in its queue would race with http_is_alive().
+// A thread that is stopped with the connection of a probe still in its queue races with http_is_alive().
 static void a_server_stops_after_its_last_probes_are_answered(void **state)
 {
     (void)state;
