@@ -26,6 +26,7 @@ typedef struct entry {
     compare_measures measures;   // against the reference, which is a; not filled of itself
     bool has_side;               // its scenario can be read by this version:
     compare_side side;           // what verdicts are about
+    compare_flows flows;         // of a run
 } entry;
 
 // What one request compares.
@@ -292,25 +293,42 @@ static bf_status measure_entry(exchange *x, const comparison *c, const compare_c
     return status == BF_OK ? BF_OK : refuse_curves(x, e, status, &why, err);
 }
 
+static bf_status find_side_of_run(exchange *x, entry *e, bf_error *err)
+{
+    const api_services *services = x->services;
+    bf_buffer scenario = { 0 }, text = { 0 };
+    bf_status status = BF_OK;
+
+    if (e->run.has_summary) {
+        status = services->read_text(services->store, e->id, API_TEXT_SUMMARY, &text, err);
+        if (status == BF_OK)
+            status = compare_verdict_side_of_summary(text.bytes, text.n, &e->side, &e->flows, err);
+        if (status == BF_EINPUT)
+            status = bf_fail(err, BF_ECORRUPT, "", "a stored summary is damaged");
+    } else {
+        status = services->read_text(services->store, e->id, API_TEXT_SCENARIO, &scenario, err);
+        if (status == BF_OK && e->run.figures[0] != '\0')
+            status = services->read_text(services->store, e->id, API_TEXT_FIGURES, &text, err);
+        if (status == BF_OK)
+            status = compare_verdict_side(e->run.model, scenario.bytes, scenario.n, text.bytes,
+                                          text.n, &e->side, &e->flows, err);
+    }
+    buffer_fini(&scenario);
+    buffer_fini(&text);
+    return status;
+}
+
 // What is known of an entry whose curve was measured. A scenario that an earlier version stored may not be read any more.
 static bf_status find_side(exchange *x, entry *e, bf_error *err)
 {
-    const api_services *services = x->services;
-    bf_buffer scenario = { 0 };
+    bf_status status = BF_OK;
 
-    e->has_side = true;
-    if (!e->is_run) {
+    if (e->is_run)
+        status = find_side_of_run(x, e, err);
+    else
         e->side = (compare_side){ .throughput_per_h = s_per_h * e->figures.throughput,
                                   .error_per_h = (double)NAN,
                                   .needs_s = (double)NAN };
-        return BF_OK;
-    }
-    bf_status status =
-        services->read_text(services->store, e->id, API_TEXT_SCENARIO, &scenario, err);
-    if (status == BF_OK)
-        status = compare_verdict_side(e->run.model, scenario.bytes, scenario.n, e->run.figures,
-                                      strlen(e->run.figures), &e->side, err);
-    buffer_fini(&scenario);
     e->has_side = status == BF_OK;
     return status == BF_ECORRUPT ? BF_OK : status;
 }
@@ -329,11 +347,15 @@ static bf_status write_verdicts(json_out *w, const comparison *c, const entry *e
         b.throughput_per_h = s_per_h * e->figures.throughput;
         a.error_per_h = b.error_per_h = (double)NAN;
     }
-    if (reference->has_side && e->has_side)
+    if (reference->has_side && e->has_side) {
         compare_verdict_find(&a, &b, all);
+        compare_verdict_flows(&a, &b, &reference->flows, &e->flows, all);
+    }
     json_out_key(w, "verdicts");
     verdict_write_all(w, all);
     memory_free(all);
+    json_out_key(w, "flows");
+    compare_flows_write(w, &reference->flows, &e->flows);
     return BF_OK;
 }
 

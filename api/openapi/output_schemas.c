@@ -5,6 +5,7 @@
 #include "api/openapi/openapi_priv.h"
 
 #include "api/http/problem.h"
+#include "api/results/compare_flows.h"
 #include "api/results/compare_json.h"
 #include "api/results/events.h"
 #include "api/results/grant_json.h"
@@ -47,7 +48,8 @@ ROWS("DensityMeasures", density_measures);
 #define MEASURES                                                                                   \
     ROW("verdicts", "[#Verdict]",                                                                  \
         "What the throughputs are to each other, in sentences: models_agree, models_disagree, "    \
-        "more, less, equal, same, uncertain or no_throughput"),                                    \
+        "too_early, more, less, equal, same, uncertain or no_throughput; and flows_differ"),       \
+        ROW("flows", "[#CompareFlow]", "Of the counters and outlets that both have; of runs"),     \
         ROW("curve", "#CurveMeasures", "Between the curves"),                                      \
         ROW("density", "#DensityMeasures", "Between the densities",                                \
             .null = "one was measured, or not wanted")
@@ -345,6 +347,7 @@ static const openapi_schema table[] = {
     OBJECT(compare_json_measures, "Distance of two curves"),
     OBJECT(density_measures, "Distance of the densities of two runs"),
     OBJECT(compare_json_distance, "Distance of two densities"),
+    OBJECT(compare_flow_members, "The flow of a counter or an outlet in two runs"),
     OBJECT(compare_json_density_distance, "Distance of two densities at a common time"),
     OBJECT(examples_members, "The ready scenarios"),
     OBJECT(examples_item_members, "A ready scenario"),

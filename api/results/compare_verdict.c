@@ -66,7 +66,7 @@ static bf_status find_arrivals(const scene *s, compare_side *side, bf_error *err
 
 bf_status compare_verdict_side(run_model model, const char *scenario, size_t n_scenario,
                                const char *figures, size_t n_figures, compare_side *ret_side,
-                               bf_error *err)
+                               compare_flows *ret_flows, bf_error *err)
 {
     double values[FIGURE_OFFERED];
     bf_status status = BF_OK;
@@ -79,14 +79,18 @@ bf_status compare_verdict_side(run_model model, const char *scenario, size_t n_s
                                 .throughput_per_h = (double)NAN,
                                 .error_per_h = (double)NAN,
                                 .needs_s = (double)NAN };
+    *ret_flows = (compare_flows){ 0 };
     if (n_figures > 0) {
         status = key_figures_read_run(figures, n_figures, values, err);
+        if (status == BF_OK)
+            status = compare_flows_read(figures, n_figures, ret_flows, err);
+        if (status != BF_OK)
+            return status;
         ret_side->throughput_per_h = values[FIGURE_SUSTAINED];
         ret_side->error_per_h = values[FIGURE_THROUGHPUT_ERROR];
         ret_side->needs_s = values[FIGURE_THROUGHPUT_NEEDS];
     }
-    if (status == BF_OK)
-        status = scenario_read_resolved(scenario, n_scenario, &s, err);
+    status = scenario_read_resolved(scenario, n_scenario, &s, err);
     if (status != BF_OK)
         return status;
     ret_side->has_chance = scene_has_chance(&s, model == RUN_MACRO);
@@ -98,8 +102,20 @@ bf_status compare_verdict_side(run_model model, const char *scenario, size_t n_s
     return status;
 }
 
+static bool says_filling(const json_t *summary)
+{
+    const json_t *list = json_object_get(summary, "verdicts");
+    bool is = false;
+
+    for (size_t k = 0; k < json_array_size(list); k++) {
+        const char *kind = json_string_value(json_object_get(json_array_get(list, k), "kind"));
+        is = is || (kind != NULL && strcmp(kind, "belt_fills") == 0);
+    }
+    return is;
+}
+
 bf_status compare_verdict_side_of_summary(const char *summary, size_t n, compare_side *ret_side,
-                                          bf_error *err)
+                                          compare_flows *ret_flows, bf_error *err)
 {
     bf_faults faults = { 0 };
     json_in in = json_in_to(&faults);
@@ -114,7 +130,9 @@ bf_status compare_verdict_side_of_summary(const char *summary, size_t n, compare
     else
         status = compare_verdict_side(
             strcmp(model, run_model_words[RUN_MICRO]) == 0 ? RUN_MICRO : RUN_MACRO, scenario,
-            strlen(scenario), figures, figures == NULL ? 0 : strlen(figures), ret_side, err);
+            strlen(scenario), figures, figures == NULL ? 0 : strlen(figures), ret_side, ret_flows,
+            err);
+    ret_side->is_filling = status == BF_OK && says_filling(root);
     free(figures);
     free(scenario);
     json_in_free(root);
@@ -152,9 +170,15 @@ static void say_models(const compare_side *a, const compare_side *b, double half
     const double allowed = fmax((COMPARE_MODELS_AGREE + fabs(by_chance)) * micro->throughput_per_h,
                                 isfinite(half) ? half : 0.0);
     const bool do_agree = fabs(gap) <= allowed;
+    const bool is_early = !do_agree && (macro->is_filling || micro->is_filling);
 
-    verdict *v = verdict_add(all, do_agree ? "models_agree" : "models_disagree");
-    verdict_say(v, "The models %s: ", do_agree ? "agree" : "disagree");
+    verdict *v = verdict_add(all, do_agree   ? "models_agree"
+                                  : is_early ? "too_early"
+                                             : "models_disagree");
+    if (is_early)
+        verdict_say(v, "It is too early to compare the models: ");
+    else
+        verdict_say(v, "The models %s: ", do_agree ? "agree" : "disagree");
     say_both(v, micro, macro);
     if (micro->throughput_per_h > 0.0) {
         verdict_say(v, " by the macroscopic and the microscopic model, %+.1f %%.",
@@ -169,7 +193,11 @@ static void say_models(const compare_side *a, const compare_side *b, double half
                     100.0 * fabs(by_chance), by_chance > 0.0 ? "more" : "fewer");
         verdict_rests_on(v, "arrived_by_chance", "", by_chance);
     }
-    if (do_agree)
+    if (is_early) {
+        verdict_say(v, " The belt was still filling while this was counted.");
+        verdict_advise(v, "Let warmup_s be twice as long as parts stay, and the runs longer.");
+    }
+    if (do_agree || is_early)
         return;
     if (!macro->is_compared)
         verdict_say(v, " The macroscopic one was not compared for such lines.");
@@ -242,4 +270,53 @@ void compare_verdict_find(const compare_side *a, const compare_side *b, verdicts
         say_models(a, b, half, ret_verdicts);
     else
         say_difference(a, b, half, ret_verdicts);
+}
+
+// By which fraction of the larger one two flows differ, beyond what chance leaves open; 0: not beyond it, or it is not known.
+static double differ_by(const compare_side *a, const compare_side *b, const compare_flow_pair *pair)
+{
+    const double half =
+        hypot(a->has_chance ? pair->a_error : 0.0, b->has_chance ? pair->b_error : 0.0);
+    const double gap = fabs(pair->gap_per_h);
+
+    return gap > half ? gap / fmax(pair->a_per_h, pair->b_per_h) : 0.0;
+}
+
+void compare_verdict_flows(const compare_side *a, const compare_side *b,
+                           const compare_flows *flows_a, const compare_flows *flows_b,
+                           verdicts *ret_verdicts)
+{
+    const double most = fmax(a->throughput_per_h, b->throughput_per_h);
+    const double allowed = COMPARE_MODELS_AGREE + fabs(a->arrived - b->arrived) +
+                           fabs(a->throughput_per_h - b->throughput_per_h) / most;
+    compare_flow_pair pairs[COMPARE_FLOWS_MAX];
+    const size_t n = compare_flows_match(flows_a, flows_b, pairs);
+    size_t n_differ = 0;
+
+    // Those that differ come to the front, the largest first.
+    for (size_t k = 0; k < n; k++) {
+        const compare_flow_pair pair = pairs[k];
+        const double fraction = differ_by(a, b, &pair);
+        if (!(fraction > allowed))
+            continue;
+        size_t to = n_differ++;
+        for (; to > 0 && differ_by(a, b, &pairs[to - 1]) < fraction; to--)
+            pairs[to] = pairs[to - 1];
+        pairs[to] = pair;
+    }
+    if (n_differ == 0)
+        return;
+    verdict *v = verdict_add(ret_verdicts, "flows_differ");
+    verdict_say(v, "Flows differ by more than the throughputs do:");
+    for (size_t k = 0; k < n_differ && k < COMPARE_FLOWS_TOLD; k++) {
+        char of_a[VERDICT_NUMBER_SIZE], of_b[VERDICT_NUMBER_SIZE];
+        const compare_flow_pair *pair = &pairs[k];
+        verdict_say(v, "%s %s against %s parts/h at %s '%s'", k == 0 ? "" : ",",
+                    verdict_number(pair->b_per_h, pair->b_error, of_b),
+                    verdict_number(pair->a_per_h, pair->a_error, of_a), pair->of, pair->id);
+        verdict_rests_on(v, "flow_gap_per_h", pair->id, pair->gap_per_h);
+    }
+    if (n_differ > COMPARE_FLOWS_TOLD)
+        verdict_say(v, ", and at %zu others", n_differ - COMPARE_FLOWS_TOLD);
+    verdict_say(v, ".");
 }

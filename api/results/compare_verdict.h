@@ -7,10 +7,13 @@
 ///     equal            the difference is within what chance leaves open, and what would halve that
 ///     same             no difference at all
 ///     uncertain        parts arrive by chance, and how much of the difference is chance is not known
+///     too_early        both models of one line, not within that, and the belt of one was still filling while its throughput was counted
 ///     no_throughput    nothing has left of one of them
+///     flows_differ     flows of counters or outlets differ by more than chance leaves open, and by more than the throughputs do
 
 #pragma once
 
+#include "api/results/compare_flows.h"
 #include "api/results/verdict.h"
 #include "core/run/run.h"
 
@@ -26,6 +29,7 @@ typedef struct compare_side {
     run_model model;         ///< of the run
     bool has_chance;         ///< runs at other substreams may differ
     bool is_compared;        ///< the model was compared for such lines
+    bool is_filling;         ///< its summary says belt_fills
     uint64_t line;           ///< digest of the scenario without how it is solved
     double offered_per_h;    ///< mean of what arrives after the warm-up; NAN: nothing, or not known
     double arrived;          ///< of that mean, what was drawn; 1 without chance
@@ -34,15 +38,22 @@ typedef struct compare_side {
     double needs_s;          ///< how long a run has to be for one; NAN: not known
 } compare_side;
 
-/// The side of a run, from its resolved scenario and its key figures (n_figures = 0: none). BF_ECORRUPT; BF_ENOMEM.
+/// The side of a run, from its resolved scenario and its key figures (n_figures = 0: none), and its flows; also of a run that
+/// goes on. BF_ECORRUPT; BF_ENOMEM.
 BF_MUST_CHECK bf_status compare_verdict_side(run_model model, const char *scenario,
                                              size_t n_scenario, const char *figures,
                                              size_t n_figures, compare_side *ret_side,
-                                             bf_error *err);
+                                             compare_flows *ret_flows, bf_error *err);
 
 /// The same from a summary. BF_EINPUT: it is none.
 BF_MUST_CHECK bf_status compare_verdict_side_of_summary(const char *summary, size_t n,
-                                                        compare_side *ret_side, bf_error *err);
+                                                        compare_side *ret_side,
+                                                        compare_flows *ret_flows, bf_error *err);
 
 /// Add what b's throughput is to that of the reference a.
 void compare_verdict_find(const compare_side *a, const compare_side *b, verdicts *ret_verdicts);
+
+/// Add flows_differ, where it is so: it names the COMPARE_FLOWS_TOLD that differ most.
+void compare_verdict_flows(const compare_side *a, const compare_side *b,
+                           const compare_flows *flows_a, const compare_flows *flows_b,
+                           verdicts *ret_verdicts);

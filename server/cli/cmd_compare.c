@@ -24,6 +24,7 @@ typedef struct compare_result {
     compare_figures figures;
     compare_measures measures; // against the reference; all NAN for itself
     compare_side side;         // what verdicts are about
+    compare_flows flows;       // of a run
 } compare_result;
 
 enum { KEY_COLUMN = 'c', KEY_JSON = 'j' };
@@ -100,12 +101,15 @@ static bf_status find_side(const char *path, compare_result *r, bf_error *err)
 
     bf_status status = file_io_read(path, "summary.json", CMD_CURVE_BYTES_MAX, &summary, &why);
     if (status == BF_OK)
-        status = compare_verdict_side_of_summary(summary.bytes, summary.n, &r->side, &why);
+        status =
+            compare_verdict_side_of_summary(summary.bytes, summary.n, &r->side, &r->flows, &why);
     buffer_fini(&summary);
     if (status == BF_ENOMEM)
         return bf_fail(err, status, "", "out of memory");
-    if (status != BF_OK)
+    if (status != BF_OK) {
         r->side = (compare_side){ .error_per_h = NAN, .needs_s = NAN };
+        r->flows = (compare_flows){ 0 };
+    }
     return BF_OK;
 }
 
@@ -121,6 +125,7 @@ static void find_verdicts(const compare_result *a, const compare_result *b, verd
     }
     *ret_all = (verdicts){ 0 };
     compare_verdict_find(&of_a, &of_b, ret_all);
+    compare_verdict_flows(&of_a, &of_b, &a->flows, &b->flows, ret_all);
 }
 
 static void print_verdicts(const compare_arguments *a, const compare_result *results)
@@ -172,6 +177,8 @@ static bf_status print_json(const compare_arguments *a, const compare_result *re
         find_verdicts(&results[0], &results[i], &all);
         json_out_key(&w, "verdicts");
         verdict_write_all(&w, &all);
+        json_out_key(&w, "flows");
+        compare_flows_write(&w, &results[0].flows, &results[i].flows);
         json_out_key(&w, "curve");
         members_write(&w, &compare_json_measures, &results[i].measures);
         json_out_object_end(&w);
@@ -267,13 +274,13 @@ int cmd_compare(int argc, char **argv)
         .options = options,
         .parser = take_option,
         .args_doc = "DIR-OR-CSV DIR-OR-CSV...",
-        .doc = "Print how far two to eight outflow curves are apart from the first, one a line.\v"
-               "A curve has drained when 1 % of its parts are left; throughput counts from 10 % to "
-               "90 % of what left. l1 is the mean, l2 the root mean square, largest the largest "
-               "distance over the common interval; gaps are of the curve minus the first one. "
-               "What does not exist is '-'. A sentence for each but the first says what its "
-               "throughput "
-               "is to that of the first one.",
+        .doc =
+            "Print how far two to eight outflow curves are apart from the first, one a line.\v"
+            "A curve has drained when 1 % of its parts are left; throughput counts from 10 % to "
+            "90 % of what left. l1 is the mean, l2 the root mean square, largest the largest "
+            "distance over the common interval; gaps are of the curve minus the first one. "
+            "What does not exist is '-'. Sentences for each but the first say what its throughput "
+            "is to that of the first one, and which flows of counters and outlets differ.",
     };
     compare_arguments arguments = { .column = NULL };
     bf_error err = { 0 };

@@ -175,6 +175,9 @@ test("a run compared with itself is apart by nothing", async (t) => {
   await d.reached(run.id, "succeeded");
   const measures = (await d.get(`/v1/compare?a=${run.id}&b=${run.id}`)).json;
   for (const name of curveMeasures) assert.equal(measures.curve[name], 0, name);
+  const { counters } = (await d.get(`/v1/runs/${run.id}/summary`)).json.key_figures;
+  assert.deepEqual(measures.flows.map(({ id, flow_b_per_h, flow_gap_per_h }) => [id, flow_b_per_h, flow_gap_per_h]),
+    counters.filter(({ flow_per_h }) => flow_per_h !== undefined).map(({ id, flow_per_h }) => [id, flow_per_h, 0]));
   assert.equal(measures.density.snapshots.length, 3);
   for (const { mean_abs } of measures.density.snapshots) assert.equal(mean_abs, 0);
 });

@@ -80,6 +80,10 @@ static void two_runs_are_told_apart_in_a_sentence(void **state)
     (void)state;
     a->scenario = b->scenario = scenario.bytes;
     b->record.model = RUN_MICRO;
+    a->figures =
+        "{\"sustained_throughput_per_h\":1100,\"counters\":[{\"id\":\"c\",\"flow_per_h\":7}]}";
+    b->figures =
+        "{\"sustained_throughput_per_h\":1000,\"counters\":[{\"id\":\"c\",\"flow_per_h\":9}]}";
     snprintf(a->record.figures, sizeof a->record.figures, "{\"sustained_throughput_per_h\":1100}");
     snprintf(b->record.figures, sizeof b->record.figures, "{\"sustained_throughput_per_h\":1000}");
     ask_get("/v1/compare", "a=" ID_1 "&b=" ID_2 "&densities=0", NULL, 200);
@@ -87,6 +91,9 @@ static void two_runs_are_told_apart_in_a_sentence(void **state)
     const json_t *said = json_array_get(json_object_get(root, "verdicts"), 0);
     assert_string_equal(text_at(said, "kind"), "models_disagree");
     assert_non_null(strstr(text_at(said, "text"), "1,100 against 1,000 parts/h"));
+    assert_string_equal(text_at(json_array_get(json_object_get(root, "verdicts"), 1), "kind"),
+                        "flows_differ");
+    assert_true(ask_body_has("\"flows\":[{\"of\":\"counter\",\"id\":\"c\",\"flow_a_per_h\":7,"));
     assert_true(json_is_null(json_object_get(root, "density")));
     json_decref(root);
     ask_get("/v1/compare", "runs=" ID_1 "," ID_2 "&densities=2", NULL, 400);

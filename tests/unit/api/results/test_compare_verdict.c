@@ -112,8 +112,101 @@ static void a_difference_is_held_against_chance(void **unused)
 }
 
 #define SUMMARY(model, macro, figures)                                                             \
-    "{'model': '" model "', 'key_figures': {" figures                                              \
-    "'feeds': []}, 'scenario': {" DOCUMENT_NEEDED ", 'macro': {" macro "}}}"
+    "{'model': '" model "', 'verdicts': [{'kind': 'belt_fills'}], 'key_figures': {" figures        \
+    "'feeds': [], 'counters': [{'id': 'c', 'flow_per_h': 7}]}, 'scenario': {" DOCUMENT_NEEDED      \
+    ", 'macro': {" macro "}}}"
+
+// Two counters and an outlet; without chance but where the throughput of a run of parts has some.
+static compare_flows flows_of(double first, double second, double outlet, double error)
+{
+    return (compare_flows){ .n = 3,
+                            .items = { { "counter", "first", first, error },
+                                       { "counter", "second", second, error },
+                                       { "outlet", "second", outlet, error } } };
+}
+
+// Of 1,000 parts/h by both; 6 % of a flow's larger value are allowed, and what the throughputs differ by.
+static void flows_that_differ_more_than_the_throughputs_are_told(void **unused)
+{
+    static compare_flows of_a, of_b;
+    compare_side a = run_of(RUN_MICRO, 1, 1000.0, 30.0), b = run_of(RUN_MICRO, 2, 1000.0, 30.0);
+
+    (void)unused;
+    of_a = flows_of(500.0, 500.0, 400.0, 20.0);
+    of_b = flows_of(531.0, 600.0, 800.0, 20.0);
+    all = (verdicts){ 0 };
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 1);
+    assert_string_equal(all.items[0].kind, "flows_differ");
+    assert_non_null(strstr(all.items[0].text,
+                           "800 ± 20 against 400 ± 20 parts/h at outlet 'second', "
+                           "600 ± 20 against 500 ± 20 parts/h at counter 'second'."));
+    assert_int_equal(all.items[0].n_figures, 2);
+    assert_true(all.items[0].figures[0].value == 400.0);
+
+    b.throughput_per_h = 2000.0; // half of it is what the throughputs differ by
+    all = (verdicts){ 0 };
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 0);
+}
+
+static void flows_within_their_intervals_or_without_any_do_not_differ(void **unused)
+{
+    static compare_flows of_a, of_b;
+    compare_side a = run_of(RUN_MICRO, 1, 1000.0, 30.0), b = run_of(RUN_MICRO, 2, 1000.0, 30.0);
+
+    (void)unused;
+    of_a = flows_of(500.0, 500.0, 400.0, 80.0);
+    of_b = flows_of(600.0, 500.0, 400.0, 80.0); // sqrt(80^2 + 80^2) = 113
+    all = (verdicts){ 0 };
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 0);
+    of_b.items[0].error_per_h = of_a.items[0].error_per_h = (double)NAN;
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 0);
+    a.has_chance = b.has_chance = false;
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 1);
+    a.arrived = 1.2; // a fifth more than the mean arrived
+    all = (verdicts){ 0 };
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 0);
+}
+
+static void of_many_flows_that_differ_three_are_named(void **unused)
+{
+    static compare_flows of_a, of_b;
+    compare_side a = run_of(RUN_MACRO, 1, 1000.0, (double)NAN), b = a;
+
+    (void)unused;
+    for (int k = 0; k < 5; k++) {
+        of_a.items[k] = (compare_flow){ "counter", "", 100.0, (double)NAN };
+        of_b.items[k] = (compare_flow){ "counter", "", 200.0 + 100.0 * k, (double)NAN };
+        of_a.items[k].id[0] = of_b.items[k].id[0] = (char)('a' + k);
+    }
+    of_a.n = of_b.n = 5;
+    all = (verdicts){ 0 };
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.items[0].n_figures, COMPARE_FLOWS_TOLD);
+    assert_string_equal(all.items[0].figures[0].of, "e");
+    assert_string_equal(all.items[0].figures[2].of, "c");
+    assert_non_null(strstr(all.items[0].text, "and at 2 others."));
+}
+
+static void models_are_not_compared_while_the_belt_fills(void **unused)
+{
+    compare_side macro = run_of(RUN_MACRO, 1, 2000.0, (double)NAN);
+    compare_side micro = run_of(RUN_MICRO, 1, 1000.0, 10.0);
+
+    (void)unused;
+    macro.is_filling = true;
+    const verdict *v = say(&macro, &micro);
+    assert_string_equal(v->kind, "too_early");
+    assert_non_null(strstr(v->text, "2,000 against 1,000 ± 10 parts/h"));
+    assert_non_null(strstr(v->advice, "warmup_s"));
+    macro.throughput_per_h = 1010.0;
+    assert_string_equal(say(&macro, &micro)->kind, "models_agree");
+}
 
 // What a summary has; how a line is solved does not make it another one.
 static void a_side_is_read_from_a_summary(void **unused)
@@ -121,19 +214,27 @@ static void a_side_is_read_from_a_summary(void **unused)
     bf_buffer text =
         document_quote(SUMMARY("micro", "'cell_m': 0.01", "'sustained_throughput_per_h': 5, "));
     bf_buffer other = document_quote(SUMMARY("macro", "'cell_m': 0.005", ""));
+    static compare_flows flows;
     compare_side micro, macro;
     bf_error err;
 
     (void)unused;
-    assert_int_equal(compare_verdict_side_of_summary(text.bytes, text.n, &micro, NULL), BF_OK);
-    assert_int_equal(compare_verdict_side_of_summary(other.bytes, other.n, &macro, NULL), BF_OK);
+    assert_int_equal(compare_verdict_side_of_summary(text.bytes, text.n, &micro, &flows, NULL),
+                     BF_OK);
+    assert_int_equal(compare_verdict_side_of_summary(other.bytes, other.n, &macro, &flows, NULL),
+                     BF_OK);
     assert_true(micro.is_run && micro.model == RUN_MICRO && macro.model == RUN_MACRO);
     assert_true(micro.throughput_per_h == 5.0 && isnan(micro.error_per_h));
     assert_true(isnan(macro.throughput_per_h));
     assert_false(micro.has_chance);
+    assert_true(micro.is_filling);
+    assert_int_equal(flows.n, 1);
+    assert_string_equal(flows.items[0].id, "c");
+    assert_true(flows.items[0].per_h == 7.0);
     assert_true(micro.line == macro.line);
-    assert_int_equal(compare_verdict_side_of_summary("t,upstream\n", 11, &micro, &err), BF_EINPUT);
-    assert_int_equal(compare_verdict_side_of_summary("{}", 2, &micro, &err), BF_EINPUT);
+    assert_int_equal(compare_verdict_side_of_summary("t,upstream\n", 11, &micro, &flows, &err),
+                     BF_EINPUT);
+    assert_int_equal(compare_verdict_side_of_summary("{}", 2, &micro, &flows, &err), BF_EINPUT);
     buffer_fini(&text);
     buffer_fini(&other);
 }
@@ -144,6 +245,10 @@ int main(void)
         cmocka_unit_test(models_of_one_line_agree_or_not),
         cmocka_unit_test(models_agree_where_more_parts_than_the_mean_arrived),
         cmocka_unit_test(a_difference_is_held_against_chance),
+        cmocka_unit_test(flows_that_differ_more_than_the_throughputs_are_told),
+        cmocka_unit_test(flows_within_their_intervals_or_without_any_do_not_differ),
+        cmocka_unit_test(of_many_flows_that_differ_three_are_named),
+        cmocka_unit_test(models_are_not_compared_while_the_belt_fills),
         cmocka_unit_test(a_side_is_read_from_a_summary),
     };
 
