@@ -170,6 +170,18 @@ static void cpu_time_is_charged_once(void **state)
     assert_int_equal(quotas_of(s, "nobody").cpu_s.used, 0);
 }
 
+// A sum that no integer holds is the largest use that there is, and not the smallest.
+static void cpu_time_without_measure_is_a_full_quota(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+
+    use(s, "alice", 0.0, 1e300);
+    store_set_quotas(s, &(store_quotas){ .cpu_s = 60 });
+    assert_int_equal(quotas_of(s, "alice").cpu_s.used, UINT64_C(1) << 63);
+    assert_int_equal(submit(s, "alice", 0), BF_ELIMIT);
+    assert_int_equal(submit(s, "bob", 0), BF_OK);
+}
+
 static void cpu_time_of_all_attempts_is_charged_over_a_restart(void **state)
 {
     helper_store *h = *state;
@@ -285,7 +297,8 @@ static void runs_wait_until_there_are_bytes_left(void **state)
     expect_claims(s, "a");
 }
 
-static void accept_named(store *s, const char *owner, api_run *ret_run)
+// Submit what has one result whoever submits it.
+static bf_status try_named(store *s, const char *owner, api_run *ret_run)
 {
     api_submission submission = { .model = RUN_MACRO };
     api_acceptance accepted = { .revision = 0 };
@@ -293,11 +306,28 @@ static void accept_named(store *s, const char *owner, api_run *ret_run)
     snprintf(submission.owner, sizeof submission.owner, "%s", owner);
     assert_int_equal(buffer_append(&submission.identity, "same", 4), BF_OK);
     assert_int_equal(buffer_append(&submission.columns, "upstream,left_domain", 20), BF_OK);
-    assert_int_equal(store_submit(s, &submission, &accepted, NULL), BF_OK);
-    *ret_run = helper_find(s, accepted.id);
+    bf_status status = store_submit(s, &submission, &accepted, NULL);
+    if (status == BF_OK)
+        *ret_run = helper_find(s, accepted.id);
     buffer_fini(&submission.identity);
     buffer_fini(&submission.columns);
     buffer_fini(&accepted.answer);
+    return status;
+}
+
+static void accept_named(store *s, const char *owner, api_run *ret_run)
+{
+    assert_int_equal(try_named(s, owner, ret_run), BF_OK);
+}
+
+// alice's run of it, which has a snapshot.
+static void solve_named(store *s, api_run *ret_run)
+{
+    accept_named(s, "alice", ret_run);
+    helper_claim(s);
+    helper_append_snapshot(s, ret_run->id, 0);
+    const store_ending ending = { .run_id = ret_run->id, .state = RUN_SUCCEEDED };
+    assert_int_equal(store_finish(s, &ending, ret_run, NULL), BF_OK);
 }
 
 // Each owner that has runs with a set of results has its bytes, once, until the last of these runs is removed. I10, I16.
@@ -307,11 +337,7 @@ static void shared_results_count_once_for_each_owner(void **state)
     store *s = h->store;
     api_run first, again, others;
 
-    accept_named(s, "alice", &first);
-    helper_claim(s);
-    helper_append_snapshot(s, first.id, 0);
-    const store_ending ending = { .run_id = first.id, .state = RUN_SUCCEEDED };
-    assert_int_equal(store_finish(s, &ending, &first, NULL), BF_OK);
+    solve_named(s, &first);
     uint64_t one = quotas_of(s, "alice").bytes.used;
     accept_named(s, "alice", &again);
     assert_true(again.is_cached);
@@ -329,6 +355,26 @@ static void shared_results_count_once_for_each_owner(void **state)
     assert_int_equal(quotas_of(s, "bob").bytes.used, bobs);
     assert_int_equal(store_remove(s, others.id, API_ANY_REVISION, NULL), BF_OK);
     assert_int_equal(quotas_of(s, "bob").bytes.used, 0);
+}
+
+// I16: an answer from earlier results is no way past the quotas: its bytes count, and so does the time to make it.
+static void cached_answers_count_for_their_owner(void **state)
+{
+    helper_store *h = *state;
+    store *s = h->store;
+    api_run first, again;
+
+    solve_named(s, &first);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM cpu_sums WHERE owner = 'bob'"), 0);
+    accept_named(s, "bob", &again);
+    assert_true(again.is_cached);
+    assert_int_equal(helper_store_sql(h, "SELECT cpu_s > 0 FROM cpu_sums WHERE owner = 'bob'"), 1);
+    store_set_quotas(s, &(store_quotas){ .n_bytes = quotas_of(s, "bob").bytes.used });
+    assert_int_equal(try_named(s, "bob", &again), BF_ENOSPACE);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM runs WHERE owner = 'bob'"), 1);
+    store_set_quotas(s, &(store_quotas){ .n_bytes = quotas_of(s, "bob").bytes.used + 1 });
+    accept_named(s, "bob", &again);
+    assert_true(again.is_cached);
 }
 
 static void what_nobody_uses_any_more_is_forgotten(void **state)
@@ -389,12 +435,14 @@ int main(void)
         CASE(turns_are_known_after_a_restart),
         CASE(an_owner_has_so_many_runs_that_wait),
         CASE(cpu_time_is_charged_once),
+        CASE(cpu_time_without_measure_is_a_full_quota),
         CASE(cpu_time_of_all_attempts_is_charged_over_a_restart),
         CASE(who_has_used_the_cpu_time_waits_while_others_overtake),
         CASE(cpu_time_is_given_back_by_the_hour),
         CASE(results_count_until_they_are_removed),
         CASE(runs_wait_until_there_are_bytes_left),
         CASE(shared_results_count_once_for_each_owner),
+        CASE(cached_answers_count_for_their_owner),
         CASE(what_nobody_uses_any_more_is_forgotten),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

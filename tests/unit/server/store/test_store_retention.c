@@ -42,6 +42,13 @@ static api_run add_ended(store *s, run_state state)
     return record;
 }
 
+static int64_t used_bytes(const helper_store *h)
+{
+    return (helper_store_sql(h, "PRAGMA page_count") -
+            helper_store_sql(h, "PRAGMA freelist_count")) *
+           helper_store_sql(h, "PRAGMA page_size");
+}
+
 static bool is_there(store *s, const api_run *record)
 {
     api_run found;
@@ -79,8 +86,9 @@ static void beyond_the_number_the_first_to_end_goes(void **state)
     assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM snapshots"), 1);
 }
 
-// A run of an owner that has ended, in a millisecond of its own; cached ones are of a scenario that is known.
-static api_run add_of(store *s, const char *owner, bool is_fresh)
+// A run of an owner that has ended, in a millisecond of its own; cached ones are of a scenario that is known. A snapshot has
+// half a megabyte.
+static api_run add_of(store *s, const char *owner, bool is_fresh, size_t n_snapshots)
 {
     api_submission submission = { .model = RUN_MACRO, .is_fresh = is_fresh };
 
@@ -91,6 +99,8 @@ static api_run add_of(store *s, const char *owner, bool is_fresh)
     api_run record = helper_accept(s, &submission);
     if (record.state == RUN_QUEUED) {
         (void)helper_claim(s);
+        for (size_t k = 0; k < n_snapshots; k++)
+            helper_append_snapshot(s, record.id, k);
         const store_ending ending = { .run_id = record.id, .state = RUN_SUCCEEDED };
         assert_int_equal(store_finish(s, &ending, &record, NULL), BF_OK);
     }
@@ -106,12 +116,12 @@ static api_run add_of(store *s, const char *owner, bool is_fresh)
 static void the_owner_who_has_most_makes_room(void **state)
 {
     helper_store *h = *state;
-    const api_run of_bob = add_of(h->store, "bob", true);
-    const api_run solved = add_of(h->store, "alice", true);
+    const api_run of_bob = add_of(h->store, "bob", true, 0);
+    const api_run solved = add_of(h->store, "alice", true, 0);
     api_run cached[20];
 
     for (size_t k = 0; k < 20; k++) {
-        cached[k] = add_of(h->store, "alice", false);
+        cached[k] = add_of(h->store, "alice", false, 0);
         assert_true(cached[k].is_cached);
     }
     open_with(h, (store_retention){ .n_runs = 4 }, NULL, NULL);
@@ -122,6 +132,28 @@ static void the_owner_who_has_most_makes_room(void **state)
     assert_true(is_there(h->store, &cached[18]));
     open_with(h, (store_retention){ .n_bytes = 1 }, NULL, NULL);
     helper_await_sql(h, "SELECT count(*) FROM runs", 0);
+}
+
+// I12: bytes are made room for by the owner who has most of them, though another has more runs, and older ones.
+static void the_owner_who_has_most_bytes_makes_room_for_bytes(void **state)
+{
+    enum { N_SMALL = 6, N_LARGE = 4, N_KEPT = 2 };
+    helper_store *h = *state;
+    api_run small[N_SMALL], large[N_LARGE];
+
+    for (size_t k = 0; k < N_SMALL; k++)
+        small[k] = add_of(h->store, "bob", true, 0);
+    const int64_t n_before = used_bytes(h);
+    for (size_t k = 0; k < N_LARGE; k++)
+        large[k] = add_of(h->store, "alice", true, 1);
+    const int64_t n_large = (used_bytes(h) - n_before) / N_LARGE;
+    const uint64_t limit = (uint64_t)(n_before + n_large * N_KEPT + n_large / 2);
+    open_with(h, (store_retention){ .n_bytes = limit }, NULL, NULL);
+    helper_await_sql(h, "SELECT count(*) FROM runs", N_SMALL + N_KEPT);
+    for (size_t k = 0; k < N_SMALL; k++)
+        assert_true(is_there(h->store, &small[k]));
+    for (size_t k = 0; k < N_LARGE; k++)
+        assert_int_equal(is_there(h->store, &large[k]), k >= N_LARGE - N_KEPT);
 }
 
 // I12: what waits or runs stays, however old, and does not count.
@@ -162,13 +194,6 @@ static void what_ended_too_long_ago_goes(void **state)
     open_with(h, (store_retention){ .age_ms = DAY_MS }, NULL, NULL);
     helper_await_sql(h, "SELECT count(*) FROM runs", 1);
     assert_true(is_there(h->store, &young));
-}
-
-static int64_t used_bytes(const helper_store *h)
-{
-    return (helper_store_sql(h, "PRAGMA page_count") -
-            helper_store_sql(h, "PRAGMA freelist_count")) *
-           helper_store_sql(h, "PRAGMA page_size");
 }
 
 // The pages in use come below the limit, and with new runs coming the file does not grow any more.
@@ -257,6 +282,7 @@ int main(void)
         STORE_TEST(nothing_is_removed_unless_it_is_asked_for),
         STORE_TEST(beyond_the_number_the_first_to_end_goes),
         STORE_TEST(the_owner_who_has_most_makes_room),
+        STORE_TEST(the_owner_who_has_most_bytes_makes_room_for_bytes),
         STORE_TEST(work_is_never_removed),
         STORE_TEST(what_ended_too_long_ago_goes),
         STORE_TEST(the_limit_of_bytes_is_reached_and_stays),

@@ -490,7 +490,6 @@ static void what_is_to_be_cancelled_begins_no_trial_and_ends_once(void **state)
     assert_int_equal(n, 0);
 }
 
-// I9
 static void an_owner_has_so_many_studies_that_have_not_ended(void **state)
 {
     store *s = ((helper_store *)*state)->store;
@@ -507,7 +506,55 @@ static void an_owner_has_so_many_studies_that_have_not_ended(void **state)
     (void)submit_study(s, "alice", 0);
 }
 
-// Workers are started for what may be claimed, not for what waits until somebody goes on with its study.
+// Copies of the one study that is stored, until there are n.
+static void multiply_studies(helper_store *h, int n)
+{
+    char sql[400];
+
+    helper_store_close(h);
+    snprintf(sql, sizeof sql,
+             "WITH RECURSIVE k (i) AS (SELECT 2 UNION ALL SELECT i + 1 FROM k WHERE i < %d) "
+             "INSERT INTO studies (id, state, method, model, priority, name, owner, client, "
+             "created_ms, trials_max, finished_ms) SELECT 'copy ' || i, state, method, model, "
+             "priority, name, owner, client, created_ms, trials_max, finished_ms FROM studies, k",
+             n);
+    helper_store_sql(h, sql);
+    helper_store_open(h);
+}
+
+static void there_is_a_limit_to_studies_that_have_not_ended(void **state)
+{
+    helper_store *h = *state;
+    const api_study first = submit_study(h->store, "alice", 0);
+    api_acceptance accepted;
+
+    multiply_studies(h, STORE_STUDIES_OPEN_MAX - 1);
+    (void)submit_study(h->store, "bob", 0);
+    assert_int_equal(try_submit(h->store, "bob", 0, "", "", &accepted), BF_EBUSY);
+    assert_int_equal(move(h->store, first.id, API_STUDY_RUNNING), BF_OK);
+    assert_int_equal(try_submit(h->store, "bob", 0, "", "", &accepted), BF_EBUSY);
+    assert_int_equal(move(h->store, first.id, API_STUDY_SUCCEEDED), BF_OK);
+    (void)submit_study(h->store, "bob", 0);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM studies WHERE finished_ms = 0"),
+                     1000);
+}
+
+static void there_is_a_limit_to_studies(void **state)
+{
+    helper_store *h = *state;
+    const api_study first = start_study(h->store, "alice", 0);
+    api_acceptance accepted;
+
+    assert_int_equal(move(h->store, first.id, API_STUDY_SUCCEEDED), BF_OK);
+    multiply_studies(h, STORE_STUDIES_MAX - 1);
+    (void)submit_study(h->store, "bob", 0);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM studies"), 10000);
+    assert_int_equal(try_submit(h->store, "bob", 0, "", "", &accepted), BF_EBUSY);
+    assert_int_equal(store_remove_study(h->store, first.id, API_ANY_REVISION, NULL), BF_OK);
+    assert_int_equal(store_forget_study(h->store, first.id, NULL), BF_OK);
+    (void)submit_study(h->store, "bob", 0);
+}
+
 static void a_study_is_suspect_when_one_of_its_trials_is(void **state)
 {
     static const store_retention none = { 0 };
@@ -530,6 +577,7 @@ static void a_study_is_suspect_when_one_of_its_trials_is(void **state)
     assert_true(find_study(s, of.id).is_suspect);
 }
 
+// Workers are started for what may be claimed, not for what waits until somebody goes on with its study.
 static void trials_of_a_study_that_rests_are_not_claimable(void **state)
 {
     store *s = ((helper_store *)*state)->store;
@@ -546,6 +594,7 @@ static void trials_of_a_study_that_rests_are_not_claimable(void **state)
     assert_int_equal(stats.n_runs[RUN_QUEUED], 3);
 }
 
+// I9
 static void a_study_goes_with_all_it_has_when_its_runs_have_gone(void **state)
 {
     helper_store *h = *state;
@@ -644,6 +693,8 @@ int main(void)
         CASE(what_is_paused_begins_no_trial_until_it_goes_on),
         CASE(what_is_to_be_cancelled_begins_no_trial_and_ends_once),
         CASE(an_owner_has_so_many_studies_that_have_not_ended),
+        CASE(there_is_a_limit_to_studies_that_have_not_ended),
+        CASE(there_is_a_limit_to_studies),
         CASE(a_study_is_suspect_when_one_of_its_trials_is),
         CASE(trials_of_a_study_that_rests_are_not_claimable),
         CASE(a_study_goes_with_all_it_has_when_its_runs_have_gone),

@@ -215,6 +215,76 @@ static void the_last_use_is_written_down_later(void **state)
     assert_int_equal(after.used_ms, 1);
 }
 
+// The token of a number, as it is stored.
+static void take_wanted(void *context, const tokens_record *token)
+{
+    tokens_record *wanted = context;
+
+    if (token->id == wanted->id)
+        *wanted = *token;
+}
+
+static tokens_record find(uint64_t id)
+{
+    tokens_record found = { .id = id };
+
+    assert_int_equal(tokens_list(directory, take_wanted, &found, NULL), BF_OK);
+    assert_string_not_equal(found.name, "");
+    return found;
+}
+
+// Whether a day has passed is told by moving the end, not by waiting for it.
+static void a_rotated_token_counts_until_its_overlap_is_over(void **state)
+{
+    enum { DAY_MS = 24 * 3600 * 1000 };
+    char old[API_TOKEN_SIZE], young[API_TOKEN_SIZE];
+    api_identity who = { 0 };
+    tokens_record made;
+
+    (void)state;
+    const int64_t before_ms = clock_unix_ms();
+    const tokens_record first = add("alice", API_SCOPE_READ, 0, old);
+    tokens *t = open_tokens();
+    assert_int_equal(tokens_rotate(directory, first.id, DAY_MS, &made, young, NULL), BF_OK);
+    const int64_t after_ms = clock_unix_ms();
+    tokens_read_again(t);
+    assert_int_equal(tokens_identify(t, old, &who), API_CREDENTIAL_VALID);
+    assert_int_equal(who.token, first.id);
+    assert_int_equal(tokens_identify(t, young, &who), API_CREDENTIAL_VALID);
+    assert_int_equal(who.token, made.id);
+    assert_string_equal(who.owner, "alice");
+    assert_int_equal(who.scopes, API_SCOPE_READ);
+    assert_int_not_equal(made.id, first.id);
+    assert_int_equal(made.expires_ms, 0);
+    assert_in_range(find(first.id).expires_ms, before_ms + DAY_MS, after_ms + DAY_MS);
+    run_sql("UPDATE tokens SET expires_ms = expires_ms - 86400001 WHERE id = 1");
+    tokens_read_again(t);
+    assert_int_equal(tokens_identify(t, old, &who), API_CREDENTIAL_EXPIRED);
+    assert_int_equal(tokens_identify(t, young, &who), API_CREDENTIAL_VALID);
+    assert_int_equal(tokens_rotate(directory, first.id, DAY_MS, &made, young, NULL), BF_ENOTFOUND);
+    assert_null(tokens_close(t));
+}
+
+static void a_rotation_prolongs_no_token_and_gives_a_whole_life(void **state)
+{
+    enum { HOUR_MS = 3600 * 1000 };
+    char old[API_TOKEN_SIZE], young[API_TOKEN_SIZE];
+    api_identity who = { 0 };
+    tokens_record made;
+
+    (void)state;
+    const tokens_record first = add("alice", API_SCOPE_READ, clock_unix_ms() + HOUR_MS, old);
+    assert_int_equal(tokens_rotate(directory, first.id, 24 * HOUR_MS, &made, young, NULL), BF_OK);
+    assert_int_equal(find(first.id).expires_ms, first.expires_ms);
+    assert_int_equal(made.expires_ms - made.created_ms, first.expires_ms - first.created_ms);
+    assert_int_equal(find(made.id).expires_ms, made.expires_ms);
+    assert_int_equal(tokens_rotate(directory, first.id, 0, &made, young, NULL), BF_OK);
+    tokens *t = open_tokens();
+    assert_int_equal(tokens_identify(t, old, &who), API_CREDENTIAL_EXPIRED);
+    assert_int_equal(tokens_identify(t, young, &who), API_CREDENTIAL_VALID);
+    assert_null(tokens_close(t));
+}
+
 static void a_scope_of_a_later_version_allows_nothing(void **state)
 {
     char text[API_TOKEN_SIZE];
@@ -371,6 +441,8 @@ int main(void)
         TOKENS_TEST(what_is_expired_or_revoked_does_not_count),
         TOKENS_TEST(a_daemon_sees_what_is_changed_beside_it),
         TOKENS_TEST(the_last_use_is_written_down_later),
+        TOKENS_TEST(a_rotated_token_counts_until_its_overlap_is_over),
+        TOKENS_TEST(a_rotation_prolongs_no_token_and_gives_a_whole_life),
         TOKENS_TEST(a_scope_of_a_later_version_allows_nothing),
         TOKENS_TEST(a_grant_names_what_it_reads),
         TOKENS_TEST(grants_have_limits_and_leave_room_for_tokens),
