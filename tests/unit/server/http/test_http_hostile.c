@@ -94,6 +94,46 @@ static void a_bad_request_is_refused_and_its_connection_closed(void **state)
         client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
 }
 
+// What a page of another origin makes a browser send: each header alone tells it, and a program sends none of them. Whatever
+// is let through finds that this path cannot be posted to.
+static void a_change_that_another_page_asks_for_is_refused(void **state)
+{
+#define POSTED(headers) "POST /livez HTTP/1.1\r\n" CLOSE headers "Content-Length: 0\r\n\r\n"
+    static const struct {
+        const char *request;
+        int status;
+    } cases[] = {
+        { POSTED(HOST), 405 },
+        { POSTED(HOST "Sec-Fetch-Site: same-origin\r\n"), 405 },
+        { POSTED(HOST "Origin: http://a\r\n"), 405 },
+        { POSTED("Host: a:8080\r\nOrigin: http://a:8080\r\n"), 405 },
+        // Sec-Fetch-Site
+        { POSTED(HOST "Sec-Fetch-Site: cross-site\r\n"), 403 },
+        { POSTED(HOST "Sec-Fetch-Site: same-site\r\n"), 403 },
+        { POSTED(HOST "Origin: http://a\r\nSec-Fetch-Site: same-site\r\n"), 403 },
+        // Origin, from a browser without Sec-Fetch-Site
+        { POSTED(HOST "Origin: http://evil.example\r\n"), 403 },
+        { POSTED(HOST "Origin: null\r\n"), 403 },
+        { POSTED("Host: a:8080\r\nOrigin: http://a:9000\r\n"), 403 },
+        { POSTED("Host: a:8080\r\nOrigin: http://a\r\n"), 403 },
+        // Host, where the name of the page was made to lead here
+        { POSTED("Host: evil.example\r\n"), 421 },
+        { POSTED("Host: evil.example\r\nOrigin: http://evil.example\r\n"), 421 },
+        { POSTED("Host: evil.example\r\nSec-Fetch-Site: same-origin\r\n"), 421 },
+        { "POST /livez HTTP/1.0\r\nOrigin: http://a\r\n\r\n", 403 },
+    };
+#undef POSTED
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const int status = client_ask(http_port(server), cases[i].request, NULL);
+        if (status != cases[i].status)
+            print_error("%s", cases[i].request);
+        assert_int_equal(status, cases[i].status);
+    }
+}
+
 static void long_headers_are_fine(void **state)
 {
     bf_buffer request = { 0 };
@@ -394,6 +434,7 @@ int main(void)
 #define CASE(name) cmocka_unit_test_setup_teardown(name, server_set_up, server_tear_down)
     const struct CMUnitTest tests[] = {
         CASE(a_bad_request_is_refused_and_its_connection_closed),
+        CASE(a_change_that_another_page_asks_for_is_refused),
         CASE(long_headers_are_fine),
         CASE(too_large_a_header_is_refused),
         CASE(too_long_a_target_is_refused),
