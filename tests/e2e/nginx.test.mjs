@@ -33,8 +33,8 @@ async function freePort() {
   return port;
 }
 
-// The sample as it is shipped, but for ports, the certificate and IPv6, which this machine may lack.
-function configure(folder, ports, d) {
+// The sample as it is shipped, but for ports, the certificate and IPv6, which this machine may lack; `more` stands before it.
+function configure(folder, ports, d, more) {
   const sample = readFileSync(path.join(root, "deploy/nginx/beltflow.conf"), "utf8");
   const site = sample
     .replace(/^ *listen \[::\].*\n/gm, "")
@@ -46,18 +46,18 @@ function configure(folder, ports, d) {
     (name) => `${name}_temp_path ${folder}/${name};`,
   );
   return `daemon off; master_process off; pid ${folder}/pid; error_log stderr;
-    events {} http { access_log off; ${temporary.join(" ")} ${site} }`;
+    events {} http { access_log off; ${temporary.join(" ")} ${more} ${site} }`;
 }
 
 // nginx before a daemon.
-async function proxy(t, d) {
+async function proxy(t, d, more = "") {
   const folder = temporaryFolder(t);
   const ports = { http: await freePort(), https: await freePort() };
   const certificate = ["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", `/CN=${host}`, "-addext",
     `subjectAltName=DNS:${host}`, "-keyout", `${folder}/privkey.pem`, "-out", `${folder}/fullchain.pem`];
   const made = spawnSync("openssl", certificate, { encoding: "utf8" });
   assert.equal(made.status, 0, made.stderr);
-  writeFileSync(`${folder}/nginx.conf`, configure(folder, ports, d));
+  writeFileSync(`${folder}/nginx.conf`, configure(folder, ports, d, more));
   const child = spawn("nginx", ["-p", folder, "-e", "stderr", "-c", `${folder}/nginx.conf`], {
     env: { ...process.env, PATH: searched },
     stdio: ["ignore", "ignore", "pipe"],
@@ -87,6 +87,22 @@ async function ask(p, target, { address = "127.0.0.1", method = "GET", headers =
   let text = "";
   for await (const chunk of answer) text += chunk;
   return { status: answer.statusCode, headers: answer.headers, text };
+}
+
+// Wait until an event stream through the proxy has said this, while it goes on.
+async function hear(t, p, target, wanted) {
+  const request = https.get({
+    host: "127.0.0.1", port: p.ports.https, servername: host, ca: p.ca, agent: false, path: target, headers: { host },
+  });
+  t.after(() => request.destroy());
+  const [events] = await within(once(request, "response"), target);
+  assert.equal(events.statusCode, 200);
+  let text = "";
+  events.on("data", (chunk) => (text += chunk));
+  events.on("end", () => (text += "(the end)"));
+  await until(() => text.includes(wanted), `${wanted} of ${target}`);
+  assert.doesNotMatch(text, /\(the end\)/);
+  request.destroy();
 }
 
 const statuses = async (p, n, more) => {
@@ -164,18 +180,25 @@ test("a run is submitted and its events come while it is solved", async (t) => {
   const answer = await submit(endless());
   assert.equal(answer.status, 201, answer.text);
   const id = JSON.parse(answer.text).id;
-  const request = https.get({
-    host: "127.0.0.1", port: p.ports.https, servername: host, ca: p.ca, agent: false,
-    path: `/v1/runs/${id}/events`, headers: { host },
-  });
-  const [events] = await within(once(request, "response"), "the stream");
-  let text = "";
-  events.on("data", (chunk) => (text += chunk));
-  await until(() => text.includes("event: progress"), "events of a run that does not end");
-  request.destroy();
+  await hear(t, p, `/v1/runs/${id}/events`, "event: progress");
   const large = await submit(tiny({ name: "x".repeat(2 * 1024 * 1024) }));
   assert.equal(large.status, 413);
   assert.equal((await ask(p, `/v1/runs/${id}`, { method: "DELETE" })).status, 204);
+});
+
+test("streams of events are passed on at once by what the sample itself says", async (t) => {
+  // Nobody solves what waits, so no stream ends and none has as much as a buffer holds.
+  const d = await daemon(t, { config: settings, plaintext: "open", executor: "pull" });
+  const p = await proxy(t, d, "proxy_ignore_headers X-Accel-Buffering;");
+  const run = await d.submit(tiny());
+  const { json: study } = await d.post("/v1/studies", {
+    base: { scenario: tiny() },
+    parameters: [{ pointer: "/duration_s", values: [0.1, 0.2] }],
+    objectives: [{ figure: "content.mean" }],
+    method: { type: "list" },
+  });
+  for (const target of [`/v1/runs/${run.id}/events`, `/v1/events?runs=${run.id}`, `/v1/studies/${study.id}/events`])
+    await hear(t, p, target, "event: status");
 });
 
 test("limits hold for each client behind the proxy", { skip: outside === undefined && "no network" }, async (t) => {

@@ -80,6 +80,26 @@ test("a run whose frames are longer than the spool is solved piece by piece", as
   assert.equal(await w.stop(), 0, w.log());
 });
 
+// A snapshot alone, 600 x 360 floats, is more than three of the smallest bodies that a daemon with workers may have as its limit.
+test("a worker sends no larger bodies than the daemon takes", async (t) => {
+  const d = await daemon(t, { ...pulling, body_bytes: 262144 });
+  const scenario = jam(0.02, { curve_every_s: 0.01, snapshot_every_s: 0.01 });
+  scenario.macro = { ...scenario.macro, cell_m: scenario.macro.cell_m / 6 };
+  delete scenario.macro.step_s;
+  const run = await d.submit(scenario);
+  const w = worker(t, d, "one");
+  await d.reached(run.id, "succeeded");
+  await assertSameResults(d, run.id, await solve(t, scenario));
+  await until(() => /event=lease_ended .*bytes=/.test(d.log), "the end of the lease");
+  const sent = Number(/event=lease_ended .*bytes=(\d+)/.exec(d.log)[1]);
+  assert.ok(sent > 3 * 600 * 360 * 4, `${sent}`);
+  const answered = /requests_total\{route="\/v1\/leases\/\{id\}\/frames",method="PUT",code="(\d+)"\} (\d+)/g;
+  const codes = [...(await d.get("/metrics")).text.matchAll(answered)];
+  assert.deepEqual(codes.map(([, code]) => code), ["200"]);
+  assert.ok(Number(codes[0][2]) > sent / 262144, codes[0][0]);
+  assert.equal(await w.stop(), 0, w.log());
+});
+
 // Each of its three tries is its own fault, and no attempt of the run.
 test("a worker that cannot start a solver gives its jobs back", async (t) => {
   const d = await daemon(t, pulling);
