@@ -251,6 +251,26 @@ static void only_some_trials_wait_at_a_time(void **state)
     char sql[160];
     snprintf(sql, sizeof sql, "SELECT count(*) FROM runs WHERE parent = '%s'", one.id);
     await(w, sql, 1);
+    const api_study most =
+        submit(w, STUDY("'range': [1, 5], 'steps': 300",
+                        "'method': {'type': 'grid'}, 'limits': {'workers': 256}"));
+    snprintf(sql, sizeof sql, "SELECT count(*) FROM runs WHERE parent = '%s'", most.id);
+    await(w, sql, 256);
+    // However many solvers there are: more than half of what may wait, and no more than all of it.
+    studies_reconfigure(w->studies, 1000, 0);
+    const api_study large =
+        submit(w, STUDY("'range': [1, 5], 'steps': 300", "'method': {'type': 'grid'}"));
+    snprintf(sql, sizeof sql, "SELECT count(*) > 128 FROM runs WHERE parent = '%s'", large.id);
+    await(w, sql, 1);
+    // When others that came later have begun, all have had their turn again.
+    for (size_t k = 0; k < 4; k++) {
+        const api_study later =
+            submit(w, STUDY("'range': [1, 5], 'steps': 9",
+                            "'method': {'type': 'grid'}, 'limits': {'workers': 1}"));
+        snprintf(sql, sizeof sql, "SELECT count(*) FROM runs WHERE parent = '%s'", later.id);
+        await(w, sql, 1);
+    }
+    assert_in_range(find(w, large.id).n_trials, 129, 256);
 }
 
 // 5,000 points that end at once: no run may have such a duration.
