@@ -100,11 +100,16 @@ def cpu_seconds(daemon):
     return count(read(daemon, "/metrics").decode(), "process_cpu_seconds_total ")
 
 
+def solver(daemon):
+    """The name of this tree's solver, as server/base/solver.h has it."""
+    version = json.loads(read(daemon, "/version"))["version"]
+    return f"{version}/{re.search(r'RUN_VERSION = ([0-9]+)', (ROOT / 'core/run/run.h').read_text())[1]}"
+
+
 def measure_asks(folder):
     """CPU time of a request for work when there is none."""
     with Daemon(folder / "asks", executor="pull", requests_per_minute=0, work_per_minute=0) as daemon:
-        version = json.loads(read(daemon, "/version"))["version"]
-        who = {"worker": "one", "solver": version, "cores": 1, "memory_bytes": 1e9}
+        who = {"worker": "one", "solver": solver(daemon), "cores": 1, "memory_bytes": 1e9}
         connection = http.client.HTTPConnection("127.0.0.1", daemon.port)
         settle()
         before = cpu_seconds(daemon)
