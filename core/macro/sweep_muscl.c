@@ -12,6 +12,7 @@
 // r + 1, then the update of row r along x2. skip.h finds the terms that are exactly zero and skipped; on the free belt
 // states, fluxes and update are one pass, with the same bits.
 
+#include "core/base/subnormals.h"
 #include "core/macro/muscl.h"
 #include "core/macro/skip.h"
 #include "core/macro/sweep.h"
@@ -228,10 +229,13 @@ static void sweep_row(macro_band *band, ptrdiff_t r)
 
 void macro__sweep_muscl(macro_band *band)
 {
+    const uint64_t arithmetic = subnormals_flush();
+
     macro__dispersion_begin(band);
     block_set_clear(band->ahead, macro__words(band->solver));
     make_states_x2(band, band->first - 1);
     flux_x2(band, band->first);
     for (ptrdiff_t r = band->first; r < band->last; r++)
         sweep_row(band, r);
+    subnormals_restore(arithmetic);
 }

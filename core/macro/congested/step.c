@@ -1,5 +1,6 @@
 // One step of the congested closure: transport, pressure, correction.
 
+#include "core/base/subnormals.h"
 #include "core/macro/congested/congested_priv.h"
 #include "core/macro/congested/transport.h"
 
@@ -338,6 +339,7 @@ static void step_member(void *context, int member, int n_members, team_barrier *
     macro_solver *s = x->s;
     congested *c = x->c;
     const row_span all = even_rows(s, member, n_members);
+    const uint64_t arithmetic = subnormals_flush();
 
     congested__transport(s, member, all.first, all.last, barrier);
     for (ptrdiff_t row = all.first; row < all.last; row++)
@@ -365,6 +367,7 @@ static void step_member(void *context, int member, int n_members, team_barrier *
             c->kernels.make_thresholds(c, row);
         else
             c->kernels.make_coupling(s, c, row);
+    subnormals_restore(arithmetic);
 }
 
 void congested_step(macro_solver *s)
