@@ -99,8 +99,7 @@ bool polygon_holds(const vec2 *polygon, size_t n, vec2 at, double tolerance)
 
     for (size_t k = 0, last = n - 1; k < n; last = k++) {
         vec2 a = polygon[last], b = polygon[k];
-        if (!are_bounds_apart(a.x, b.x, at.x, at.x, tolerance) &&
-            !are_bounds_apart(a.y, b.y, at.y, at.y, tolerance) &&
+        if (!polygon_segment_is_far(at, a, b, tolerance) &&
             polygon_segment_distance(at, a, b) <= tolerance)
             return true;
         // A ray to the right crosses a side that has its ends on both sides of it.

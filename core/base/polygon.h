@@ -12,6 +12,16 @@
 /// Distance from a point to the segment from start to end.
 double polygon_segment_distance(vec2 at, vec2 start, vec2 end);
 
+/// True if along x or y a point is beyond both ends of a segment by more than distance: a quick test which parts of a polygon need
+/// a closer look. False says nothing.
+static inline bool polygon_segment_is_far(vec2 at, vec2 start, vec2 end, double distance)
+{
+    return (at.x > start.x + distance && at.x > end.x + distance) ||
+           (at.x + distance < start.x && at.x + distance < end.x) ||
+           (at.y > start.y + distance && at.y > end.y + distance) ||
+           (at.y + distance < start.y && at.y + distance < end.y);
+}
+
 /// The point of the segment from start to end that is nearest to a point.
 vec2 polygon_segment_nearest(vec2 at, vec2 start, vec2 end);
 

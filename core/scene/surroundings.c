@@ -148,7 +148,8 @@ static bool is_held(const surroundings *around, vec2 at, double radius)
         const bool is_far = belt_arc_is_far(&around->belts[k], at, radius);
         const size_t n = is_far ? 0 : around->belts[k].n_points;
         for (size_t m = 0, last = n - 1; m < n; last = m++)
-            if (polygon_segment_distance(at, polygon[last], polygon[m]) < radius)
+            if (!polygon_segment_is_far(at, polygon[last], polygon[m], radius + SCENE_TOLERANCE) &&
+                polygon_segment_distance(at, polygon[last], polygon[m]) < radius)
                 cone_add_border(&c, around, at, radius, polygon[last], polygon[m]);
     }
     return c.is_hull;
@@ -165,6 +166,8 @@ static size_t find_nearest(const surroundings *around, vec2 at, double radius, v
         const bool is_far = belt_arc_is_far(&around->belts[k], at, radius);
         const size_t n = is_far ? 0 : around->belts[k].n_points;
         for (size_t m = 0, last = n - 1; m < n; last = m++) {
+            if (polygon_segment_is_far(at, polygon[last], polygon[m], nearest + SCENE_TOLERANCE))
+                continue;
             const vec2 foot = polygon_segment_nearest(at, polygon[last], polygon[m]);
             const double distance = vec2_length(vec2_sub(at, foot));
             if (distance > nearest || distance >= radius)

@@ -42,6 +42,29 @@ static void the_distance_to_a_segment_is_to_its_nearest_point(void **state)
     assert_near(polygon_segment_distance((vec2){ 4.0, 5.0 }, a, a), 5.0, 1e-15);
 }
 
+static void a_segment_that_is_far_along_an_axis_is_no_nearer_than_that(void **state)
+{
+    bf_random random;
+    int n_far = 0;
+
+    (void)state;
+    random_init(&random, 7);
+    for (int k = 0; k < 10000; k++) {
+        const vec2 at = draw(&random), a = draw(&random), b = draw(&random);
+        const double distance = 0.5 * random_unit(&random);
+        if (!polygon_segment_is_far(at, a, b, distance))
+            continue;
+        n_far++;
+        assert_true(polygon_segment_distance(at, a, b) > distance - 1e-15);
+    }
+    assert_in_range(n_far, 1000, 9000);
+    for (int k = 0; k < 4; k++) {
+        const vec2 sides[] = { { 2, 0.5 }, { -1, 0.5 }, { 0.5, 2 }, { 0.5, -1 } };
+        assert_true(polygon_segment_is_far(sides[k], (vec2){ 0, 0 }, (vec2){ 1, 1 }, 0.99));
+        assert_false(polygon_segment_is_far(sides[k], (vec2){ 0, 0 }, (vec2){ 1, 1 }, 1.01));
+    }
+}
+
 static void segments_touch_where_they_cross_or_come_near(void **state)
 {
     static const struct {
@@ -197,6 +220,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_vector_along_an_axis_has_its_length_exactly),
         cmocka_unit_test(the_distance_to_a_segment_is_to_its_nearest_point),
+        cmocka_unit_test(a_segment_that_is_far_along_an_axis_is_no_nearer_than_that),
         cmocka_unit_test(segments_touch_where_they_cross_or_come_near),
         cmocka_unit_test(a_polygon_holds_what_is_inside_or_on_its_border),
         cmocka_unit_test(a_convex_hull_is_convex_and_has_all_points),
