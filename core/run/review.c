@@ -12,6 +12,8 @@
 #include "core/run/review_plates.h"
 #include "core/run/run.h"
 #include "core/run/run_priv.h"
+#include "core/scene/layout.h"
+#include "core/scene/mix.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -226,6 +228,28 @@ static void review_failures(const scene *s, review_warnings *ret_warnings)
     }
 }
 
+/// Warn of an opening that a kind of part does not fit through.
+static bf_status review_opening(const scene *s, review_warnings *ret_warnings, bf_error *err)
+{
+    const double radius = mix_inner_radii_of(s).largest;
+    char pointer[BF_POINTER_SIZE], width[NUMBER_TEXT_SIZE], least[NUMBER_TEXT_SIZE];
+    layout of;
+
+    const bf_status status = layout_measure(s, &of, err);
+    // One of 0 is closed, not narrow: validity says so.
+    if (status != BF_OK || of.opening.value == 0.0 || layout_fits(radius, of.opening.value))
+        return status;
+    snprintf(pointer, sizeof pointer, "/obstacles/%zu", of.opening.index);
+    review_warning *item =
+        review_add(ret_warnings, pointer, "Parts do not fit through the narrowest opening");
+    snprintf(item->meaning, sizeof item->meaning,
+             "It is %s m wide, and parts are up to %s m wide where they are narrowest: those that "
+             "have no other way stay before it.",
+             number_text(of.opening.value, DIGITS, width),
+             number_text(2.0 * radius, DIGITS, least));
+    return BF_OK;
+}
+
 static void review_step(const scene *s, review_warnings *ret_warnings)
 {
     const double step = scene_macro_step(s), positive = scene_step_positive(s);
@@ -307,6 +331,8 @@ bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
     bf_status status = review_plates(s, &ret_review->warnings, err);
     if (status == BF_OK)
         status = review_belts(s, &ret_review->warnings, err);
+    if (status == BF_OK)
+        status = review_opening(s, &ret_review->warnings, err);
     for (size_t k = 0; k < s->n_feeds && status == BF_OK; k++)
         status = review_rate(s, k, &ret_review->warnings, err);
     review_actions(s, &ret_review->warnings);

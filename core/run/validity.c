@@ -393,8 +393,10 @@ static bf_status note_moving(findings *f, scene *moved, size_t index, bf_error *
         status = layout_measure(moved, &of, err);
         if (status == BF_OK && of.n_plates > 0)
             note_angles(f, &of);
-        if (status == BF_OK && isfinite(of.opening.value))
-            note(f, VALIDITY_SWEPT, of.opening.value / f->diameter, "/obstacles/%zu", index);
+        // Parts are caught in gaps that they do not fit through, too.
+        const double width = fmin(of.opening.value, of.gap.value);
+        if (status == BF_OK && isfinite(width))
+            note(f, VALIDITY_SWEPT, width / f->diameter, "/obstacles/%zu", index);
     }
     return status;
 }

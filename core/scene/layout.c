@@ -35,12 +35,14 @@ typedef struct piece {
 typedef struct measuring {
     const scene *s;
     surroundings around;
-    double closed_gap; ///< of a gap at a wall, m
-    double radius;     ///< of the largest part, m
-    size_t n;          ///< pieces
-    piece *pieces;     ///< n of them
-    size_t *groups;    ///< of the pieces and then the sides: another of the same body, or itself
-    layout_figure opening;  ///< the narrowest found so far
+    double closed_gap;   ///< of a gap at a wall, m
+    double radius;       ///< of the largest part, m
+    double inner_radius; ///< of the narrowest part, m
+    size_t n;            ///< pieces
+    piece *pieces;       ///< n of them
+    size_t *groups;      ///< of the pieces and then the sides: another of the same body, or itself
+    layout_figure opening;  ///< the narrowest found so far that a part fits through
+    layout_figure gap;      ///< the narrowest of the others
     double steps_of_lookup; ///< to find the belt under a point
     double steps;           ///< that samples of links took
 } measuring;
@@ -165,7 +167,8 @@ static bool is_wall(const measuring *m, scene_side side)
     return m->around.edges[side] == SCENE_EDGE_WALL;
 }
 
-static void join_bodies(measuring *m)
+/// Join what is that near to a wall or to another piece, m.
+static void join_bodies(measuring *m, double to_wall, double to_piece)
 {
     vec2 on_a, on_b;
 
@@ -174,14 +177,14 @@ static void join_bodies(measuring *m)
     for (size_t k = 0; k < m->n; k++) {
         const piece *p = &m->pieces[k];
         for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
-            if (is_wall(m, side) && wall_gap(m, p, side, &on_a) <= m->closed_gap)
+            if (is_wall(m, side) && wall_gap(m, p, side, &on_a) <= to_wall)
                 join(m, k, m->n + side);
         }
         for (size_t i = 0; i < k; i++) {
             const piece *q = &m->pieces[i];
-            if (body_of(m, k) != body_of(m, i) && may_be_within(p, q, SCENE_LENGTH_MIN) &&
+            if (body_of(m, k) != body_of(m, i) && may_be_within(p, q, to_piece) &&
                 polygon_distance(p->corners, CORNERS, q->corners, CORNERS, &on_a, &on_b) <=
-                    SCENE_LENGTH_MIN)
+                    to_piece)
                 join(m, k, i);
         }
     }
@@ -286,11 +289,18 @@ static bool is_passage(measuring *m, vec2 a, vec2 b, bool are_guides)
     return false;
 }
 
+bool layout_fits(double inner_radius, double width)
+{
+    return width >= 2.0 * inner_radius - SCENE_LENGTH_MIN;
+}
+
 static void consider_opening(measuring *m, const piece *p, vec2 a, vec2 b, double width,
                              bool are_guides)
 {
-    if (width < m->opening.value && m->steps <= STEPS_MAX && is_passage(m, a, b, are_guides))
-        m->opening = (layout_figure){ width, p->obstacle };
+    layout_figure *narrowest = layout_fits(m->inner_radius, width) ? &m->opening : &m->gap;
+
+    if (width < narrowest->value && m->steps <= STEPS_MAX && is_passage(m, a, b, are_guides))
+        *narrowest = (layout_figure){ width, p->obstacle };
 }
 
 static void measure_openings(measuring *m)
@@ -404,6 +414,18 @@ static void measure_bends(const measuring *m, layout *out)
     }
 }
 
+/// True if no part gets past plates between two opposite walls, as nothing but gaps is left, that are too narrow.
+static bool closes_but_for_gaps(measuring *m)
+{
+    const double width = 2.0 * m->inner_radius - SCENE_LENGTH_MIN;
+    bool closes = false;
+
+    join_bodies(m, fmax(width, m->closed_gap), fmax(width, SCENE_LENGTH_MIN));
+    for (size_t k = 0; k < m->n && !closes; k++)
+        closes = m->pieces[k].deflects && closes_domain(m, body_of(m, k));
+    return closes;
+}
+
 static void add_plate(const measuring *m, const piece *p, size_t body, layout *out)
 {
     const bool closes = closes_domain(m, body);
@@ -458,16 +480,18 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
 {
     measuring m = { .s = s,
                     .radius = mix_radii_of(s).largest,
+                    .inner_radius = mix_inner_radii_of(s).smallest,
                     .around = surroundings_of(s),
                     .closed_gap = fmax(0.5 * scene_cell_edge(s), SCENE_LENGTH_MIN),
-                    .opening = { INFINITY, 0 } };
+                    .opening = { INFINITY, 0 },
+                    .gap = { INFINITY, 0 } };
     layout out = { .least = { INFINITY, 0 }, .greatest = { -INFINITY, 0 } };
 
     for (size_t k = 0; k < s->n_obstacles; k++)
         out.n_pieces += s->obstacles[k].n_points - 1;
     for (size_t k = 0; k < s->n_belts; k++)
         m.steps_of_lookup += 1.0 + (double)s->belts[k].n_points;
-    out.opening = m.opening;
+    out.opening = out.gap = m.opening;
     out.is_measured = out.n_pieces <= LAYOUT_PIECES_MAX;
     if (!out.is_measured) {
         *ret_layout = out;
@@ -477,12 +501,16 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
     m.groups = memory_alloc(out.n_pieces + SCENE_SIDE_COUNT, sizeof *m.groups);
     if (m.pieces != NULL && m.groups != NULL) {
         collect_pieces(&m);
-        join_bodies(&m);
+        join_bodies(&m, m.closed_gap, SCENE_LENGTH_MIN);
         measure_openings(&m);
         out.opening = m.opening;
+        out.gap = m.gap;
         measure_bends(&m, &out);
         measure_plates(&m, &out);
         measure_walls(&m, &out);
+        if (out.opening.value > 0.0 && isfinite(out.gap.value) &&
+            (isinf(out.opening.value) || closes_but_for_gaps(&m)))
+            out.opening = out.gap;
         out.is_measured = m.steps <= STEPS_MAX;
         *ret_layout = out;
     }

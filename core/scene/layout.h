@@ -6,7 +6,8 @@
 ///              downstream end that lies on the cargo's side and leads back upstream
 ///     opening  plates and walls that touch are one body; the narrowest opening is the smallest distance
 ///              of two bodies, one of them with a plate, across a moving belt. It is 0 where plates join two
-///              opposite walls. What lies behind a plate, where no belt brings cargo and nothing ahead would spread
+///              opposite walls. A gap that no part of any kind fits through is none, but where it is all that two opposite
+///              walls, joined by plates and such gaps, leave, or where there is nothing else. What lies behind a plate, where no belt brings cargo and nothing ahead would spread
 ///              it to, is none; nor is one between guides, or a guide and a wall, to which no belt brings cargo
 ///
 /// Plates are solid with their thickness, and are looked at as far as they lie in the domain, or beyond a
@@ -43,9 +44,13 @@ typedef struct layout {
     layout_figure greatest;   ///< largest angle of such a piece; index of the obstacle
     layout_figure bends;      ///< most bends of a plate; index of the obstacle
     layout_figure opening;    ///< the narrowest, m, INFINITY: none; index of an obstacle at it
+    layout_figure gap;        ///< the same of gaps that no part fits through
     layout_figure wall_angle; ///< largest angle at which a belt runs against a wall, 0: none does;
                               ///< index of the side
 } layout;
+
+/// True if a part whose inner radius (mix_inner_radii_of()) is this one, m, fits through a gap of a width, m.
+bool layout_fits(double inner_radius, double width);
 
 /// Measure a resolved scene whose numbers and geometry were checked. BF_ENOMEM.
 BF_MUST_CHECK bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err);

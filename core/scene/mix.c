@@ -68,16 +68,31 @@ void mix_footprints(const scene *s, shape_footprint ret_footprints[SCENE_KINDS_M
         ret_footprints[k] = shape_footprint_of(&s->cargo[k].shape);
 }
 
-mix_radii mix_radii_of(const scene *s)
+static mix_radii radii_by(const scene *s, double radius_of(const scene_shape *shape))
 {
     mix_radii radii = { INFINITY, 0.0 };
 
     for (size_t k = 0; k < s->n_cargo; k++) {
-        const double radius = shape_footprint_of(&s->cargo[k].shape).bounding_radius;
+        const double radius = radius_of(&s->cargo[k].shape);
         radii.smallest = fmin(radii.smallest, radius);
         radii.largest = fmax(radii.largest, radius);
     }
     return radii;
+}
+
+static double bounding_radius_of(const scene_shape *shape)
+{
+    return shape_footprint_of(shape).bounding_radius;
+}
+
+mix_radii mix_radii_of(const scene *s)
+{
+    return radii_by(s, bounding_radius_of);
+}
+
+mix_radii mix_inner_radii_of(const scene *s)
+{
+    return radii_by(s, shape_inner_radius);
 }
 
 double mix_angularity(const scene *s)

@@ -17,14 +17,17 @@ BF_MUST_CHECK bf_status mix_draw(const scene *s, size_t n, uint32_t **ret_kinds,
 /// The footprint of each kind.
 void mix_footprints(const scene *s, shape_footprint ret_footprints[SCENE_KINDS_MAX]);
 
-/// The smallest and the largest radius, m, of the disk about the footprint of a kind.
+/// The smallest and the largest of a radius of the kinds, m.
 typedef struct mix_radii {
     double smallest; ///< of all kinds
     double largest;  ///< same
 } mix_radii;
 
-/// Those of a scene.
+/// Of the disks about their footprints.
 mix_radii mix_radii_of(const scene *s);
+
+/// Of the disks that fit into them, shape_inner_radius(): what a gap must be wider than to let a part through.
+mix_radii mix_inner_radii_of(const scene *s);
 
 /// sqrt(R/r - 1), R the radius about a part and r that of a disk with its footprint, the mean by the shares of the kinds: 0 of
 /// cylinders, 0.5 of square boxes.

@@ -2,7 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
-#include "core/scene/shape.h"
+#include "core/scene/mix.h"
 
 #include <float.h>
 #include <math.h>
@@ -11,14 +11,11 @@
 // Radii matter where a belt has a border.
 static double smallest_bridge(const scene *s)
 {
-    double radius = INFINITY;
     bool has_border = false;
 
     for (size_t k = 0; k < s->n_belts; k++)
         has_border = has_border || s->belts[k].n_points > 0;
-    for (size_t k = 0; has_border && k < s->n_cargo; k++)
-        radius = fmin(radius, shape_inner_radius(&s->cargo[k].shape));
-    return has_border ? radius : 0.0;
+    return has_border ? mix_inner_radii_of(s).smallest : 0.0;
 }
 
 surroundings surroundings_of(const scene *s)

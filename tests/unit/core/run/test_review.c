@@ -220,6 +220,64 @@ static void failures_that_are_too_rare_for_the_run_are_warned_of(void **unused)
     }
 }
 
+static void add_plate(scene *s, double from, double to)
+{
+    helper_scene_add_obstacle(s, (vec2[]){ { 0.7, from }, { 0.7, to } }, 2, SCENE_SEALED);
+}
+
+static bool is_too_narrow(scene *s)
+{
+    const review_warning *found = warning_at(warnings_of(s), "/obstacles/0");
+
+    return found != NULL &&
+           strcmp(found->title, "Parts do not fit through the narrowest opening") == 0;
+}
+
+// Parts are 24 mm wide. A plate leaves 20 mm at its foot and 0.1 m at its tip, or those 20 mm alone; or 25 mm, for parts of
+// which a kind is 24 and one is 30 mm wide.
+static void an_opening_that_a_kind_does_not_fit_through_is_warned_of(void **unused)
+{
+    scene s;
+
+    (void)unused;
+    make_scene(&s, false);
+    add_plate(&s, 0.02, 0.5);
+    assert_false(is_too_narrow(&s));
+    make_scene(&s, false);
+    add_plate(&s, 0.02, 0.6);
+    assert_true(is_too_narrow(&s));
+    for (size_t n = 1; n <= 2; n++) {
+        make_scene(&s, false);
+        add_plate(&s, 0.025, 0.6);
+        s.cargo[1] = s.cargo[0];
+        s.cargo[1].shape.radius = 0.015;
+        s.n_cargo = n;
+        assert_true(is_too_narrow(&s) == (n == 2));
+    }
+}
+
+static void both_models_warn_of_it(void **unused)
+{
+    run_review review;
+    scene s;
+
+    (void)unused;
+    make_scene(&s, false);
+    add_plate(&s, 0.02, 0.6);
+    helper_scene_resolve(&s);
+    for (int model = RUN_MACRO; model <= RUN_MICRO; model++) {
+        bool is_found = false;
+        assert_int_equal(run_review_of(&s, (run_model)model, &review, NULL), BF_OK);
+        for (size_t k = 0; k < review.warnings.n; k++)
+            is_found = is_found || strcmp(review.warnings.items[k].meaning,
+                                          "It is 0.02 m wide, and parts are up to 0.024 m wide "
+                                          "where they are narrowest: those that have no other "
+                                          "way stay before it.") == 0;
+        assert_true(is_found);
+    }
+    scene_fini(&s);
+}
+
 static void no_memory_is_reported(void **unused)
 {
     bf_status status = BF_ENOMEM;
@@ -251,6 +309,8 @@ int main(void)
         cmocka_unit_test(a_beam_above_a_moving_belt_clears),
         cmocka_unit_test(an_eye_beside_the_belts_is_warned_of),
         cmocka_unit_test(failures_that_are_too_rare_for_the_run_are_warned_of),
+        cmocka_unit_test(an_opening_that_a_kind_does_not_fit_through_is_warned_of),
+        cmocka_unit_test(both_models_warn_of_it),
         cmocka_unit_test(no_memory_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

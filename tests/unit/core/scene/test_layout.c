@@ -334,10 +334,65 @@ static void a_slit_at_a_wall_counts_from_half_a_cell_on(void **state)
     (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.5, 0.002, 0.5, 0.4);
-    assert_near(measure(&s).opening.value, 0.2, 1e-12);
+    assert_true(isinf(measure(&s).gap.value));
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.5, 0.004, 0.5, 0.4);
-    assert_near(measure(&s).opening.value, 0.004, 1e-12);
+    assert_near(measure(&s).gap.value, 0.004, 1e-12);
+}
+
+// Parts are 24 mm wide: 23 mm at the foot of a plate let none through, 24 do.
+static void a_gap_that_no_part_fits_through_is_no_opening(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_belt(&s, east[0], east[1]);
+    add_plate(&s, 0.5, 0.023, 0.5, 0.4);
+    const layout gap = measure(&s);
+    assert_near(gap.opening.value, 0.2, 1e-12);
+    assert_near(gap.gap.value, 0.023, 1e-12);
+    make_belt(&s, east[0], east[1]);
+    add_plate(&s, 0.5, 0.024, 0.5, 0.4);
+    const layout opening = measure(&s);
+    assert_near(opening.opening.value, 0.024, 1e-12);
+    assert_true(isinf(opening.gap.value));
+}
+
+// Boxes of 60 x 20 mm, which pass 23 mm lengthwise, and with them the cylinders of 24 mm, which do not.
+static void the_narrowest_kind_says_what_an_opening_is(void **state)
+{
+    scene s;
+
+    (void)state;
+    for (size_t n = 1; n <= 2; n++) {
+        make_belt(&s, east[0], east[1]);
+        add_plate(&s, 0.5, 0.023, 0.5, 0.4);
+        s.cargo[1] = s.cargo[0];
+        s.n_cargo = n;
+        s.cargo[n - 1].shape =
+            (scene_shape){ .type = SCENE_BOX, .length = 0.06, .width = 0.02, .height = 0.01 };
+        assert_near(measure(&s).opening.value, 0.023, 1e-12);
+    }
+}
+
+// Where nothing else is left of a belt, downstream of an opening of 0.2 m or with none, a gap is the opening: beside one plate,
+// and between two. Without walls it is, too, as there is no opening at all.
+static void a_gap_that_alone_is_left_of_the_belt_is_the_opening(void **state)
+{
+    scene s;
+
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        make_belt(&s, east[0], east[1]);
+        if (k > 0 && k < 3)
+            add_plate(&s, 0.2, 0.6, 0.2, 0.2);
+        add_plate(&s, 0.7, 0.01, 0.7, k == 2 ? 0.3 : 0.6);
+        if (k == 2)
+            add_plate(&s, 0.7, 0.32, 0.7, 0.6);
+        if (k == 3)
+            s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
+        assert_near(measure(&s).opening.value, 0.01, 1e-12);
+    }
 }
 
 // A belt from y = 0.1 to 0.5 m in a domain of 0.6 m: nothing passes between its rails and the walls.
@@ -446,6 +501,9 @@ int main(void)
         cmocka_unit_test(strips_to_which_no_cargo_comes_are_no_openings),
         cmocka_unit_test(what_lies_behind_a_plate_is_no_opening),
         cmocka_unit_test(a_slit_at_a_wall_counts_from_half_a_cell_on),
+        cmocka_unit_test(a_gap_that_no_part_fits_through_is_no_opening),
+        cmocka_unit_test(the_narrowest_kind_says_what_an_opening_is),
+        cmocka_unit_test(a_gap_that_alone_is_left_of_the_belt_is_the_opening),
         cmocka_unit_test(what_lies_off_the_belts_is_no_opening),
         cmocka_unit_test(a_plate_that_leaves_the_domain_closes_nothing),
         cmocka_unit_test(plates_count_as_far_as_they_lie_in_the_domain),
