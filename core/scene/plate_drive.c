@@ -59,53 +59,27 @@ static double speed_under(double load)
     return fmin(fmax((1.0 - load) / (1.0 - eased), 0.0), 1.0);
 }
 
-// The next piece of a motion that is at `now` and told to be at `told` at its end, with a speed of at most `most` times
-// `part` of it. None if it is as told before and after.
-static void set_piece(plate_motion_piece *piece, double t, double until, double now, double told,
-                      double most, double part)
+// The next ramp of a motion that is at `now`, told to be at `told` now and at `next` at its end: at most `rate` times the speed
+// that the load, against its way, leaves it. None if it is as told before and after.
+static void follow(plate_motion_ramp *lag, double t, double until, vec2 now, vec2 told, vec2 next,
+                   double rate, double load)
 {
-    const double way = told - now;
-
-    if (piece->at == INFINITY && part == 1.0)
-        return;
-    const double able = part * fmin(fabs(way), most);
-    *piece = (plate_motion_piece){ .at = t,
-                                   .until = until,
-                                   .from = now,
-                                   .to = able < fabs(way) ? now + copysign(able, way) : told };
-}
-
-// The same of a shift, straight to where it is told to be.
-static void set_way(plate_motion_way *piece, double t, double until, vec2 now, vec2 told,
-                    double most, double part)
-{
-    const vec2 way = vec2_sub(told, now);
-    const double length = vec2_length(way), able = part * fmin(length, most);
-
-    if (piece->at == INFINITY && part == 1.0)
-        return;
-    *piece = (plate_motion_way){ .at = t,
-                                 .until = until,
-                                 .from = now,
-                                 .to = able < length ? vec2_add(now, vec2_scale(way, able / length))
-                                                     : told };
-}
-
-static void follow_shift(plate_motion_way *lag, const plate_drive *drive, const plate_load *load,
-                         double t, double until, const plate_motion_place *now,
-                         const plate_motion_place *told, const plate_motion_place *next)
-{
-    const vec2 way = vec2_sub(next->shift, now->shift);
+    const vec2 way = vec2_sub(next, now);
     const double length = vec2_length(way);
-    double fastest = drive->speed * (until - t);
+    // Nothing holds back what is not told to move.
+    const double part = length == 0.0 ? 1.0 : speed_under(load);
+    double fastest = rate * (until - t);
 
-    if (now->shift.x == told->shift.x && now->shift.y == told->shift.y) {
+    if (now.x == told.x && now.y == told.y) {
         lag->at = INFINITY;
         fastest = length;
     }
-    set_way(lag, t, until, now->shift, next->shift, fastest,
-            length == 0.0 ? 1.0
-                          : speed_under(-vec2_dot(load->resultant, way) / length / drive->force));
+    if (lag->at == INFINITY && part == 1.0)
+        return;
+    const double able = part * fmin(length, fastest);
+    *lag =
+        (plate_motion_ramp){ t, until, now,
+                             able < length ? vec2_add(now, vec2_scale(way, able / length)) : next };
 }
 
 void plate_drive_follow(plate_motion *motion, size_t obstacle, const plate_drive *drive,
@@ -115,33 +89,23 @@ void plate_drive_follow(plate_motion *motion, size_t obstacle, const plate_drive
     const plate_motion_place now = plate_motion_at(motion, obstacle, t);
     const plate_motion_place told = plate_motion_told(motion, obstacle, t);
     const plate_motion_place next = plate_motion_told(motion, obstacle, until);
-    const double extent = plate_motion_extent(motion, obstacle, t);
-    const double to_extent = plate_motion_told_extent(motion, obstacle, until);
+    const vec2 extent = { plate_motion_extent(motion, obstacle, t), 0.0 };
+    const vec2 told_extent = { plate_motion_told_extent(motion, obstacle, t), 0.0 };
+    const vec2 next_extent = { plate_motion_told_extent(motion, obstacle, until), 0.0 };
+    const vec2 way = vec2_sub(next.shift, now.shift);
     const double against = next.angle > now.angle ? -load->torque : load->torque;
-    double fastest = drive->rate * (until - t);
 
-    if (now.angle == told.angle) {
-        lag->angle.at = INFINITY;
-        fastest = fabs(next.angle - now.angle);
-    }
-    if (extent == plate_motion_told_extent(motion, obstacle, t))
-        lag->extent.at = INFINITY;
-    // Nothing holds back what is not told to move.
-    set_piece(&lag->angle, t, until, now.angle, next.angle, fastest,
-              next.angle == now.angle ? 1.0 : speed_under(against / drive->torque));
-    set_piece(&lag->extent, t, until, extent, to_extent, (until - t) / PLATE_MOTION_COMING,
-              to_extent <= extent ? 1.0 : speed_under(load->force / drive->force));
-    follow_shift(&lag->shift, drive, load, t, until, &now, &told, &next);
+    follow(&lag->angle, t, until, (vec2){ now.angle, 0.0 }, (vec2){ told.angle, 0.0 },
+           (vec2){ next.angle, 0.0 }, drive->rate, against / drive->torque);
+    follow(&lag->extent, t, until, extent, told_extent, next_extent, 1.0 / PLATE_MOTION_COMING,
+           next_extent.x <= extent.x ? 0.0 : load->force / drive->force);
+    follow(&lag->shift, t, until, now.shift, told.shift, next.shift, drive->speed,
+           -vec2_dot(load->resultant, way) / vec2_length(way) / drive->force);
 }
 
-static bool stands(const plate_motion_piece *piece)
+static bool stands(const plate_motion_ramp *ramp)
 {
-    return piece->at < INFINITY && piece->from == piece->to;
-}
-
-static bool stands_still(const plate_motion_way *way)
-{
-    return way->at < INFINITY && way->from.x == way->to.x && way->from.y == way->to.y;
+    return ramp->at < INFINITY && ramp->from.x == ramp->to.x && ramp->from.y == ramp->to.y;
 }
 
 plate_drive_state plate_drive_state_of(const plate_motion *motion, size_t obstacle, double t)
@@ -150,9 +114,9 @@ plate_drive_state plate_drive_state_of(const plate_motion *motion, size_t obstac
     const plate_motion_place told = plate_motion_told(motion, obstacle, t);
     const vec2 left = vec2_sub(lag->shift.to, told.shift);
 
-    if ((stands(&lag->angle) && lag->angle.to != told.angle) ||
-        (stands_still(&lag->shift) && (left.x != 0.0 || left.y != 0.0)) ||
-        (stands(&lag->extent) && lag->extent.to < plate_motion_told_extent(motion, obstacle, t)))
+    if ((stands(&lag->angle) && lag->angle.to.x != told.angle) ||
+        (stands(&lag->shift) && (left.x != 0.0 || left.y != 0.0)) ||
+        (stands(&lag->extent) && lag->extent.to.x < plate_motion_told_extent(motion, obstacle, t)))
         return PLATE_DRIVE_STALLED;
     return is_behind(lag) ? PLATE_DRIVE_BEHIND : PLATE_DRIVE_AS_TOLD;
 }

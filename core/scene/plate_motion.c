@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const plate_motion_command no_command = {
-    .at = INFINITY, .presence = -1.0, .came = -INFINITY, .shift = { .at = INFINITY }
+    .angle = { .at = INFINITY }, .shift = { .at = INFINITY }, .presence = -1.0, .came = -INFINITY
 };
 
 static const plate_motion_lag no_lag = { .angle = { .at = INFINITY },
@@ -138,34 +138,29 @@ static plate_motion_place scheduled_place(const plate_motion_plate *plate, doubl
     return place;
 }
 
-static double commanded_angle(const plate_motion_command *c, double t)
+// The value at a time t at or after the beginning.
+static vec2 ramp_at(const plate_motion_ramp *r, double t)
 {
-    return t < c->at + c->over ? c->from + (c->to - c->from) * ((t - c->at) / c->over) : c->to;
+    return t < r->until ? between(r->from, r->to, (t - r->at) / (r->until - r->at)) : r->to;
 }
 
-// Where a way is at a time t at or after its beginning.
-static vec2 place_on(const plate_motion_way *w, double t)
+// Replaces what has a ramp.
+static void put_ramps(const plate_motion_ramp *angle, const plate_motion_ramp *shift, double t,
+                      plate_motion_place *place)
 {
-    return t < w->until ? between(w->from, w->to, (t - w->at) / (w->until - w->at)) : w->to;
+    if (angle->at < INFINITY)
+        place->angle = ramp_at(angle, t).x;
+    if (shift->at < INFINITY)
+        place->shift = ramp_at(shift, t);
 }
 
 plate_motion_place plate_motion_told(const plate_motion *motion, size_t obstacle, double t)
 {
     const plate_motion_plate *plate = &motion->plates[obstacle];
-    const plate_motion_command *command = &plate->command;
     plate_motion_place place = scheduled_place(plate, t);
 
-    if (command->at < INFINITY)
-        place.angle = commanded_angle(command, t);
-    if (command->shift.at < INFINITY)
-        place.shift = place_on(&command->shift, t);
+    put_ramps(&plate->command.angle, &plate->command.shift, t, &place);
     return place;
-}
-
-// The value of a piece at a time t at or after its beginning.
-static double value_of(const plate_motion_piece *p, double t)
-{
-    return t < p->until ? p->from + (p->to - p->from) * ((t - p->at) / (p->until - p->at)) : p->to;
 }
 
 plate_motion_place plate_motion_at(const plate_motion *motion, size_t obstacle, double t)
@@ -173,10 +168,7 @@ plate_motion_place plate_motion_at(const plate_motion *motion, size_t obstacle, 
     const plate_motion_lag *lag = &motion->plates[obstacle].lag;
     plate_motion_place place = plate_motion_told(motion, obstacle, t);
 
-    if (lag->angle.at < INFINITY)
-        place.angle = value_of(&lag->angle, t);
-    if (lag->shift.at < INFINITY)
-        place.shift = place_on(&lag->shift, t);
+    put_ramps(&lag->angle, &lag->shift, t, &place);
     return place;
 }
 
@@ -235,10 +227,10 @@ double plate_motion_told_extent(const plate_motion *motion, size_t obstacle, dou
 
 double plate_motion_extent(const plate_motion *motion, size_t obstacle, double t)
 {
-    const plate_motion_piece *lag = &motion->plates[obstacle].lag.extent;
+    const plate_motion_ramp *lag = &motion->plates[obstacle].lag.extent;
     const double told = plate_motion_told_extent(motion, obstacle, t);
 
-    return lag->at < INFINITY ? fmin(value_of(lag, t), told) : told;
+    return lag->at < INFINITY ? fmin(ramp_at(lag, t).x, told) : told;
 }
 
 plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle,
@@ -270,13 +262,11 @@ plate_motion_step plate_motion_in_step(const plate_motion *motion, size_t obstac
 void plate_motion_command_turn(plate_motion *motion, size_t obstacle, double t, double angle,
                                double over)
 {
-    plate_motion_command *c = &motion->plates[obstacle].command;
+    const double from = plate_motion_at(motion, obstacle, t).angle;
 
-    c->from = plate_motion_at(motion, obstacle, t).angle;
     motion->plates[obstacle].lag.angle = no_lag.angle;
-    c->at = t;
-    c->to = angle;
-    c->over = over;
+    motion->plates[obstacle].command.angle =
+        (plate_motion_ramp){ t, t + over, { from, 0.0 }, { angle, 0.0 } };
 }
 
 void plate_motion_command_shift(plate_motion *motion, size_t obstacle, double t, vec2 shift,
@@ -285,7 +275,7 @@ void plate_motion_command_shift(plate_motion *motion, size_t obstacle, double t,
     const vec2 from = plate_motion_at(motion, obstacle, t).shift;
 
     motion->plates[obstacle].lag.shift = no_lag.shift;
-    motion->plates[obstacle].command.shift = (plate_motion_way){ t, t + over, from, shift };
+    motion->plates[obstacle].command.shift = (plate_motion_ramp){ t, t + over, from, shift };
 }
 
 void plate_motion_command_presence(plate_motion *motion, size_t obstacle, double t, bool is_present)
@@ -312,28 +302,20 @@ void plate_motion_save(const plate_motion *motion, checkpoint_writer *w)
     }
 }
 
-static bool is_piece_sound(const plate_motion_piece *p)
+static bool is_ramp_sound(const plate_motion_ramp *r)
 {
-    return p->at == INFINITY || (p->at >= 0.0 && p->until > p->at && isfinite(p->until) &&
-                                 isfinite(p->from) && isfinite(p->to));
-}
-
-static bool is_way_sound(const plate_motion_way *w)
-{
-    return w->at == INFINITY ||
-           (w->at >= 0.0 && w->until > w->at && isfinite(w->until) && isfinite(w->from.x) &&
-            isfinite(w->from.y) && isfinite(w->to.x) && isfinite(w->to.y));
+    return r->at == INFINITY ||
+           (r->at >= 0.0 && r->until >= r->at && isfinite(r->until) && isfinite(r->from.x) &&
+            isfinite(r->from.y) && isfinite(r->to.x) && isfinite(r->to.y));
 }
 
 static bool is_sound(const saved_plate *s)
 {
     const plate_motion_command *c = &s->command;
 
-    return (c->at == INFINITY || (c->at >= 0.0 && isfinite(c->from) && isfinite(c->to) &&
-                                  c->over > 0.0 && isfinite(c->over))) &&
-           (c->presence == -1.0 || c->presence == 0.0 || c->presence == 1.0) &&
-           c->came < INFINITY && is_piece_sound(&s->lag.angle) && is_piece_sound(&s->lag.extent) &&
-           is_way_sound(&c->shift) && is_way_sound(&s->lag.shift);
+    return is_ramp_sound(&c->angle) && is_ramp_sound(&c->shift) && is_ramp_sound(&s->lag.angle) &&
+           is_ramp_sound(&s->lag.extent) && is_ramp_sound(&s->lag.shift) &&
+           (c->presence == -1.0 || c->presence == 0.0 || c->presence == 1.0) && c->came < INFINITY;
 }
 
 bool plate_motion_load(plate_motion *motion, checkpoint_reader *r)

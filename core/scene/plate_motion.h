@@ -14,7 +14,7 @@
 ///                   steadily between their places, and is present as at the last time
 ///     commands      replace the schedule of what they command from then on: a turn goes from the present angle to
 ///                   another one at a steady rate and ends there, a shift likewise, straight
-///     lag           a drive that bears too much falls behind these, see plate_drive.h; it is then moved by pieces
+///     lag           a drive that bears too much falls behind these, see plate_drive.h; it is then moved by ramps
 ///                   that plate_drive_follow() sets, and has caught up when angle, shift and extent are those told
 ///
 /// In a step of a solver, from t to t + dt, a plate turns about its pivot at its mean angular velocity (angle(t + dt) -
@@ -39,38 +39,27 @@
 /// upon is pushed aside by that time, so that no contact begins with an overlap, whatever its stiffness.
 #define PLATE_MOTION_COMING 0.2
 
-/// A way of an obstacle's pivot: straight, steady, and at rest after it.
-typedef struct plate_motion_way {
+/// A value that changes steadily between two times, and not after them. Of one number y is 0.
+typedef struct plate_motion_ramp {
     double at;    ///< its beginning, s; INFINITY: there is none
-    double until; ///< its end, s, later
-    vec2 from;    ///< displacement at its beginning, m
+    double until; ///< its end, s, not before
+    vec2 from;    ///< value at its beginning
     vec2 to;      ///< at its end
-} plate_motion_way;
+} plate_motion_ramp;
 
 /// What was commanded of an obstacle.
 typedef struct plate_motion_command {
-    double at;       ///< when a turn was commanded, s; INFINITY: never
-    double from;     ///< angle at that time, rad
-    double to;       ///< angle at its end, rad
-    double over;     ///< its duration, s, > 0
-    double presence; ///< 1 or 0; -1: never commanded
-    double came;     ///< when it came, if it is commanded to be there, s; -INFINITY: it always was
-    plate_motion_way shift; ///< see there
+    plate_motion_ramp angle; ///< rad
+    plate_motion_ramp shift; ///< m
+    double presence;         ///< 1 or 0; -1: never commanded
+    double came; ///< when it came, if it is commanded to be there, s; -INFINITY: it always was
 } plate_motion_command;
 
-/// A piece of a motion that is behind what was told: steady, and at rest after it.
-typedef struct plate_motion_piece {
-    double at;    ///< its beginning, s; INFINITY: the motion is as told
-    double until; ///< its end, s, later
-    double from;  ///< value at its beginning
-    double to;    ///< at its end
-} plate_motion_piece;
-
-/// How a drive lags.
+/// How a drive is behind what was told; where there is no ramp, it is not.
 typedef struct plate_motion_lag {
-    plate_motion_piece angle;  ///< rad
-    plate_motion_piece extent; ///< of a plate that comes, 0 to 1
-    plate_motion_way shift;    ///< see there
+    plate_motion_ramp angle;  ///< rad
+    plate_motion_ramp extent; ///< of a plate that comes, 0 to 1
+    plate_motion_ramp shift;  ///< m
 } plate_motion_lag;
 
 /// The motion of one obstacle.

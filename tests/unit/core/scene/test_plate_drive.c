@@ -216,7 +216,7 @@ static void a_saved_lag_goes_on_and_a_damaged_one_is_refused(void **state)
         checkpoint_writer w;
         checkpoint_reader r;
         if (damaged != 0)
-            motion.plates[0].lag.angle.until = motion.plates[0].lag.angle.at;
+            motion.plates[0].lag.angle.until = 0.5 * motion.plates[0].lag.angle.at;
         bytes.n = 0;
         checkpoint_begin(&w, &bytes, CHECKPOINT_DISK, 1);
         plate_motion_save(&motion, &w);

@@ -373,12 +373,12 @@ typedef struct saved {
     plate_motion_lag lag;
 } saved;
 
-static const saved sound = {
-    { .at = 1.0, .over = 1.0, .presence = -1.0, .shift = { 1.0, 2.0, { 0.0, 0.0 }, { 1.0, 0.0 } } },
-    { .angle = { .at = INFINITY },
-      .extent = { .at = INFINITY },
-      .shift = { 1.5, 1.6, { 0.2, 0.0 }, { 0.3, 0.0 } } }
-};
+static const saved sound = { { .angle = { 1.0, 2.0, { 0.0, 0.0 }, { 0.5, 0.0 } },
+                               .shift = { 1.0, 2.0, { 0.0, 0.0 }, { 1.0, 0.0 } },
+                               .presence = -1.0 },
+                             { .angle = { .at = INFINITY },
+                               .extent = { .at = INFINITY },
+                               .shift = { 1.5, 1.6, { 0.2, 0.0 }, { 0.3, 0.0 } } } };
 
 static void a_state_that_is_not_one_is_refused(void **state)
 {
@@ -387,13 +387,13 @@ static void a_state_that_is_not_one_is_refused(void **state)
         double *place;
         double bad;
     } cases[] = {
-        { &s.command.over, 0.0 },        { &s.command.at, -1.0 },
-        { &s.command.from, NAN },        { &s.command.to, INFINITY },
-        { &s.command.at, NAN },          { &s.command.presence, 0.5 },
-        { &s.command.came, NAN },        { &s.command.shift.at, -1.0 },
-        { &s.command.shift.until, 1.0 }, { &s.command.shift.from.x, NAN },
-        { &s.command.shift.to.y, NAN },  { &s.lag.shift.until, INFINITY },
-        { &s.lag.shift.from.y, NAN },    { &s.lag.angle.at, 1.0 },
+        { &s.command.angle.until, 0.5 },  { &s.command.angle.at, -1.0 },
+        { &s.command.angle.from.x, NAN }, { &s.command.angle.to.x, INFINITY },
+        { &s.command.angle.at, NAN },     { &s.command.presence, 0.5 },
+        { &s.command.came, NAN },         { &s.command.shift.at, -1.0 },
+        { &s.command.shift.until, 0.5 },  { &s.command.shift.from.x, NAN },
+        { &s.command.shift.to.y, NAN },   { &s.lag.shift.until, INFINITY },
+        { &s.lag.shift.from.y, NAN },     { &s.lag.angle.at, 1.0 },
     };
     scene_obstacle o = gate();
 
