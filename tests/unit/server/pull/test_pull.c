@@ -612,6 +612,38 @@ static void no_more_cpu_time_is_believed_than_has_passed(void **state)
     api_lease_fini(&l);
 }
 
+// The same of a job that the daemon before this one leased: its attempt says when, ten seconds ago. Its end is believed no more
+// than it itself.
+static void no_more_cpu_time_is_believed_of_a_job_that_goes_on_after_a_restart(void **state)
+{
+    fixture *f = *state;
+    const uint64_t attempt = (uint64_t)clock_unix_ms() - 10000;
+    api_job_report report = { .job = 0, .run = RUN_A, .attempt = attempt, .cpu_s = 5.0 };
+    api_job_end end = { .cause = API_JOB_EXITED };
+    api_renewal renewal = { .worker = "liar", .n_jobs = 1, .jobs = &report, .ended = &end };
+    char id[EXECUTOR_ID_SIZE];
+    executor_job *job = NULL;
+
+    (void)solver_name(renewal.solver);
+    snprintf(id, sizeof id, "pull:" RUN_A ":%llu", (unsigned long long)attempt);
+    assert_int_equal(f->executor->functions->attach(f->executor, id, &job, NULL), BF_OK);
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(f->api.renew(f->api.context, RUN_B, &renewal, &f->states, NULL), BF_OK);
+        memory_free(f->states.items);
+        f->states.items = NULL;
+        const double used_s = f->executor->functions->cpu_s(f->executor, job);
+        const int64_t passed_ms = clock_unix_ms() - (int64_t)attempt;
+        assert_true(k == 0 ? used_s == 5.0 : used_s >= 5.0);
+        assert_true(used_s <= API_WORKER_CORES * (1.0 + 1e-3 * (double)passed_ms));
+        report.cpu_s = 1e300;
+        end.report = report;
+        renewal.n_jobs = k == 0; // at last it has ended
+        renewal.n_ended = k == 1;
+    }
+    assert_int_equal(state_of_job(f, job), EXECUTOR_ENDED);
+    release(f, job);
+}
+
 static void the_memory_of_runs_adds_up(void **state)
 {
     enum { GIB = 1 << 30 };
@@ -714,6 +746,7 @@ int main(void)
         TEST(workers_are_listed),
         TEST(what_is_leased_and_not_begun_comes_back),
         TEST(no_more_cpu_time_is_believed_than_has_passed),
+        TEST(no_more_cpu_time_is_believed_of_a_job_that_goes_on_after_a_restart),
         TEST(the_memory_of_runs_adds_up),
         TEST(a_worker_is_its_token_and_its_name),
     };
