@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # lintian has nothing to say of the Debian package; it installs, its daemon starts as its own user and solves, an upgrade from
-# the number of an earlier release keeps runs and settings, and purging leaves nothing. All in a view of this machine
-# (tests/deploy/view.sh).
+# an earlier package keeps runs and settings, and purging leaves nothing. All in a view of this machine (tests/deploy/view.sh).
+# Without a package of an earlier version it is this one under an earlier number: its scripts and conffiles are tried, no migration.
 #
-#     package.sh BELTFLOW.deb        exit 77: cannot be tried here
+#     package.sh BELTFLOW.deb [EARLIER.deb]        exit 77: cannot be tried here
 set -euo pipefail
 
 fail()
@@ -43,13 +43,6 @@ if [[ ${1:-} == --inside ]]; then
     dpkg --install /earlier.deb >"$work/dpkg" 2>&1 || fail "$(cat "$work/dpkg")"
     getent passwd beltflow >/dev/null || fail "there is no user beltflow"
     [[ $(stat -c '%U %a' /var/lib/beltflow) == "beltflow 750" ]] || fail "/var/lib/beltflow is open"
-    dpkg --listfiles beltflow >"$work/files"
-    for file in /usr/bin/beltflow /usr/bin/beltflow-worker /usr/bin/beltflowd /lib/systemd/system/beltflow.service \
-        /lib/systemd/system/beltflow-backup.service /lib/systemd/system/beltflow-backup.timer \
-        /etc/beltflow/beltflow.conf /usr/share/man/man8/beltflowd.8.gz /usr/share/man/man1/beltflow-solve.1.gz \
-        /usr/share/doc/beltflow/copyright /usr/share/doc/beltflow/manual/operating.md; do
-        grep -qx "$file" "$work/files" || fail "$file is not in the package"
-    done
     setpriv --reuid=beltflow --regid=beltflow --clear-groups \
         beltflowd --config /etc/beltflow/beltflow.conf --check-config || fail "the settings are at fault"
 
@@ -65,11 +58,19 @@ if [[ ${1:-} == --inside ]]; then
     stop_daemon
 
     echo "retention_days = 30" >>/etc/beltflow/beltflow.conf
-    dpkg --install /beltflow.deb >"$work/dpkg" 2>&1 || fail "again: $(cat "$work/dpkg")"
-    grep -q "upgraded\|over (0.1.0)" "$work/dpkg" || fail "no upgrade: $(cat "$work/dpkg")"
+    # The operator's settings stay where the sample has changed, too: what is answered to dpkg's question.
+    dpkg --force-confold --install /beltflow.deb >"$work/dpkg" 2>&1 || fail "again: $(cat "$work/dpkg")"
+    grep -q "upgraded\|over (" "$work/dpkg" || fail "no upgrade: $(cat "$work/dpkg")"
     grep -qx "retention_days = 30" /etc/beltflow/beltflow.conf || fail "an upgrade lost the settings"
     [[ "beltflowd $(dpkg-query -W -f='${Version}' beltflow)" == "$(beltflowd --version)-1" ]] ||
         fail "the program is $(beltflowd --version)"
+    dpkg --listfiles beltflow >"$work/files"
+    for file in /usr/bin/beltflow /usr/bin/beltflow-worker /usr/bin/beltflowd /lib/systemd/system/beltflow.service \
+        /lib/systemd/system/beltflow-backup.service /lib/systemd/system/beltflow-backup.timer \
+        /etc/beltflow/beltflow.conf /usr/share/man/man8/beltflowd.8.gz /usr/share/man/man1/beltflow-solve.1.gz \
+        /usr/share/doc/beltflow/copyright /usr/share/doc/beltflow/manual/operating.md; do
+        grep -qx "$file" "$work/files" || fail "$file is not in the package"
+    done
     start_daemon
     curl -sS --fail "$url$run" | grep -q '"status": *"succeeded"' || fail "an upgrade lost the run"
     stop_daemon
@@ -106,13 +107,17 @@ if [[ ${1:-} == --inside ]]; then
     exit 0
 fi
 
-deb=$(realpath "${1:?usage: package.sh BELTFLOW.deb}")
+deb=$(realpath "${1:?usage: package.sh BELTFLOW.deb [EARLIER.deb]}")
 lintian --allow-root --fail-on error,warning "$deb" || fail "lintian found this"
 space=$(mktemp -d)
 trap 'rm -r "$space"' EXIT
 cp "$deb" "$space/beltflow.deb"
-dpkg-deb --raw-extract "$deb" "$space/earlier"
-sed -i 's/^Version: .*/Version: 0.1.0/' "$space/earlier/DEBIAN/control"
-dpkg-deb -Znone --build "$space/earlier" "$space/earlier.deb" >/dev/null
+if (($# > 1)); then
+    cp "$2" "$space/earlier.deb"
+else
+    dpkg-deb --raw-extract "$deb" "$space/earlier"
+    sed -i 's/^Version: .*/Version: 0.1.0/' "$space/earlier/DEBIAN/control"
+    dpkg-deb -Znone --build "$space/earlier" "$space/earlier.deb" >/dev/null
+fi
 "$(dirname "$0")/view.sh" "$0" "$space/beltflow.deb" "$space/earlier.deb"
 echo "package: installed, started, upgraded, purged"
