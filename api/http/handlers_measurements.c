@@ -3,6 +3,7 @@
 #include "api/http/access.h"
 #include "api/http/http_priv.h"
 #include "api/json/number.h"
+#include "api/json/text.h"
 #include "api/results/measurement.h"
 #include "api/results/results.h"
 #include "core/base/memory.h"
@@ -19,11 +20,9 @@ enum { CSV_JSON_MAX = 2 };
 // Of a word that the route's table has accepted; NULL: a curve.
 static api_measured kind_of(const char *word)
 {
-    api_measured kind = API_MEASURED_CURVE;
-
-    while (word != NULL && strcmp(api_measured_words[kind], word) != 0)
-        kind++;
-    return kind;
+    return word == NULL
+               ? API_MEASURED_CURVE
+               : (api_measured)text_find_word(api_measured_words, API_MEASURED_COUNT, word);
 }
 
 static bf_status read_measurement(exchange *x, measurement *ret_measurement, bf_error *err)

@@ -5,6 +5,7 @@
 #include "api/http/negotiation.h"
 #include "api/http/run_sort.h"
 #include "api/json/moment.h"
+#include "api/json/text.h"
 #include "api/results/annotations_json.h"
 #include "api/results/run_json.h"
 #include "api/scenario/submission.h"
@@ -183,10 +184,8 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     snprintf(list.study, sizeof list.study, "%s", parent != NULL ? parent : "");
     if (state != NULL)
         list.state = (int)run_state_find(state);
-    for (int i = 0; i < RUN_MODEL_COUNT && model != NULL; i++) {
-        if (strcmp(model, run_model_words[i]) == 0)
-            list.model = i;
-    }
+    if (model != NULL)
+        list.model = (int)text_find_word(run_model_words, RUN_MODEL_COUNT, model);
     return list;
 }
 

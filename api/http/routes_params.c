@@ -4,11 +4,10 @@
 
 #include "api/http/http_priv.h"
 #include "api/http/run_sort.h"
+#include "api/json/text.h"
 #include "api/results/colormap.h"
 #include "api/results/picture.h"
 #include "api/scenario/submission.h"
-
-#include <string.h>
 
 #define TEXT_OF(macro)   TEXT_OF_IT(macro)
 #define TEXT_OF_IT(text) #text
@@ -20,11 +19,7 @@ static bool is_state(const char *text)
 
 static bool is_model(const char *text)
 {
-    int model = 0;
-
-    while (model < RUN_MODEL_COUNT && strcmp(run_model_words[model], text) != 0)
-        model++;
-    return model < RUN_MODEL_COUNT;
+    return text_has_word(run_model_words, text);
 }
 
 static bool is_study_state(const char *text)
@@ -34,11 +29,7 @@ static bool is_study_state(const char *text)
 
 static bool is_measured_kind(const char *text)
 {
-    int kind = 0;
-
-    while (kind < API_MEASURED_COUNT && strcmp(api_measured_words[kind], text) != 0)
-        kind++;
-    return kind < API_MEASURED_COUNT;
+    return text_has_word(api_measured_words, text);
 }
 
 static bool is_colormap(const char *text)
@@ -58,33 +49,20 @@ const param routes__lease_id = {
     .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which lease"
 };
 
-const param routes__trial_number = { .name = "number",
-                                     .in = "path",
-                                     .kind = &param_whole,
-                                     .type = "#Count",
-                                     .most = UINT64_MAX,
-                                     .is_required = true,
-                                     .help = "Which trial, from 0" };
+// One of several that are counted.
+#define COUNTED(word, what)                                                                        \
+    {                                                                                              \
+        .name = word, .in = "path", .kind = &param_whole, .type = "#Count", .most = UINT64_MAX,    \
+        .is_required = true, .help = what                                                          \
+    }
 
-const param routes__grant_number = { .name = "number",
-                                     .in = "path",
-                                     .kind = &param_whole,
-                                     .type = "#Count",
-                                     .most = UINT64_MAX,
-                                     .is_required = true,
-                                     .help = "Which grant" };
+const param routes__trial_number = COUNTED("number", "Which trial, from 0");
+const param routes__grant_number = COUNTED("number", "Which grant");
+const param routes__snapshot_n = COUNTED("n", "Which snapshot, from 0");
 
 const param routes__measurement_id = {
     .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which measurement"
 };
-
-const param routes__snapshot_n = { .name = "n",
-                                   .in = "path",
-                                   .kind = &param_whole,
-                                   .type = "#Count",
-                                   .most = UINT64_MAX,
-                                   .is_required = true,
-                                   .help = "Which snapshot, from 0" };
 
 const param routes__example_name = { .name = "name",
                                      .in = "path",

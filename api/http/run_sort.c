@@ -1,6 +1,7 @@
 #include "api/http/run_sort.h"
 
 #include "api/json/number.h"
+#include "api/json/text.h"
 #include "core/base/check.h"
 #include "core/figures/figure.h"
 
@@ -24,13 +25,9 @@ static void name_figure(figure_id id, char ret_name[API_SORT_FIGURE_SIZE])
 
 bool run_sort_read(const char *text, api_sort *ret_sort)
 {
-    api_sort sort = { .by = API_SORT_FIGURE, .is_rising = *text != '-' };
     const char *word = text + (*text == '-' ? 1 : 0);
-
-    for (api_sort_by by = API_SORT_CREATED; by < API_SORT_FIGURE; by++) {
-        if (strcmp(word, words[by]) == 0)
-            sort.by = by;
-    }
+    api_sort sort = { .by = (api_sort_by)text_find_word(words, API_SORT_FIGURE, word),
+                      .is_rising = *text != '-' };
     figure_id id = figure_first(FIGURE_OF_RUN);
     for (; sort.by == API_SORT_FIGURE && id < figure_first(FIGURE_OF_RUN + 1); id++) {
         name_figure(id, sort.figure);

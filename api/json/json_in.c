@@ -1,12 +1,14 @@
 #include "api/json/json_in.h"
 
 #include "api/json/json_scan.h"
+#include "api/json/text.h"
 #include "core/base/check.h"
 #include "core/base/memory.h"
 
 #include <jansson.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -301,14 +303,12 @@ static void note_words(json_in *in, const struct json_t *value, const char *cons
 bool json_in_word(json_in *in, const struct json_t *value, const char *const *words,
                   unsigned *ret_index)
 {
-    for (unsigned k = 0; json_is_string(value) && words[k] != NULL; k++) {
-        if (strcmp(words[k], json_string_value(value)) == 0) {
-            *ret_index = k;
-            return true;
-        }
+    if (!json_is_string(value) || !text_has_word(words, json_string_value(value))) {
+        note_words(in, value, words);
+        return false;
     }
-    note_words(in, value, words);
-    return false;
+    *ret_index = (unsigned)text_find_word(words, SIZE_MAX, json_string_value(value));
+    return true;
 }
 
 static bool check_length(json_in *in, size_t n, size_t least, size_t most)

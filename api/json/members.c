@@ -27,20 +27,13 @@ static unsigned read_choice(const void *item, size_t offset)
     return choice;
 }
 
-static bool has_word(const char *const *words, const char *word)
-{
-    while (*words != NULL && strcmp(*words, word) != 0)
-        words++;
-    return *words != NULL;
-}
-
 // True if the member is of no form or of the one that the object has.
 static bool is_of_form(const member_table *table, const member *m, unsigned choice)
 {
     bool is_of_any = false;
 
     for (unsigned k = 0; table->forms[k] != NULL; k++) {
-        bool is_of_this = has_word(table->forms[k], m->name);
+        bool is_of_this = text_has_word(table->forms[k], m->name);
         if (is_of_this && k == choice)
             return true;
         is_of_any = is_of_any || is_of_this;

@@ -39,6 +39,20 @@ bool text_is_utf8(const char *text)
     return *text == '\0';
 }
 
+size_t text_find_word(const char *const *words, size_t n, const char *word)
+{
+    size_t i = 0;
+
+    while (i < n && words[i] != NULL && strcmp(words[i], word) != 0)
+        i++;
+    return i;
+}
+
+bool text_has_word(const char *const *words, const char *word)
+{
+    return words[text_find_word(words, SIZE_MAX, word)] != NULL;
+}
+
 static size_t smaller(size_t a, size_t b)
 {
     return a < b ? a : b;

@@ -1,4 +1,4 @@
-/// Text as it may come from clients: checks of UTF-8, and the distance of names, to suggest the one that
+/// Text as it may come from clients: checks of UTF-8, words of a list, and the distance of names, to suggest the one that
 /// was meant.
 
 #pragma once
@@ -12,6 +12,12 @@ size_t text_utf8_size(const char *character);
 
 /// True if all of text is UTF-8.
 bool text_is_utf8(const char *text);
+
+/// The index of a word in a list of n, which may end before with NULL; else that of the list's end.
+size_t text_find_word(const char *const *words, size_t n, const char *word);
+
+/// True if a list that ends with NULL has the word.
+bool text_has_word(const char *const *words, const char *word);
 
 enum { TEXT_LENGTH_MAX = 64 }; ///< bytes of a name; longer ones are like nothing
 

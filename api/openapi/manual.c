@@ -1,5 +1,6 @@
 #include "api/http/problem.h"
 #include "api/json/members.h"
+#include "api/json/text.h"
 #include "api/openapi/openapi_priv.h"
 #include "api/results/measurement.h"
 #include "api/scenario/goods_json.h"
@@ -34,10 +35,8 @@ static void describe_kind(const member *m, char *text, size_t size)
 static bool is_of_a_form(const member_table *table, const member *m)
 {
     for (size_t k = 0; table->choice == MEMBER_ONE_FORM && table->forms[k] != NULL; k++) {
-        for (const char *const *name = table->forms[k]; *name != NULL; name++) {
-            if (strcmp(*name, m->name) == 0)
-                return true;
-        }
+        if (text_has_word(table->forms[k], m->name))
+            return true;
     }
     return false;
 }

@@ -4,6 +4,7 @@
 
 #include "api/openapi/openapi_priv.h"
 
+#include "api/json/text.h"
 #include "api/results/annotations_json.h"
 #include "api/results/grant_json.h"
 #include "api/results/lease_json.h"
@@ -31,13 +32,6 @@ typedef struct form {
     const char *const *names; // of forms: the members that are there; NULL: all
     size_t choice;            // MEMBER_ONE_OF, MEMBER_TAGGED: which
 } form;
-
-static bool has_word(const char *const *words, const char *word)
-{
-    while (*words != NULL && strcmp(*words, word) != 0)
-        words++;
-    return *words != NULL;
-}
 
 static void append(char *text, const char *before, const char *what)
 {
@@ -82,7 +76,7 @@ static bool is_chosen_by(const member_table *table, const member *m, const form 
 {
     bool has_default_there = table->choice == MEMBER_ONE_FORM && members_has_default(m);
 
-    return f->names != NULL && has_word(f->names, m->name) && !has_default_there;
+    return f->names != NULL && text_has_word(f->names, m->name) && !has_default_there;
 }
 
 static void write_member(json_out *w, const member_table *table, const member *m, const form *f)
@@ -115,8 +109,8 @@ static bool belongs(const member_table *table, const member *m, const form *f)
     if (f->names != NULL) {
         bool is_of_a_form = false;
         for (const char *const *const *names = table->forms; *names != NULL; names++)
-            is_of_a_form = is_of_a_form || has_word(*names, m->name);
-        return !is_of_a_form || has_word(f->names, m->name);
+            is_of_a_form = is_of_a_form || text_has_word(*names, m->name);
+        return !is_of_a_form || text_has_word(f->names, m->name);
     }
     if (table->choice == MEMBER_ONE_OF)
         return index == f->choice;

@@ -1,5 +1,6 @@
 #include "server/base/log.h"
 
+#include "api/json/text.h"
 #include "server/base/base_priv.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
@@ -34,11 +35,7 @@ const char *log_level_word(log_level level)
 
 log_level log_level_find(const char *word)
 {
-    int level = 0;
-
-    while (level < LOG_LEVEL_COUNT && strcmp(level_words[level], word) != 0)
-        level++;
-    return (log_level)level;
+    return (log_level)text_find_word(level_words, LOG_LEVEL_COUNT, word);
 }
 
 void log_open(void)

@@ -1,6 +1,7 @@
 #include "server/base/metrics.h"
 
 #include "api/http/routes.h"
+#include "api/json/text.h"
 #include "core/base/check.h"
 #include "server/base/base_priv.h"
 
@@ -214,28 +215,18 @@ static size_t find_route(const char *template)
     return ROUTE_NONE;
 }
 
-// The number of a word in a list whose last one stands for all others.
-static size_t find_word(const char *const *words, size_t n, const char *word)
-{
-    size_t i = 0;
-
-    while (i + 1 < n && strcmp(words[i], word) != 0)
-        i++;
-    return i;
-}
-
-// The same for a status code.
+// The number of a code in a list whose last one stands for all others, as that of methods does.
 static size_t find_code(int status)
 {
     const char code[] = { (char)('0' + status / 100 % 10), (char)('0' + status / 10 % 10),
                           (char)('0' + status % 10), '\0' };
-    return find_word(codes, METRICS__N_CODES, code);
+    return text_find_word(codes, METRICS__N_CODES - 1, code);
 }
 
 void metrics_count_request(const char *template, const char *method, int status, int64_t ns)
 {
-    size_t series =
-        find_route(template) * METRICS__N_METHODS + find_word(methods, METRICS__N_METHODS, method);
+    size_t series = find_route(template) * METRICS__N_METHODS +
+                    text_find_word(methods, METRICS__N_METHODS - 1, method);
 
     metrics_add(METRICS_REQUESTS, series * METRICS__N_CODES + find_code(status), 1);
     if (ns >= 0)

@@ -96,11 +96,7 @@ static config_executor find_executor(const char *word)
         CONFIG_EXECUTOR_LIST(X)
 #undef X
     };
-    size_t i = 0;
-
-    while (i < CONFIG_EXECUTOR_COUNT && strcmp(word, words[i]) != 0)
-        i++;
-    return (config_executor)i;
+    return (config_executor)text_find_word(words, CONFIG_EXECUTOR_COUNT, word);
 }
 
 static bf_status set_text(config *c, size_t i, const char *value, const char *where, bf_error *err)

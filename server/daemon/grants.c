@@ -29,11 +29,17 @@ bf_status grants_add(tokens *t, uint32_t expires_in_s, api_grant *grant, bf_erro
     return BF_OK;
 }
 
+// Whether it is a grant that counts, of this owner ("": of anybody).
+static bool is_grant_of(const tokens_record *token, const char *owner)
+{
+    return token->resource[0] != '\0' && tokens_counts(token, clock_unix_ms()) &&
+           (owner[0] == '\0' || strcmp(token->owner, owner) == 0);
+}
+
 bf_status grants_list(tokens *t, const char *owner, api_grant_list *ret_list, bf_error *err)
 {
     tokens_record *all = memory_alloc(TOKENS_MAX, sizeof *all);
     api_grant *grants = memory_alloc(TOKENS_MAX, sizeof *grants);
-    const int64_t now_ms = clock_unix_ms();
     size_t n = 0;
 
     if (all == NULL || grants == NULL) {
@@ -44,8 +50,7 @@ bf_status grants_list(tokens *t, const char *owner, api_grant_list *ret_list, bf
     const size_t n_all = tokens_copy(t, all);
     for (size_t i = 0; i < n_all; i++) {
         const tokens_record *token = &all[i];
-        if (token->resource[0] == '\0' || !tokens_counts(token, now_ms) ||
-            (owner[0] != '\0' && strcmp(token->owner, owner) != 0))
+        if (!is_grant_of(token, owner))
             continue;
         api_grant *grant = &grants[n++];
         *grant = (api_grant){ .id = token->id,
@@ -61,17 +66,11 @@ bf_status grants_list(tokens *t, const char *owner, api_grant_list *ret_list, bf
 
 bf_status grants_revoke(tokens *t, const char *owner, uint64_t id, bf_error *err)
 {
-    api_grant_list list = { 0 };
-    bool is_found = false;
+    tokens_record token;
 
-    bf_status status = grants_list(t, owner, &list, err);
-    for (size_t i = 0; i < list.n; i++)
-        is_found = is_found || list.grants[i].id == id;
-    api_grant_list_fini(&list);
-    if (status == BF_OK && !is_found)
+    if (!tokens_find(t, id, &token) || !is_grant_of(&token, owner))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no grant %" PRIu64 " that counts", id);
-    if (status == BF_OK)
-        status = tokens_revoke(tokens_directory(t), id, err);
+    bf_status status = tokens_revoke(tokens_directory(t), id, err);
     if (status == BF_OK)
         tokens_read_again(t);
     return status;

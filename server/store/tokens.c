@@ -141,6 +141,17 @@ size_t tokens_copy(tokens *t, tokens_record *ret_tokens)
     return n;
 }
 
+bool tokens_find(tokens *t, uint64_t id, tokens_record *ret_token)
+{
+    lock_acquire(&t->lock);
+    refresh(t);
+    const store__token *found = find_id(t->all, t->n, id);
+    if (found != NULL)
+        *ret_token = found->about;
+    lock_release(&t->lock);
+    return found != NULL;
+}
+
 // All are compared, so that the time does not tell which one it was.
 static store__token *find_text(tokens *t, const char *text)
 {

@@ -60,6 +60,9 @@ api_credential tokens_identify(tokens *t, const char *text, api_identity *ret_wh
 /// The same of a token by its number.
 api_credential tokens_identify_by_id(tokens *t, uint64_t id, api_identity *ret_who);
 
+/// The token of this number. False: there is none.
+bool tokens_find(tokens *t, uint64_t id, tokens_record *ret_token);
+
 /// Copy all tokens to ret_tokens, which has room for TOKENS_MAX. Returns how many there are.
 size_t tokens_copy(tokens *t, tokens_record *ret_tokens);
 

@@ -1,4 +1,4 @@
-// UTF-8 as it may come from clients.
+// UTF-8 as it may come from clients, and words of lists.
 
 #include "api/json/text.h"
 
@@ -60,11 +60,27 @@ static void other_bytes_are_no_text(void **state)
     assert_false(text_is_utf8("good, then \xff"));
 }
 
+static void a_word_has_its_index_and_another_that_of_the_end(void **state)
+{
+    static const char *const words[] = { "one", "two", "three", NULL };
+
+    (void)state;
+    assert_int_equal(text_find_word(words, 3, "one"), 0);
+    assert_int_equal(text_find_word(words, 3, "three"), 2);
+    assert_int_equal(text_find_word(words, 2, "three"), 2);
+    assert_int_equal(text_find_word(words, 3, "thre"), 3);
+    assert_int_equal(text_find_word(words, SIZE_MAX, ""), 3);
+    assert_int_equal(text_find_word(words, 0, "one"), 0);
+    assert_true(text_has_word(words, "three"));
+    assert_false(text_has_word(words, "threes"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(characters_have_their_size),
         cmocka_unit_test(other_bytes_are_no_text),
+        cmocka_unit_test(a_word_has_its_index_and_another_that_of_the_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
