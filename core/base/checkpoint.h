@@ -23,7 +23,7 @@
 #include <stdint.h>
 
 /// Incremented with every change of the format of any solver's state.
-enum { CHECKPOINT_VERSION = 20 };
+enum { CHECKPOINT_VERSION = 21 };
 
 /// The owner of a checkpoint's state.
 typedef enum checkpoint_kind {
@@ -31,7 +31,6 @@ typedef enum checkpoint_kind {
     CHECKPOINT_MACRO,   ///< core/macro
     CHECKPOINT_DISK,    ///< core/micro/disk
     CHECKPOINT_BODY,    ///< core/micro/body
-    CHECKPOINT_FEED,    ///< a solver with its feeds and its obstacles that move
 } checkpoint_kind;
 
 /// A checkpoint that is being written. checkpoint_begin(), checkpoint_end().

@@ -518,50 +518,30 @@ static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load,
     return BF_OK;
 }
 
-// There is no state but the solver's.
-static bool is_plain(const macro_run *run)
-{
-    return !run->is_fed && run->plates == NULL && run->crossings == NULL;
-}
-
-static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
+static bf_status save_run(const void *solver, checkpoint_writer *w, bf_error *err)
 {
     const macro_run *run = solver;
-    checkpoint_writer w;
 
-    if (is_plain(run))
-        return macro_save(run->solver, out, err);
-    checkpoint_begin(&w, out, CHECKPOINT_FEED, 0);
     if (run->plates != NULL)
-        moving_plates_save(run->plates, &w);
+        moving_plates_save(run->plates, w);
     if (run->crossings != NULL)
-        crossings_save(run->crossings, &w);
+        crossings_save(run->crossings, w);
     if (run->is_fed) {
-        feed_density_save(run->feeds, &w);
-        macro_flows_save(run->flows, &w);
+        feed_density_save(run->feeds, w);
+        macro_flows_save(run->flows, w);
     }
-    const bf_status status = macro_save(run->solver, out, err);
-    if (status == BF_OK)
-        return checkpoint_end(&w, err);
-    buffer_truncate(out, w.start);
-    return status;
+    return macro_save(run->solver, w->out, err);
 }
 
-static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *err)
+static bf_status load_run(void *solver, checkpoint_reader *r, bf_error *err)
 {
     macro_run *run = solver;
-    checkpoint_reader r;
 
-    if (is_plain(run))
-        return macro_load(run->solver, bytes, n, err);
-    bf_status status = checkpoint_open(&r, bytes, n, CHECKPOINT_FEED, 0, err);
-    if (status != BF_OK)
-        return status;
-    if ((run->plates != NULL && !moving_plates_load(run->plates, run->solver, &r)) ||
-        (run->crossings != NULL && !crossings_load(run->crossings, &r)) ||
-        (run->is_fed && (!feed_density_load(run->feeds, &r) || !macro_flows_load(run->flows, &r))))
+    if ((run->plates != NULL && !moving_plates_load(run->plates, run->solver, r)) ||
+        (run->crossings != NULL && !crossings_load(run->crossings, r)) ||
+        (run->is_fed && (!feed_density_load(run->feeds, r) || !macro_flows_load(run->flows, r))))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's feeds or obstacles are damaged");
-    return macro_load(run->solver, r.at, r.n_left, err);
+    return macro_load(run->solver, r->at, r->n_left, err);
 }
 
 static uint64_t digest_run(const void *solver)

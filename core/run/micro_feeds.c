@@ -244,42 +244,33 @@ double micro_feeds_entered(const micro_feeds *f)
     return n;
 }
 
-bf_status micro_feeds_save(const micro_feeds *f, bf_buffer *out, bf_error *err)
+bf_status micro_feeds_save(const micro_feeds *f, checkpoint_writer *w, bf_error *err)
 {
     const uint64_t n = micro_parts(f->solver);
-    checkpoint_writer w;
 
-    checkpoint_begin(&w, out, CHECKPOINT_FEED, 0);
-    feed_parts_save(f->entry, &w);
-    checkpoint_write(&w, &f->part_steps, sizeof f->part_steps);
-    checkpoint_write(&w, f->flows, f->n_flows * sizeof *f->flows);
-    checkpoint_write(&w, &n, sizeof n);
-    checkpoint_write(&w, f->tags, n * sizeof *f->tags);
-    const bf_status status = micro_save(f->solver, out, err);
-    if (status == BF_OK)
-        return checkpoint_end(&w, err);
-    buffer_truncate(out, w.start);
-    return status;
+    feed_parts_save(f->entry, w);
+    checkpoint_write(w, &f->part_steps, sizeof f->part_steps);
+    checkpoint_write(w, f->flows, f->n_flows * sizeof *f->flows);
+    checkpoint_write(w, &n, sizeof n);
+    checkpoint_write(w, f->tags, n * sizeof *f->tags);
+    return micro_save(f->solver, w->out, err);
 }
 
-bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes, bf_error *err)
+bf_status micro_feeds_load(micro_feeds *f, checkpoint_reader *r, bf_error *err)
 {
-    checkpoint_reader r;
     uint64_t n = 0;
 
-    bf_status status = checkpoint_open(&r, bytes, n_bytes, CHECKPOINT_FEED, 0, err);
+    if (!feed_parts_load(f->entry, r) ||
+        !checkpoint_read(r, &f->part_steps, sizeof f->part_steps) ||
+        !checkpoint_read(r, f->flows, f->n_flows * sizeof *f->flows) ||
+        !checkpoint_read(r, &n, sizeof n) || n > r->n_left / sizeof *f->tags)
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
+    bf_status status = reserve_tags(f, n, err);
     if (status != BF_OK)
         return status;
-    if (!feed_parts_load(f->entry, &r) ||
-        !checkpoint_read(&r, &f->part_steps, sizeof f->part_steps) ||
-        !checkpoint_read(&r, f->flows, f->n_flows * sizeof *f->flows) ||
-        !checkpoint_read(&r, &n, sizeof n) || n > r.n_left / sizeof *f->tags)
+    if (!checkpoint_read(r, f->tags, n * sizeof *f->tags))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
-    if ((status = reserve_tags(f, n, err)) != BF_OK)
-        return status;
-    if (!checkpoint_read(&r, f->tags, n * sizeof *f->tags))
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
-    status = micro_load(f->solver, r.at, r.n_left, err);
+    status = micro_load(f->solver, r->at, r->n_left, err);
     return status == BF_OK && micro_parts(f->solver) != n
                ? bf_fail(err, BF_ECORRUPT, "", "the saved feeds are of other parts")
                : status;

@@ -63,6 +63,5 @@ double micro_feeds_age(const micro_feeds *f, size_t part);
 double micro_feeds_entered(const micro_feeds *f);
 
 /// run_backend.save and .load where there are feeds, with the solver's state.
-BF_MUST_CHECK bf_status micro_feeds_save(const micro_feeds *f, bf_buffer *out, bf_error *err);
-BF_MUST_CHECK bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes,
-                                         bf_error *err);
+BF_MUST_CHECK bf_status micro_feeds_save(const micro_feeds *f, checkpoint_writer *w, bf_error *err);
+BF_MUST_CHECK bf_status micro_feeds_load(micro_feeds *f, checkpoint_reader *r, bf_error *err);

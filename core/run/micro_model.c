@@ -366,20 +366,20 @@ static void fill_end(const void *solver, frame_end *end)
     }
 }
 
-static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
+static bf_status save_run(const void *solver, checkpoint_writer *w, bf_error *err)
 {
     const micro_run *run = solver;
 
-    return run->feeds.entry != NULL ? micro_feeds_save(&run->feeds, out, err)
-                                    : micro_save(run->solver, out, err);
+    return run->feeds.entry != NULL ? micro_feeds_save(&run->feeds, w, err)
+                                    : micro_save(run->solver, w->out, err);
 }
 
-static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *err)
+static bf_status load_run(void *solver, checkpoint_reader *r, bf_error *err)
 {
     micro_run *run = solver;
 
-    return run->feeds.entry != NULL ? micro_feeds_load(&run->feeds, bytes, n, err)
-                                    : micro_load(run->solver, bytes, n, err);
+    return run->feeds.entry != NULL ? micro_feeds_load(&run->feeds, r, err)
+                                    : micro_load(run->solver, r->at, r->n_left, err);
 }
 
 static void count_flows(void *solver, const double *contents, double left, double *ret_flows)

@@ -212,7 +212,7 @@ static bf_status load(run *r, const void *bytes, size_t n, bf_error *err)
     r->peak = h.peak;
     restore_series(r, &r->samples, h.n_samples);
     restore_series(r, &r->snapshots, h.n_snapshots);
-    return r->backend->load(r->solver, reader.at, reader.n_left, err);
+    return r->backend->load(r->solver, &reader, err);
 }
 
 bf_status run_resume(const scene *s, run_model model, int n_threads, const void *bytes, size_t n,
@@ -308,7 +308,7 @@ static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
     world_save(&r->world, &w);
     control_save(&r->control, &w);
     figures_save(r->figures, &w);
-    bf_status status = r->backend->save(r->solver, &r->checkpoint, err);
+    bf_status status = r->backend->save(r->solver, &w, err);
     if (status == BF_OK)
         status = checkpoint_end(&w, err);
     if (status != BF_OK)

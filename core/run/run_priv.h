@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include "core/base/buffer.h"
+#include "core/base/checkpoint.h"
 #include "core/base/faults.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
@@ -93,9 +93,10 @@ typedef struct run_backend {
     void (*parts)(void *solver, double *ret_rows);
     /// Fill the figures of the end that only models with parts have. NULL: they are 0.
     void (*fill_end)(const void *solver, frame_end *end);
-    bf_status (*save)(const void *solver, bf_buffer *out, bf_error *err);
-    /// Take a state that save() wrote, before the first step. BF_ECORRUPT, BF_ENOMEM: the solver can only be destroyed.
-    bf_status (*load)(void *solver, const void *bytes, size_t n, bf_error *err);
+    /// Write the model's state into the run's checkpoint, at its end the solver's own. BF_ENOMEM.
+    bf_status (*save)(const void *solver, checkpoint_writer *w, bf_error *err);
+    /// Take it, before the first step. BF_ECORRUPT, BF_ENOMEM: the solver can only be destroyed.
+    bf_status (*load)(void *solver, checkpoint_reader *r, bf_error *err);
     uint64_t (*digest)(const void *solver);
 
     /// Tell the figures of all cargo, before a sample. NULL: its speed is not known.

@@ -429,11 +429,11 @@ static void a_saved_state_goes_on_alike(void **state)
     feed_parts_hold(p, 2, true);
     for (int k = 0; k < 7; k++)
         advance(p, 0.13 * k, &r);
-    checkpoint_begin(&w, &saved, CHECKPOINT_FEED, 5);
+    checkpoint_begin(&w, &saved, CHECKPOINT_RUN, 5);
     feed_parts_save(p, &w);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
     feed_parts *q = make_parts(&s, &again);
-    assert_int_equal(checkpoint_open(&reader, saved.bytes, saved.n, CHECKPOINT_FEED, 5, NULL),
+    assert_int_equal(checkpoint_open(&reader, saved.bytes, saved.n, CHECKPOINT_RUN, 5, NULL),
                      BF_OK);
     assert_true(feed_parts_load(q, &reader));
     assert_int_equal(reader.n_left, 0);

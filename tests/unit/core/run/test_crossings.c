@@ -186,10 +186,10 @@ static void a_saved_eye_goes_on_as_it_would_have(void **unused)
     assert_int_equal(crossings_create(&s, &copy, NULL), BF_OK);
     for (int k = 0; k < 100; k++)
         (void)crossings_advance(c, 0, &field);
-    checkpoint_begin(&w, &saved, CHECKPOINT_FEED, 0);
+    checkpoint_begin(&w, &saved, CHECKPOINT_RUN, 0);
     crossings_save(c, &w);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
-    assert_int_equal(checkpoint_open(&r, saved.bytes, saved.n, CHECKPOINT_FEED, 0, NULL), BF_OK);
+    assert_int_equal(checkpoint_open(&r, saved.bytes, saved.n, CHECKPOINT_RUN, 0, NULL), BF_OK);
     assert_true(crossings_load(copy, &r));
     assert_int_equal(r.n_left, 0);
     for (int k = 0; k < 1000; k++)

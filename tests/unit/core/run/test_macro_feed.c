@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/run/run_priv.h"
+#include "tests/unit/core/helper_backend.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
@@ -254,10 +255,10 @@ static void threads_and_checkpoints_do_not_change_a_bit(void **state)
         runs[2] = make_run(&s, 2, &dt);
         const size_t n = (size_t)(HELPER_AMOUNT(0.7, 0.4) / dt);
         step(runs[0], n);
-        assert_int_equal(run__macro.save(runs[0], &saved, NULL), BF_OK);
-        assert_int_equal(run__macro.load(runs[2], saved.bytes, saved.n, NULL), BF_OK);
+        assert_int_equal(helper_backend_save(&run__macro, runs[0], &saved), BF_OK);
+        assert_int_equal(helper_backend_load(&run__macro, runs[2], &saved), BF_OK);
         saved.bytes[saved.n / 2]++;
-        assert_int_equal(run__macro.load(runs[2], saved.bytes, saved.n, NULL), BF_ECORRUPT);
+        assert_int_equal(helper_backend_load(&run__macro, runs[2], &saved), BF_ECORRUPT);
         step(runs[0], n);
         step(runs[1], 2 * n);
         step(runs[2], n);
@@ -297,7 +298,7 @@ static void out_of_memory_anywhere_is_an_error(void **state)
     status = BF_ENOMEM;
     for (size_t n = 1; status != BF_OK; n++) {
         memory_plan_fault(n, 0);
-        status = run__macro.save(run, &saved, NULL);
+        status = helper_backend_save(&run__macro, run, &saved);
         memory_plan_fault(0, 0);
         assert_true(status == BF_OK || (status == BF_ENOMEM && saved.n == 0));
     }

@@ -2,6 +2,7 @@
 
 #include "core/run/run.h"
 #include "core/run/run_priv.h"
+#include "tests/unit/core/helper_backend.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/core/helper_world.h"
@@ -140,8 +141,8 @@ static void commands_act_as_schedules_do(void **state)
         advance(first, 16);
         command(w, 120, SCENE_ACTION_BELT, 0.0);
         helper_world_copy(w, w_then);
-        assert_int_equal(run__macro.save(first, &saved, NULL), BF_OK);
-        assert_int_equal(run__macro.load(then, saved.bytes, saved.n, NULL), BF_OK);
+        assert_int_equal(helper_backend_save(&run__macro, first, &saved), BF_OK);
+        assert_int_equal(helper_backend_load(&run__macro, then, &saved), BF_OK);
         advance(then, 30);
         const uint64_t commanded = run__macro.digest(then);
         run__macro.destroy(first);
