@@ -39,6 +39,30 @@ bool text_is_utf8(const char *text)
     return *text == '\0';
 }
 
+text_piece text_take_until(text_piece *rest, char separator)
+{
+    const char *end = memchr(rest->at, separator, rest->n);
+    const text_piece taken = { rest->at, end == NULL ? rest->n : (size_t)(end - rest->at) };
+    const size_t n_used = taken.n + (end != NULL);
+
+    *rest = (text_piece){ rest->at + n_used, rest->n - n_used };
+    return taken;
+}
+
+size_t text_count_pieces(text_piece piece, char separator)
+{
+    size_t n = 1;
+
+    for (size_t k = 0; k < piece.n; k++)
+        n += piece.at[k] == separator;
+    return n;
+}
+
+bool text_is(text_piece piece, const char *text)
+{
+    return piece.n == strlen(text) && memcmp(piece.at, text, piece.n) == 0;
+}
+
 size_t text_find_word(const char *const *words, size_t n, const char *word)
 {
     size_t i = 0;

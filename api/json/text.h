@@ -1,4 +1,4 @@
-/// Text as it may come from clients: checks of UTF-8, words of a list, and the distance of names, to suggest the one that
+/// Text as it may come from clients: checks of UTF-8, pieces of lines, words of a list, and the distance of names, to suggest the one that
 /// was meant.
 
 #pragma once
@@ -12,6 +12,21 @@ size_t text_utf8_size(const char *character);
 
 /// True if all of text is UTF-8.
 bool text_is_utf8(const char *text);
+
+/// A piece of a text, not terminated.
+typedef struct text_piece {
+    const char *at; ///< its first byte
+    size_t n;       ///< bytes
+} text_piece;
+
+/// Take what stands before the separator off the rest; without one, all of it.
+text_piece text_take_until(text_piece *rest, char separator);
+
+/// How many pieces the separator makes of a piece.
+size_t text_count_pieces(text_piece piece, char separator);
+
+/// True if the piece is this text.
+bool text_is(text_piece piece, const char *text);
 
 /// The index of a word in a list of n, which may end before with NULL; else that of the list's end.
 size_t text_find_word(const char *const *words, size_t n, const char *word);

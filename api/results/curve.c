@@ -2,6 +2,7 @@
 
 #include "api/json/json_out.h"
 #include "api/json/number.h"
+#include "api/json/text.h"
 #include "api/results/results_priv.h"
 #include "core/base/check.h"
 
@@ -111,56 +112,29 @@ bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *e
     return results__finish(json_out_status(&w, err), out, n_before, err);
 }
 
-// A piece of the text, not terminated.
-typedef struct piece {
-    const char *from;
-    size_t n;
-} piece;
-
-static piece trim(piece p)
+static text_piece trim(text_piece p)
 {
-    while (p.n > 0 && isspace((unsigned char)*p.from)) {
-        p.from++;
+    while (p.n > 0 && isspace((unsigned char)*p.at)) {
+        p.at++;
         p.n--;
     }
-    while (p.n > 0 && isspace((unsigned char)p.from[p.n - 1]))
+    while (p.n > 0 && isspace((unsigned char)p.at[p.n - 1]))
         p.n--;
     return p;
 }
 
-// Takes what stands before the separator off the rest; without one, all of it.
-static piece take_until(piece *rest, char separator)
-{
-    const char *end = memchr(rest->from, separator, rest->n);
-    piece taken = *rest;
-
-    if (end != NULL) {
-        taken.n = (size_t)(end - rest->from);
-        rest->from = end + 1;
-        rest->n -= taken.n + 1;
-    } else {
-        *rest = (piece){ rest->from + rest->n, 0 };
-    }
-    return taken;
-}
-
-static bool is_text(piece p, const char *text)
-{
-    return p.n == strlen(text) && memcmp(p.from, text, p.n) == 0;
-}
-
 // The place of the wanted column in the header, 0 if it has none. Column 0 is the time.
-static size_t find_column(piece header, const char *id)
+static size_t find_column(text_piece header, const char *id)
 {
     size_t column = 0;
-    piece rest = header;
+    text_piece rest = header;
 
-    if (!is_text(trim(take_until(&rest, ',')), "t_s"))
+    if (!text_is(trim(text_take_until(&rest, ',')), "t_s"))
         return 0;
     while (rest.n > 0) {
-        piece name = trim(take_until(&rest, ','));
+        text_piece name = trim(text_take_until(&rest, ','));
         column++;
-        if (id == NULL || is_text(name, id))
+        if (id == NULL || text_is(name, id))
             return column;
     }
     return 0;
@@ -174,35 +148,26 @@ static bf_status fail_line(bf_error *err, size_t line, const char *text)
     return bf_fail(err, BF_EINPUT, pointer, "%s", text);
 }
 
-static size_t count_cells(piece row)
-{
-    size_t n = 1;
-
-    for (size_t k = 0; k < row.n; k++)
-        n += row.from[k] == ',';
-    return n;
-}
-
 // column is that of the counts, among n_columns.
-static bf_status read_row(piece row, size_t column, size_t n_columns, size_t line, bf_buffer *t,
-                          bf_buffer *parts, bf_error *err)
+static bf_status read_row(text_piece row, size_t column, size_t n_columns, size_t line,
+                          bf_buffer *t, bf_buffer *parts, bf_error *err)
 {
     char text[80];
-    size_t n_cells = count_cells(row);
+    size_t n_cells = text_count_pieces(row, ',');
 
     snprintf(text, sizeof text, "has %zu fields, the header has %zu", n_cells, n_columns);
     if (n_cells != n_columns)
         return fail_line(err, line, text);
-    piece cell = trim(take_until(&row, ','));
+    text_piece cell = trim(text_take_until(&row, ','));
     double time;
     double count;
 
-    if (number_read(cell.from, cell.n, &time) != 0)
+    if (number_read(cell.at, cell.n, &time) != 0)
         return fail_line(err, line, "the time is not a number");
     for (size_t k = 0; k < column; k++)
-        cell = trim(take_until(&row, ','));
+        cell = trim(text_take_until(&row, ','));
     snprintf(text, sizeof text, "column %zu is not a number", column + 1);
-    if (number_read(cell.from, cell.n, &count) != 0)
+    if (number_read(cell.at, cell.n, &count) != 0)
         return fail_line(err, line, text);
     if (buffer_append(t, &time, sizeof time) != BF_OK ||
         buffer_append(parts, &count, sizeof count) != BF_OK)
@@ -211,26 +176,26 @@ static bf_status read_row(piece row, size_t column, size_t n_columns, size_t lin
 }
 
 // The text as a piece, without the mark that some programs put before UTF-8.
-static piece begin_text(const char *text, size_t n)
+static text_piece begin_text(const char *text, size_t n)
 {
     static const char mark[] = "\xef\xbb\xbf";
     size_t n_mark = sizeof mark - 1;
 
     if (n >= n_mark && memcmp(text, mark, n_mark) == 0)
-        return (piece){ text + n_mark, n - n_mark };
-    return (piece){ text == NULL ? "" : text, n };
+        return (text_piece){ text + n_mark, n - n_mark };
+    return (text_piece){ text == NULL ? "" : text, n };
 }
 
 bf_status results_read_curve_column(const char *text, size_t n, char *ret_name, bf_error *err)
 {
-    piece rest = begin_text(text, n);
-    piece header = trim(take_until(&rest, '\n'));
+    text_piece rest = begin_text(text, n);
+    text_piece header = trim(text_take_until(&rest, '\n'));
 
-    piece time = trim(take_until(&header, ','));
-    piece name = trim(take_until(&header, ','));
-    if (!is_text(time, "t_s") || name.n == 0 || name.n >= SCENE_ID_SIZE)
+    text_piece time = trim(text_take_until(&header, ','));
+    text_piece name = trim(text_take_until(&header, ','));
+    if (!text_is(time, "t_s") || name.n == 0 || name.n >= SCENE_ID_SIZE)
         return fail_line(err, 1, "must be \"t_s,count\" or \"t_s,<counter>\"");
-    memcpy(ret_name, name.from, name.n);
+    memcpy(ret_name, name.at, name.n);
     ret_name[name.n] = '\0';
     return BF_OK;
 }
@@ -245,19 +210,19 @@ static bf_status note_line(bf_buffer *lines, size_t line, bf_error *err)
 bf_status results_read_curve_csv(const char *text, size_t n, const char *id, bf_buffer *t,
                                  bf_buffer *parts, bf_buffer *lines, bf_error *err)
 {
-    piece rest = begin_text(text, n);
+    text_piece rest = begin_text(text, n);
     char wanted[SCENE_ID_SIZE + 48];
     size_t n_t = t->n, n_parts = parts->n, n_lines = lines == NULL ? 0 : lines->n;
     bf_status status = BF_OK;
 
     snprintf(wanted, sizeof wanted, "must be \"t_s,%.*s\" or have more columns", SCENE_ID_SIZE,
              id == NULL ? "<id>" : id);
-    piece header = trim(take_until(&rest, '\n'));
-    size_t column = find_column(header, id), n_columns = count_cells(header);
+    text_piece header = trim(text_take_until(&rest, '\n'));
+    size_t column = find_column(header, id), n_columns = text_count_pieces(header, ',');
     if (column == 0)
         return fail_line(err, 1, wanted);
     for (size_t line = 2; rest.n > 0 && status == BF_OK; line++) {
-        piece row = trim(take_until(&rest, '\n'));
+        text_piece row = trim(text_take_until(&rest, '\n'));
         if (row.n == 0)
             continue;
         status = read_row(row, column, n_columns, line, t, parts, err);

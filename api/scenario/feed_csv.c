@@ -1,6 +1,7 @@
 #include "api/scenario/feed_csv.h"
 
 #include "api/json/number.h"
+#include "api/json/text.h"
 #include "api/scenario/scenario_priv.h"
 #include "core/base/memory.h"
 #include "core/scene/ranges.h"
@@ -13,22 +14,16 @@
 
 enum { COLUMNS_MAX = 8, LINE_TEXT_SIZE = 32 };
 
-// A piece of the text.
-typedef struct csv_field {
-    const char *at;
-    size_t n;
-} csv_field;
-
 // The reading of a text.
 typedef struct csv {
     json_in *in;
-    const char *at;                // what was not read yet
-    size_t line;                   // number of the line that was read
-    const char *const *names;      // of columns; NULL-terminated
-    size_t n;                      // columns in the text
-    size_t which[COLUMNS_MAX];     // the name of each
-    csv_field fields[COLUMNS_MAX]; // of a row, by names; without a column: at is NULL
-    bool has[COLUMNS_MAX];         // by names: the column is there
+    text_piece rest;                // what was not read yet
+    size_t line;                    // number of the line that was read
+    const char *const *names;       // of columns; NULL-terminated
+    size_t n;                       // columns in the text
+    size_t which[COLUMNS_MAX];      // the name of each
+    text_piece fields[COLUMNS_MAX]; // of a row, by names; without a column: at is NULL
+    bool has[COLUMNS_MAX];          // by names: the column is there
 } csv;
 
 // Notes a fault of the present line, or of the text as a whole, which has no line in its text.
@@ -62,41 +57,30 @@ static void note(const csv *c, const char *format, ...)
     note_at(c, true, text);
 }
 
-static csv_field next_line(csv *c)
+static text_piece next_line(csv *c)
 {
-    const size_t n = strcspn(c->at, "\n");
-    csv_field line = { c->at, n };
+    text_piece line = text_take_until(&c->rest, '\n');
 
-    if (n > 0 && c->at[n - 1] == '\r')
-        line.n--;
-    c->at += n + (c->at[n] == '\n');
+    line.n -= line.n > 0 && line.at[line.n - 1] == '\r';
     c->line++;
     return line;
 }
 
 // Splits a line at its commas; returns how many fields there are, of which ret_fields has the first ones.
-static size_t split(csv_field line, csv_field ret_fields[COLUMNS_MAX])
+static size_t split(text_piece line, text_piece ret_fields[COLUMNS_MAX])
 {
-    const char *end = line.at + line.n;
-    size_t n = 0;
+    const size_t n = text_count_pieces(line, ',');
 
-    for (const char *at = line.at;; n++) {
-        const char *comma = memchr(at, ',', (size_t)(end - at));
-        const char *stop = comma == NULL ? end : comma;
-        if (n < COLUMNS_MAX)
-            ret_fields[n] = (csv_field){ at, (size_t)(stop - at) };
-        if (comma == NULL)
-            return n + 1;
-        at = comma + 1;
-    }
+    for (size_t k = 0; k < n && k < COLUMNS_MAX; k++)
+        ret_fields[k] = text_take_until(&line, ',');
+    return n;
 }
 
-static bool read_column(csv *c, size_t k, csv_field field)
+static bool read_column(csv *c, size_t k, text_piece field)
 {
     size_t which = 0;
 
-    while (c->names[which] != NULL &&
-           (strlen(c->names[which]) != field.n || memcmp(c->names[which], field.at, field.n) != 0))
+    while (c->names[which] != NULL && !text_is(field, c->names[which]))
         which++;
     if (c->names[which] == NULL) {
         note(c, "\"%.*s\" is not a column", (int)fmin((double)field.n, 40.0), field.at);
@@ -114,10 +98,10 @@ static bool read_column(csv *c, size_t k, csv_field field)
 // Reads the header, of which the first name must be there, and counts the rows. 0: a fault was noted.
 static size_t begin(csv *c, json_in *in, const char *text, const char *const *names)
 {
-    csv_field fields[COLUMNS_MAX];
+    text_piece fields[COLUMNS_MAX];
     size_t n_rows = 0;
 
-    *c = (csv){ .in = in, .at = text, .names = names };
+    *c = (csv){ .in = in, .rest = { text, strlen(text) }, .names = names };
     c->n = split(next_line(c), fields);
     for (size_t k = 0; k < c->n; k++) {
         if (k == COLUMNS_MAX)
@@ -129,8 +113,8 @@ static size_t begin(csv *c, json_in *in, const char *text, const char *const *na
         note(c, "the column %s is missing", names[0]);
         return 0;
     }
-    for (const char *at = c->at; *at != '\0'; at += strcspn(at, "\n"), at += *at == '\n')
-        n_rows++;
+    for (text_piece rest = c->rest; rest.n > 0; n_rows++)
+        (void)text_take_until(&rest, '\n');
     if (n_rows == 0)
         note_at(c, false, "has no rows after its header");
     if (n_rows > SCENE_SERIES_MAX) {
@@ -143,7 +127,7 @@ static size_t begin(csv *c, json_in *in, const char *text, const char *const *na
 // Reads a row into c->fields. False: a fault was noted.
 static bool next_row(csv *c)
 {
-    csv_field fields[COLUMNS_MAX];
+    text_piece fields[COLUMNS_MAX];
     const size_t n = split(next_line(c), fields);
 
     if (n != c->n) {
@@ -158,7 +142,7 @@ static bool next_row(csv *c)
 // The number of a column within a range. False: a fault was noted.
 static bool get_number(const csv *c, size_t which, const bf_range *range, double *ret_number)
 {
-    const csv_field field = c->fields[which];
+    const text_piece field = c->fields[which];
     bf_faults faults = { 0 };
 
     if (number_read(field.at, field.n, ret_number) != 0) {
@@ -289,7 +273,7 @@ static bool get_count(const csv *c, uint32_t *ret_count)
 static bool get_kind(const csv *c, const scene *s, uint32_t *ret_kind)
 {
     char line[LINE_TEXT_SIZE], id[SCENE_ID_SIZE];
-    const csv_field field = c->fields[KIND];
+    const text_piece field = c->fields[KIND];
 
     snprintf(line, sizeof line, "line %zu: ", c->line);
     snprintf(id, sizeof id, "%.*s", (int)fmin((double)field.n, SCENE_ID_SIZE), field.at);

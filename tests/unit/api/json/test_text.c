@@ -1,4 +1,4 @@
-// UTF-8 as it may come from clients, and words of lists.
+// UTF-8 as it may come from clients, pieces of lines, and words of lists.
 
 #include "api/json/text.h"
 
@@ -60,6 +60,23 @@ static void other_bytes_are_no_text(void **state)
     assert_false(text_is_utf8("good, then \xff"));
 }
 
+static void pieces_are_taken_until_nothing_is_left(void **state)
+{
+    static const char *const expected[] = { "t_s", "", "n", "" };
+    const text_piece line = { "t_s,,n,|beyond", 7 };
+    text_piece rest = line;
+
+    (void)state;
+    assert_int_equal(text_count_pieces(line, ','), 4);
+    assert_int_equal(text_count_pieces(line, '|'), 1);
+    for (size_t k = 0; k < 4; k++)
+        assert_true(text_is(text_take_until(&rest, ','), expected[k]));
+    assert_int_equal(rest.n, 0);
+    assert_true(text_is(text_take_until(&rest, ','), ""));
+    assert_false(text_is(line, "t_s,,n"));
+    assert_false(text_is(line, "t_s,,n;"));
+}
+
 static void a_word_has_its_index_and_another_that_of_the_end(void **state)
 {
     static const char *const words[] = { "one", "two", "three", NULL };
@@ -80,6 +97,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(characters_have_their_size),
         cmocka_unit_test(other_bytes_are_no_text),
+        cmocka_unit_test(pieces_are_taken_until_nothing_is_left),
         cmocka_unit_test(a_word_has_its_index_and_another_that_of_the_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
