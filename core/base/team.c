@@ -18,8 +18,10 @@ enum {
 
 struct team_barrier {
     int n_members;
+    int n_turns_awake; // turns before a member that waits sleeps
     _Alignas(64) atomic_int n_here;
-    _Alignas(64) atomic_uint round;
+    _Alignas(64) atomic_uint round; ///< also the futex of the sleepers
+    atomic_int n_asleep;
 };
 
 /// The state of a worker. The worker itself leaves BUSY and AWAITED, the caller leaves IDLE and ASLEEP.
@@ -34,6 +36,7 @@ typedef struct worker {
     void *context;         ///< of the work
     int member;            ///< of the work
     team_barrier *barrier; ///< of the work
+    int n_turns_awake;     ///< turns before it sleeps when the work is done
 } worker;
 
 static struct {
@@ -52,12 +55,12 @@ void team_spin_wait(int n_turns)
         (void)sched_yield();
 }
 
-/// Return when *state is no longer `now`: spin, then set it to `sleeping` and sleep. Returns what it is.
-static unsigned wait_while(atomic_uint *state, unsigned now, unsigned sleeping)
+/// Return when *state is no longer `now`: spin for some turns, then set it to `sleeping` and sleep. Returns what it is.
+static unsigned wait_while(atomic_uint *state, unsigned now, unsigned sleeping, int n_turns)
 {
     unsigned value = now;
 
-    for (int k = 1; k <= TURNS_AWAKE; k++) {
+    for (int k = 1; k <= n_turns; k++) {
         if ((value = atomic_load_explicit(state, memory_order_acquire)) != now)
             return value;
         team_spin_wait(k);
@@ -81,7 +84,7 @@ static void *work(void *context)
     worker *w = context;
 
     for (;;) {
-        (void)wait_while(&w->state, IDLE, ASLEEP);
+        (void)wait_while(&w->state, IDLE, ASLEEP, w->n_turns_awake);
         w->body(w->context, w->member, w->barrier->n_members, w->barrier);
         set_state(&w->state, IDLE, AWAITED);
     }
@@ -148,16 +151,20 @@ void team_run(int n_threads, team_member *body, void *context)
     int member = 0;
 
     team_barrier barrier = { .n_members = 1 + take_workers(n_others, &first) };
+    // Who spins where members share processors takes the time of those that it waits for.
+    const bool is_crowded = barrier.n_members > 1 && barrier.n_members > team_processors();
+    const int n_turns = barrier.n_turns_awake = is_crowded ? 0 : TURNS_AWAKE;
     for (worker *w = first; w != NULL; w = w->next) {
         w->body = body;
         w->context = context;
         w->member = ++member;
+        w->n_turns_awake = n_turns;
         w->barrier = &barrier;
         set_state(&w->state, BUSY, ASLEEP);
     }
     body(context, 0, barrier.n_members, &barrier);
     for (worker *w = first; w != NULL; w = w->next)
-        (void)wait_while(&w->state, BUSY, AWAITED);
+        (void)wait_while(&w->state, BUSY, AWAITED, n_turns);
     return_workers(first);
 }
 
@@ -169,11 +176,21 @@ void team_barrier_wait(team_barrier *barrier)
     if (atomic_fetch_add_explicit(&barrier->n_here, 1, memory_order_acq_rel) + 1 ==
         barrier->n_members) {
         atomic_store_explicit(&barrier->n_here, 0, memory_order_relaxed);
-        atomic_store_explicit(&barrier->round, round + 1, memory_order_release);
+        // Either this sees a sleeper, or who is about to sleep sees the next round.
+        atomic_store(&barrier->round, round + 1);
+        if (atomic_load(&barrier->n_asleep) > 0)
+            (void)syscall(SYS_futex, &barrier->round, FUTEX_WAKE_PRIVATE, INT_MAX, NULL, NULL, 0);
         return;
     }
-    for (int k = 1; atomic_load_explicit(&barrier->round, memory_order_acquire) == round; k++)
+    for (int k = 1; k <= barrier->n_turns_awake; k++) {
+        if (atomic_load_explicit(&barrier->round, memory_order_acquire) != round)
+            return;
         team_spin_wait(k);
+    }
+    atomic_fetch_add(&barrier->n_asleep, 1);
+    while (atomic_load(&barrier->round) == round)
+        (void)syscall(SYS_futex, &barrier->round, FUTEX_WAIT_PRIVATE, round, NULL, NULL, 0);
+    atomic_fetch_sub(&barrier->n_asleep, 1);
 }
 
 /// A loop: member m does the items m, m + n_members, m + 2 n_members, ...

@@ -36,7 +36,8 @@ typedef void team_member(void *context, int member, int n_members, team_barrier 
 void team_run(int n_threads, team_member *body, void *context);
 
 /// Barrier: wait until all members of the team have called it. Their earlier writes are visible to all afterwards.
-/// Takes well below a microsecond where every member has a processor of its own.
+/// Takes well below a microsecond where every member has a processor of its own; who waits for a millisecond sleeps, and at
+/// once where there are more members than processors.
 void team_barrier_wait(team_barrier *barrier);
 
 /// One turn of a loop that waits for another thread, n_turns >= 1 counted from the loop's beginning: pause

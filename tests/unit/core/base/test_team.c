@@ -75,6 +75,31 @@ static void threads_of_a_team_wait_for_each_other(void **state)
     }
 }
 
+// One member comes so late to each round that the other sleeps.
+static void meet_late(void *context, int member, int n_members, team_barrier *barrier)
+{
+    const struct timespec late = { .tv_nsec = 20000000 };
+    int *n_rounds = context;
+
+    (void)n_members;
+    for (int round = 0; round < 5; round++) {
+        if (member == round % 2)
+            (void)nanosleep(&late, NULL);
+        team_barrier_wait(barrier);
+        n_rounds[member]++;
+    }
+}
+
+static void who_waits_long_is_woken(void **state)
+{
+    int n_rounds[2] = { 0 };
+
+    (void)state;
+    team_run(2, meet_late, n_rounds);
+    assert_int_equal(n_rounds[0], 5);
+    assert_int_equal(n_rounds[1], 5);
+}
+
 enum { OUTER = 3, INNER = 3, CALLS = 40 };
 
 static void count_in_own_loop(void *context, size_t item)
@@ -161,6 +186,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_is_done_once_for_any_number_of_threads),
         cmocka_unit_test(threads_of_a_team_wait_for_each_other),
+        cmocka_unit_test(who_waits_long_is_woken),
         cmocka_unit_test(loops_on_threads_may_be_nested),
         cmocka_unit_test(threads_of_one_process_may_have_teams_at_the_same_time),
         cmocka_unit_test(threads_that_sleep_are_woken),
