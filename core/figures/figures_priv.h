@@ -121,8 +121,8 @@ struct figures {
     eye_sums eyes[SCENE_EYES_MAX];             ///< of each photo eye
     size_t n_flows;                            ///< counters and outlets; 0 without feeds
     flow_sums *flows;                          ///< of each counter, then of each outlet
-    size_t n_belts;                            ///< that belt_speeds_may_change()
-    belt_sums belts[SCENE_BELTS_MAX];          ///< of each of them
+    size_t n_belts; ///< that belt_speeds_may_change(), as all that fail or have breaks do
+    belt_sums belts[SCENE_BELTS_MAX]; ///< of each of them
     size_t n_stops;                   ///< of `stops`: n_belts, or 0 where nothing stops any
     stop_sums stops[SCENE_BELTS_MAX]; ///< of each of them
     size_t n_failures;                ///< kinds

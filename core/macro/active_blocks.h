@@ -38,26 +38,11 @@ static inline void block_set_add(uint64_t *set, ptrdiff_t b)
     set[(b + 1) / 64] |= UINT64_C(1) << ((b + 1) % 64);
 }
 
-/// True if b is in the set.
-static inline bool block_set_has(const uint64_t *set, ptrdiff_t b)
-{
-    return (set[(b + 1) / 64] >> ((b + 1) % 64) & 1) != 0;
-}
-
 /// Remove all blocks.
 static inline void block_set_clear(uint64_t *set, size_t n_words)
 {
     for (size_t w = 0; w < n_words; w++)
         set[w] = 0;
-}
-
-/// True if the set is empty.
-static inline bool block_set_is_empty(const uint64_t *set, size_t n_words)
-{
-    uint64_t any = 0;
-    for (size_t w = 0; w < n_words; w++)
-        any |= set[w];
-    return any == 0;
 }
 
 /// The set {b - 1 : b in set}, word by word: what is added to word w.

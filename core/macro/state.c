@@ -136,12 +136,6 @@ const double *macro_row(const macro_solver *s, size_t j)
     return macro__row(s, s->now.rho, (ptrdiff_t)j);
 }
 
-void macro_copy_density(const macro_solver *s, double *rho)
-{
-    for (size_t j = 0; j < s->def.grid.n2; j++)
-        memcpy(rho + j * s->def.grid.n1, macro_row(s, j), s->def.grid.n1 * sizeof *rho);
-}
-
 void macro_copy_density_float(const macro_solver *s, float *rho)
 {
     const size_t n1 = s->def.grid.n1;

@@ -36,34 +36,6 @@ static bool has_arcs(const scene *s)
     return has;
 }
 
-vec2 velocity_field_at(const scene *s, vec2 at)
-{
-    const surroundings around = surroundings_of(s);
-    regions_velocity e = regions_begin(&around, at);
-
-    for (size_t k = 0; k < s->n_obstacles; k++) {
-        for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
-            regions_segment g = regions_segment_of(s, &around, &s->obstacles[k], m);
-            regions_consider(&e, &g, at);
-        }
-    }
-    return e.velocity;
-}
-
-static bool crosses_link(void *context, const closed_line *l)
-{
-    const closed_line *link = context;
-
-    return closed_line_crosses(l, link->start, link->end);
-}
-
-bool velocity_field_is_closed(const scene *s, vec2 from, vec2 to)
-{
-    closed_line link = { from, to };
-
-    return closed_lines_visit(s, crosses_link, &link);
-}
-
 /// A straight border between constant velocities.
 typedef struct border {
     vec2 low;  ///< the end with the smaller y, m

@@ -67,9 +67,3 @@ void velocity_field_update(velocity_field *f, const scene *s);
 
 /// Free a field; NULL is fine. Always returns NULL.
 velocity_field *velocity_field_destroy(velocity_field *f);
-
-/// v_stat at one point by the rules above, for the whole scene at v_T; m/s.
-vec2 velocity_field_at(const scene *s, vec2 at);
-
-/// True if the link between two neighbouring cell centres crosses a closed line (`wall`, `sealed`).
-bool velocity_field_is_closed(const scene *s, vec2 from, vec2 to);

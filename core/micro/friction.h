@@ -17,8 +17,7 @@
 ///     friction_tanh, friction_theta         lanes, within 1e-12: explicit steps in the plane
 ///     friction_theta_quick                  lanes, within 2e-4: the secants of implicit steps in the plane,
 ///                                           which are approximations anyway
-///     friction_theta_close, friction_theta_of
-///                                           lanes and one number, within 1e-12: bodies in space
+///     friction_theta_close                  lanes, within 1e-12: bodies in space
 
 #pragma once
 
@@ -109,14 +108,6 @@ FRICTION_INLINED simd friction_secants(simd mu, simd normal, simd lambda, simd s
     const friction_quotient theta = friction_theta_close(lambda * speed);
 
     return mu * simd_max(normal, -normal) * lambda * (theta.up / theta.down);
-}
-
-/// theta(z) of one number, as friction_theta_close().
-static inline double friction_theta_of(double z)
-{
-    const friction_quotient theta = friction_theta_close(simd_all(z));
-
-    return theta.up[0] / theta.down[0];
 }
 
 /// A secant coefficient, as friction_secants().

@@ -9,9 +9,6 @@
 
 enum { LINE_POINTS = 101 }; ///< of a feed's line that are looked at
 
-/// Sine of the angle up to which a piece is a guide along its belt, 0.1 degrees: typed coordinates are rounded.
-#define GUIDE_SINE 1.745e-3
-
 /// Most steps, of a few nanoseconds each, in which belts and plates are looked for.
 #define STEPS_MAX 3e7
 
@@ -57,7 +54,7 @@ static bool is_on_belt(plates *p, vec2 at, vec2 belt)
 {
     const vec2 own = direction_of(p, at);
 
-    return is_beyond(p, at) || vec2_dot(own, belt) > 1.0 - GUIDE_SINE;
+    return is_beyond(p, at) || vec2_dot(own, belt) > 1.0 - SURROUNDINGS_GUIDE_SINE;
 }
 
 /// True if a plate lies on the line from a place along the belt, ahead of it or back from it.
@@ -67,7 +64,7 @@ static void find_around(plates *p, const plate *of, vec2 at, bool *ret_ahead, bo
         const vec2 start = of->obstacle->path[k];
         const vec2 piece = vec2_sub(of->obstacle->path[k + 1], start), to = vec2_sub(at, start);
         const double sine = vec2_cross(of->belt, piece);
-        if (fabs(sine) <= GUIDE_SINE * vec2_length(piece))
+        if (fabs(sine) <= SURROUNDINGS_GUIDE_SINE * vec2_length(piece))
             continue;
         const double place = vec2_cross(of->belt, to) / sine, back = vec2_cross(to, piece) / sine;
         if (place < 0.0 || place > 1.0 ||
@@ -176,7 +173,7 @@ static bool leaves_there(const plates *p, vec2 at, vec2 belt)
         const vec2 inward = surroundings_side(&p->around, (scene_side)side).inward;
         if (p->around.edges[side] == SCENE_EDGE_OUTFLOW &&
             surroundings_excess(&p->around, (scene_side)side, at) > SCENE_TOLERANCE &&
-            vec2_dot(inward, belt) < -GUIDE_SINE)
+            vec2_dot(inward, belt) < -SURROUNDINGS_GUIDE_SINE)
             return true;
     }
     return false;
@@ -189,7 +186,7 @@ static bool review_end(plates *p, size_t k, vec2 before, vec2 end, review_warnin
     char pointer[BF_POINTER_SIZE];
 
     if (is_beyond(p, before) || vec2_dot(piece, belt) <= 0.0 ||
-        fabs(vec2_cross(piece, belt)) <= GUIDE_SINE * vec2_length(piece) ||
+        fabs(vec2_cross(piece, belt)) <= SURROUNDINGS_GUIDE_SINE * vec2_length(piece) ||
         !leaves_there(p, end, belt))
         return false;
     snprintf(pointer, sizeof pointer, "/obstacles/%zu", k);

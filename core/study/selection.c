@@ -55,13 +55,3 @@ bool selection_drop(const selection *s, const selection_known *known, bool *is_l
         n_left += is_left[i];
     return n_left <= 1 || r > n_needed;
 }
-
-size_t selection_best(const selection *s, const selection_known *known, const bool *is_left)
-{
-    size_t best = s->k;
-
-    for (size_t i = 0; i < s->k; i++)
-        if (is_left[i] && (best == s->k || mean_of(known, i) < mean_of(known, best)))
-            best = i;
-    return best;
-}

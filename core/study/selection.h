@@ -39,6 +39,3 @@ typedef struct selection_known {
 /// Drop systems: is_left[i] becomes false. True when the selection has ended; the one with the least mean of those left
 /// is then the answer.
 bool selection_drop(const selection *s, const selection_known *known, bool *is_left);
-
-/// The system that is left and has the least mean; the first one where several have it. k if none is left.
-size_t selection_best(const selection *s, const selection_known *known, const bool *is_left);

@@ -223,12 +223,6 @@ static inline congested_row_faces congested__faces(const congested *c, ptrdiff_t
     ((((i) + (r)) & 1) == 0 ? congested__row(c, (c)->law[CONGESTED_SOUTH].of, r) + ((i) >> 1)      \
                             : congested__row(c, (c)->law[CONGESTED_NORTH].of, (r)-1) + ((i) >> 1))
 
-/// The pressure of cell (i, j); 0 outside the grid.
-static inline float *congested__pressure(const congested *c, ptrdiff_t i, ptrdiff_t j)
-{
-    return congested__row(c, c->pressure[(i + j) & 1], j) + (i >> 1);
-}
-
 #ifdef CPU_BUILD
 /// Each build's table has a name of its own.
 #define congested__kernels CPU_NAME(congested__kernels)

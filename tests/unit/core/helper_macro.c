@@ -2,11 +2,15 @@
 
 #include "core/base/check.h"
 #include "core/base/memory.h"
+#include "core/macro/closed_lines.h"
+#include "core/macro/macro_priv.h"
+#include "core/macro/regions.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
 #include "tests/unit/core/helper_world.h"
 
 #include <math.h>
+#include <string.h>
 
 velocity_field *helper_macro_field(const scene *s)
 {
@@ -93,6 +97,42 @@ macro_solver *helper_macro_start_with(const macro_def *def, const double *rho)
     BF_CHECK(macro_create(def, &solver, NULL) == BF_OK);
     BF_CHECK(macro_set_density(solver, rho, grid_cells(&def->grid), NULL) == BF_OK);
     return solver;
+}
+
+void helper_macro_copy(const macro_solver *solver, double *ret_rho)
+{
+    const bf_grid *g = &solver->def.grid;
+
+    for (size_t j = 0; j < g->n2; j++)
+        memcpy(ret_rho + j * g->n1, macro_row(solver, j), g->n1 * sizeof *ret_rho);
+}
+
+vec2 helper_macro_velocity_at(const scene *s, vec2 at)
+{
+    const surroundings around = surroundings_of(s);
+    regions_velocity e = regions_begin(&around, at);
+
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
+            regions_segment g = regions_segment_of(s, &around, &s->obstacles[k], m);
+            regions_consider(&e, &g, at);
+        }
+    }
+    return e.velocity;
+}
+
+static bool crosses_link(void *context, const closed_line *l)
+{
+    const closed_line *link = context;
+
+    return closed_line_crosses(l, link->start, link->end);
+}
+
+bool helper_macro_is_closed(const scene *s, vec2 from, vec2 to)
+{
+    closed_line link = { from, to };
+
+    return closed_lines_visit(s, crosses_link, &link);
 }
 
 void helper_macro_advance(macro_solver *solver, int n_steps)

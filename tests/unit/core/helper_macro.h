@@ -21,6 +21,15 @@ macro_solver *helper_macro_start(const scene *s, int n_threads);
 /// A solver of a definition with a density for each cell; macro_destroy().
 macro_solver *helper_macro_start_with(const macro_def *def, const double *rho);
 
+/// Copy its densities, layout of grid.h.
+void helper_macro_copy(const macro_solver *solver, double *ret_rho);
+
+/// v_stat at one point by the rules of velocity_field.h, for the whole scene at v_T; m/s.
+vec2 helper_macro_velocity_at(const scene *s, vec2 at);
+
+/// True if the link between two neighbouring cell centres crosses a closed line (`wall`, `sealed`).
+bool helper_macro_is_closed(const scene *s, vec2 from, vec2 to);
+
 /// Make n steps.
 void helper_macro_advance(macro_solver *solver, int n_steps);
 

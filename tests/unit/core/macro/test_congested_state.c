@@ -170,7 +170,7 @@ static double *densities_of(const macro_solver *solver)
     double *rho = memory_alloc(grid_cells(&solver->def.grid), sizeof *rho);
 
     assert_non_null(rho);
-    macro_copy_density(solver, rho);
+    helper_macro_copy(solver, rho);
     return rho;
 }
 

@@ -5,6 +5,7 @@
 #include "core/macro/macro.h"
 #include "core/macro/macro_priv.h"
 #include "tests/reference/direct.h"
+#include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
 
@@ -142,7 +143,7 @@ static void compare_with_direct_sum(fixture *s)
         macro_step(fast);
         direct_step(slow);
     }
-    macro_copy_density(fast, rho);
+    helper_macro_copy(fast, rho);
     for (size_t k = 0; k < n; k++)
         assert_true(fabs(rho[k] - direct_density(slow)[k]) < agreement);
     macro_destroy(fast);

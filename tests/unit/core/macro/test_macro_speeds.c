@@ -79,7 +79,7 @@ static double *densities_of(const macro_solver *s, const scene *of)
     double *rho = memory_alloc(grid_cells(&grid), sizeof *rho);
 
     assert_non_null(rho);
-    macro_copy_density(s, rho);
+    helper_macro_copy(s, rho);
     return rho;
 }
 

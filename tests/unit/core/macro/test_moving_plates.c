@@ -465,8 +465,8 @@ static void a_plate_that_has_been_turned_into_the_belts_direction_holds_nothing_
     (void)state;
     make_diverter(&s, 0);
     s.obstacles[0].path[1].y = 0.0; // along the belt
-    assert_near(velocity_field_at(&s, (vec2){ 0.5, 0.02 }).x, 0.2, 0.0);
-    assert_near(velocity_field_at(&s, (vec2){ 0.5, 0.02 }).y, 0.0, 0.0);
+    assert_near(helper_macro_velocity_at(&s, (vec2){ 0.5, 0.02 }).x, 0.2, 0.0);
+    assert_near(helper_macro_velocity_at(&s, (vec2){ 0.5, 0.02 }).y, 0.0, 0.0);
     scene_fini(&s);
 }
 

@@ -29,7 +29,7 @@ static vec2 beside(double angle_deg, double share, double d)
 
 static void assert_velocity(const scene *s, vec2 at, double v1, double v2)
 {
-    vec2 v = velocity_field_at(s, at);
+    vec2 v = helper_macro_velocity_at(s, at);
     assert_near(v.x, v1, 1e-14);
     assert_near(v.y, v2, 1e-14);
 }
@@ -58,7 +58,7 @@ static void a_sealed_obstacle_has_an_outward_band_and_then_a_slide_zone(void **s
         assert_velocity(&s, beside(angle_deg, 0.5, 0.1101), speed, 0.0);
         assert_velocity(&s, beside(angle_deg, 0.5, -0.0001), speed, 0.0);
         // The sliding speeds of the table in section 4: 0.279, 0.1975, 0.102, 0.
-        vec2 v = velocity_field_at(&s, beside(angle_deg, 0.5, 0.1));
+        vec2 v = helper_macro_velocity_at(&s, beside(angle_deg, 0.5, 0.1));
         assert_near(sqrt(v.x * v.x + v.y * v.y), speed * cos(angle), 1e-14);
         scene_fini(&s);
     }
@@ -102,7 +102,7 @@ static void bands_span_the_length_of_the_line(void **state)
         helper_scene_example(&s, 60.0, (scene_treatment)treatment);
         assert_velocity(&s, beside(60.0, 1.001, 0.001), speed, 0.0);
         assert_velocity(&s, beside(60.0, -0.001, 0.001), speed, 0.0);
-        assert_true(velocity_field_at(&s, beside(60.0, 0.999, 0.001)).y > 0.01);
+        assert_true(helper_macro_velocity_at(&s, beside(60.0, 0.999, 0.001)).y > 0.01);
         scene_fini(&s);
     }
 }
@@ -331,13 +331,13 @@ static bool is_off(const scene *s, vec2 at)
 /// The plain rules at a face between the centres of two cells; off every belt, what carries cargo over it.
 static vec2 find_velocity(const scene *s, vec2 at, vec2 from, vec2 to)
 {
-    const vec2 way = vec2_sub(to, from), before = velocity_field_at(s, from),
-               after = velocity_field_at(s, to);
+    const vec2 way = vec2_sub(to, from), before = helper_macro_velocity_at(s, from),
+               after = helper_macro_velocity_at(s, to);
     const bool comes = !is_off(s, from) && vec2_dot(before, way) > 0.0;
     const bool returns = !is_off(s, to) && vec2_dot(after, way) < 0.0;
 
     if (!is_off(s, at) || comes == returns)
-        return velocity_field_at(s, at);
+        return helper_macro_velocity_at(s, at);
     return comes ? before : after;
 }
 
@@ -355,7 +355,7 @@ static void check_face(const scene *s, const velocity_field *f, int axis, size_t
     size_t n = axis == 0 ? g->n1 : g->n2, along = axis == 0 ? i : j;
     scene_side low = axis == 0 ? SCENE_WEST : SCENE_SOUTH;
     scene_side high = axis == 0 ? SCENE_EAST : SCENE_NORTH;
-    bool is_closed = velocity_field_is_closed(s, from, to) ||
+    bool is_closed = helper_macro_is_closed(s, from, to) ||
                      (along == 0 && s->edges[low] == SCENE_EDGE_WALL) ||
                      (along == n && s->edges[high] == SCENE_EDGE_WALL);
     vec2 v = find_velocity(s, at, from, to);
