@@ -34,60 +34,46 @@ static bool find_contact_of_parts(const disk *a, const disk *b, double margin,
     return true;
 }
 
-// Outward normal of a face where the part may touch it, and its distance from the face.
-static bool face_near(const disk_face *f, const disk *part, double range, contact_geometry *m)
-{
-    double cx = part->x - f->px, cy = part->y - f->py;
-    double along = cx * f->ny - cy * f->nx, off = cx * f->nx + cy * f->ny;
-
-    m->nx = -f->nx;
-    m->ny = -f->ny;
-    m->gap = off - part->radius;
-    return along >= f->from && along < f->to && off > -f->depth && off < range;
-}
-
-static bool arc_near(const disk_arc *a, const disk *part, double range, contact_geometry *m)
-{
-    double cx = part->x - a->px, cy = part->y - a->py;
-    double distance = sqrt(cx * cx + cy * cy), off = distance - a->radius;
-
-    if (!(cx * a->ex + cy * a->ey >= 0.0 && cx * a->fx + cy * a->fy > 0.0 && off > 0.0 &&
-          off < range))
-        return false;
-    m->nx = -cx / distance;
-    m->ny = -cy / distance;
-    m->gap = off - part->radius;
-    return true;
-}
-
-// Where plates move: the contact with a feature as it is in this step. False if it is not within `margin`.
-static bool follow_plate(const disk_state *s, const disk *part, size_t feature, double margin,
-                         contact_geometry *m)
-{
-    const disk_surface *surface = &s->plates.surfaces[feature];
-
-    m->gap += surface->recess;
-    const double lever = part->radius + 0.5 * m->gap;
-    const vec2 at = { part->x + lever * m->nx, part->y + lever * m->ny };
-    const vec2 v = disk__surface_velocity(surface, (vec2){ -m->nx, -m->ny }, at);
-    m->vx = v.x;
-    m->vy = v.y;
-    return m->gap < margin;
-}
-
+// False if the part does not come nearer than `margin` to a face or an arc of the boundary, as it is in this step.
 static bool find_contact_with_boundary(const disk_state *s, const disk *part, size_t feature,
                                        double margin, contact_geometry *ret_m)
 {
+    const double range = part->radius + margin;
     contact_geometry m = { .radius = { part->radius, 0.0 } };
-    double range = part->radius + margin;
-    bool is_near = feature < s->n_faces ? face_near(&s->faces[feature], part, range, &m)
-                                        : arc_near(&s->arcs[feature - s->n_faces], part, range, &m);
 
-    if (is_near && s->plates.n > 0)
-        is_near = follow_plate(s, part, feature, margin, &m);
-    if (is_near)
-        *ret_m = m;
-    return is_near;
+    if (feature < s->n_faces) {
+        const disk_face *f = &s->faces[feature];
+        const double cx = part->x - f->px, cy = part->y - f->py;
+        const double along = cx * f->ny - cy * f->nx, off = cx * f->nx + cy * f->ny;
+        if (!(along >= f->from && along < f->to && off > -f->depth && off < range))
+            return false;
+        m.nx = -f->nx;
+        m.ny = -f->ny;
+        m.gap = off - part->radius;
+    } else {
+        const disk_arc *a = &s->arcs[feature - s->n_faces];
+        const double cx = part->x - a->px, cy = part->y - a->py;
+        const double distance = sqrt(cx * cx + cy * cy), off = distance - a->radius;
+        if (!(cx * a->ex + cy * a->ey >= 0.0 && cx * a->fx + cy * a->fy > 0.0 && off > 0.0 &&
+              off < range))
+            return false;
+        m.nx = -cx / distance;
+        m.ny = -cy / distance;
+        m.gap = off - part->radius;
+    }
+    if (s->plates.n > 0) {
+        const disk_surface *surface = &s->plates.surfaces[feature];
+        m.gap += surface->recess;
+        if (!(m.gap < margin))
+            return false;
+        const double lever = part->radius + 0.5 * m.gap;
+        const vec2 at = { part->x + lever * m.nx, part->y + lever * m.ny };
+        const vec2 v = disk__surface_velocity(surface, (vec2){ -m.nx, -m.ny }, at);
+        m.vx = v.x;
+        m.vy = v.y;
+    }
+    *ret_m = m;
+    return true;
 }
 
 // The contact of a pair; false if it has none. Parts that left before the list was made stand behind the others.
@@ -101,17 +87,6 @@ static bool find_contact(const disk_state *s, const implicit_state *z, const imp
     return b < s->n_live ? find_contact_of_parts(&s->now[a], &s->now[b], margin, ret_m)
                          : find_contact_with_boundary(
                                s, &s->now[a], z->features[b - z->first_feature], margin, ret_m);
-}
-
-// Blocks of a piece with its contacts.
-static implicit_blocks blocks_of(const implicit_state *z, const implicit_piece *p, double excess)
-{
-    return (implicit_blocks){ .n = (p->n_front + IMPLICIT_WIDTH - 1) / IMPLICIT_WIDTH,
-                              .pairs = &z->blocks[p->block],
-                              .contacts = &z->contacts[p->block],
-                              .laws = &z->laws[p->law],
-                              .is_one_law = p->is_one_law,
-                              .excess = excess };
 }
 
 // Count an overlap, m, of parts of which the smaller one has the radius `small`, m.
@@ -225,43 +200,35 @@ static void bring_near_parts(const disk_state *s, const implicit_state *z, impli
     }
 }
 
-// The overlaps, and laws if each block has its own, of the first n contacts of a block of pairs of parts.
-static void note_contacts(const disk_state *s, implicit_state *z, implicit_piece *p, size_t at,
-                          size_t n)
-{
-    const implicit_block *block = &z->blocks[p->block + at];
-    const implicit_contacts *contacts = &z->contacts[p->block + at];
-    double small = s->kinds[0].part.radius;
-
-    for (size_t lane = 0; lane < n; lane++) {
-        const double overlap = contacts->overlap[lane];
-        if (!p->is_one_law) {
-            implicit_law *law = &z->laws[p->law + at];
-            disk_implicit__set_law(s, z, block, lane, -overlap, law);
-            small = law->radius[0][lane] < law->radius[1][lane] ? law->radius[0][lane]
-                                                                : law->radius[1][lane];
-        }
-        note_overlap(p, overlap, small);
-    }
-}
-
 // The contacts of a piece whose pairs are all of parts, block by block. A pair that is not near goes to the end, and
 // the one that takes its place is looked at along with its block again.
 static void find_contacts_of_parts(const disk_state *s, implicit_state *z, implicit_piece *p,
                                    double margin)
 {
+    double small = s->kinds[0].part.radius;
+
     bring_near_parts(s, z, p, margin);
     for (size_t first = 0; first < p->n_front;) {
         const size_t at = first / IMPLICIT_WIDTH;
         const size_t n = p->n_front - first < IMPLICIT_WIDTH ? p->n_front - first : IMPLICIT_WIDTH;
-        const unsigned far = ~z->kernels->find_contacts(s, &z->blocks[p->block + at], margin,
-                                                        &z->contacts[p->block + at]) &
-                             ((1U << n) - 1);
+        const implicit_block *block = &z->blocks[p->block + at];
+        implicit_contacts *contacts = &z->contacts[p->block + at];
+        const unsigned far =
+            ~z->kernels->find_contacts(s, block, margin, contacts) & ((1U << n) - 1);
         if (far != 0) {
             send_away(z, p, first + (size_t)__builtin_ctz(far));
             continue;
         }
-        note_contacts(s, z, p, at, n);
+        for (size_t lane = 0; lane < n; lane++) {
+            const double overlap = contacts->overlap[lane];
+            if (!p->is_one_law) {
+                implicit_law *law = &z->laws[p->law + at];
+                disk_implicit__set_law(s, z, block, lane, -overlap, law);
+                small = law->radius[0][lane] < law->radius[1][lane] ? law->radius[0][lane]
+                                                                    : law->radius[1][lane];
+            }
+            note_overlap(p, overlap, small);
+        }
         first += n;
     }
     clear_rest(z, p);
@@ -338,7 +305,12 @@ static void work_in_order(implicit_state *z, const implicit_piece *p, double exc
 
 static void work_on(implicit_state *z, const implicit_piece *p, double excess, kernel *work)
 {
-    const implicit_blocks blocks = blocks_of(z, p, excess);
+    const implicit_blocks blocks = { .n = (p->n_front + IMPLICIT_WIDTH - 1) / IMPLICIT_WIDTH,
+                                     .pairs = &z->blocks[p->block],
+                                     .contacts = &z->contacts[p->block],
+                                     .laws = &z->laws[p->law],
+                                     .is_one_law = p->is_one_law,
+                                     .excess = excess };
 
     if (p->is_rest)
         work_in_order(z, p, excess, work);
