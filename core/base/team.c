@@ -18,7 +18,7 @@ enum {
 
 struct team_barrier {
     int n_members;
-    int n_turns_awake; // turns before a member that waits sleeps
+    int n_turns_awake; // turns before a thread that waits sleeps
     _Alignas(64) atomic_int n_here;
     _Alignas(64) atomic_uint round; ///< also the futex of the sleepers
     atomic_int n_asleep;
@@ -36,7 +36,6 @@ typedef struct worker {
     void *context;         ///< of the work
     int member;            ///< of the work
     team_barrier *barrier; ///< of the work
-    int n_turns_awake;     ///< turns before it sleeps when the work is done
 } worker;
 
 static struct {
@@ -82,10 +81,12 @@ static void set_state(atomic_uint *state, unsigned value, unsigned sleeping)
 static void *work(void *context)
 {
     worker *w = context;
+    int n_turns = TURNS_AWAKE;
 
     for (;;) {
-        (void)wait_while(&w->state, IDLE, ASLEEP, w->n_turns_awake);
+        (void)wait_while(&w->state, IDLE, ASLEEP, n_turns);
         w->body(w->context, w->member, w->barrier->n_members, w->barrier);
+        n_turns = w->barrier->n_turns_awake;
         set_state(&w->state, IDLE, AWAITED);
     }
     return NULL;
@@ -158,7 +159,6 @@ void team_run(int n_threads, team_member *body, void *context)
         w->body = body;
         w->context = context;
         w->member = ++member;
-        w->n_turns_awake = n_turns;
         w->barrier = &barrier;
         set_state(&w->state, BUSY, ASLEEP);
     }

@@ -90,7 +90,7 @@ static void meet_late(void *context, int member, int n_members, team_barrier *ba
     }
 }
 
-static void who_waits_long_is_woken(void **state)
+static void a_thread_that_waits_long_is_woken(void **state)
 {
     int n_rounds[2] = { 0 };
 
@@ -186,7 +186,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_is_done_once_for_any_number_of_threads),
         cmocka_unit_test(threads_of_a_team_wait_for_each_other),
-        cmocka_unit_test(who_waits_long_is_woken),
+        cmocka_unit_test(a_thread_that_waits_long_is_woken),
         cmocka_unit_test(loops_on_threads_may_be_nested),
         cmocka_unit_test(threads_of_one_process_may_have_teams_at_the_same_time),
         cmocka_unit_test(threads_that_sleep_are_woken),
