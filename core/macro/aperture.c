@@ -18,7 +18,8 @@ static const side_law end_law = { 1.2, 2.0, 0.4 };
 static const side_law wall_law = { 0.9, 0.7, 0.4 };
 static const double fitted_cargo = 0.15;    // mu_c at which friction adds nothing
 static const double fitted_handling = 0.19; // mu_h, same
-static const double corners = 2.75;         // times sqrt(R/r - 1)
+static const double arch_length = 10.0;     // s of aperture.h, times e r
+static const double arch_slope = 2.5;       // times cos^2(theta)
 static const double acceleration = 0.9;     // of v_T^2/(mu_b g) by the width of the outlet
 static const double shallow = 4.0;          // times sin(theta): w of aperture.h
 static const double most_of_way = 0.9;      // that an extension takes
@@ -118,7 +119,17 @@ static double cost_of(const side_law *law, double sine, const scene *s, double h
     const double cargo = s->micro.contact[SCENE_CARGO_CARGO].friction;
 
     return law->angle * sine * sine + law->cargo * (sqrt(cargo) - sqrt(fitted_cargo)) +
-           law->handling * (sqrt(handling) - sqrt(fitted_handling)) + corners * mix_angularity(s);
+           law->handling * (sqrt(handling) - sqrt(fitted_handling));
+}
+
+// The share of an outlet that arches of parts with corners leave open; span is its width, m, sine that of the plate's angle.
+static double unarched(const scene *s, double span, double sine)
+{
+    const double friction = s->micro.contact[SCENE_CARGO_CARGO].friction;
+    const double length = arch_length * aperture_radius(s) * mix_angularity(s) *
+                          sqrt(friction / fitted_cargo) * (1.0 + arch_slope * (1.0 - sine * sine));
+
+    return length > 0.0 ? -expm1(-span / length) : 1.0;
 }
 
 // How a plate goes on beyond its end.
@@ -144,8 +155,11 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
     if (other.kind == OPPOSITE_SIDE)
         radii += cost_of(&wall_law, sine, s, other.friction);
     // Of two ends each has its half of the outlet.
-    const double way = (other.kind == OPPOSITE_END ? 0.5 : 1.0) * other.way;
-    const double radius = aperture_radius(s), open = fmax(way - radii * radius, 0.0);
+    const double ends = other.kind == OPPOSITE_END ? 2.0 : 1.0, way = other.way / ends;
+    const double radius = aperture_radius(s), wide = fmax(way - radii * radius, 0.0);
+    // An arch stands on both sides of an outlet.
+    const double open =
+        wide * (other.kind == OPPOSITE_NOTHING ? 1.0 : unarched(s, ends * wide, sine));
     const double slowing = other.kind == OPPOSITE_NOTHING
                                ? 0.0
                                : acceleration * stopping / open * sqrt(2.0 * radius / open);

@@ -4,9 +4,9 @@
 /// brought to the belt's speed again. So the outlet is as if the plate went on across the belt by
 ///
 ///     delta = w (l - o/sqrt(1 + 0.9 v_T^2/(mu_b g o) sqrt(2 r/o)))
-///     o = l - r (1.2 sin^2(theta) + 2 a + 0.4 b + 2.75 e)
-///           - r (0.9 sin^2(theta) + 0.7 a + 0.4 b + 2.75 e)      if a wall, a guide or a plate's side is opposite,
-///                                                                not another plate's end
+///     o = m (1 - exp(-n m/s))     s = 10 r e sqrt(mu_c/0.15) (1 + 2.5 cos^2(theta))
+///     m = l - r (1.2 sin^2(theta) + 2 a + 0.4 b)
+///           - r (0.9 sin^2(theta) + 0.7 a + 0.4 b)      if a wall, a guide or a plate's side is opposite, not another plate's end
 ///     a = sqrt(mu_c) - sqrt(0.15)     b = sqrt(mu_h) - sqrt(0.19)     w = min(1, 4 sin(theta))
 ///     e = sqrt(R/r - 1)
 ///
@@ -14,8 +14,10 @@
 /// radius of a disk with the mean footprint of the parts, theta the angle between plate and belt, v_T^2/(2 mu_b g) the
 /// length in which the belt brings a part to its speed; mu_b, mu_c and mu_h are the frictions of cargo on belts, on
 /// cargo and on what handles it, for a wall that of walls. e is the mean over the kinds of parts, R the radius about a part
-/// and r that of a disk with its own footprint: 0 for cylinders, while parts with corners lie face to face, arch, and need
-/// room to turn. w lets delta go to 0 at guides, whose ends cost nothing.
+/// and r that of a disk with its own footprint, 0 for cylinders. Parts with corners lie face to face
+/// and arch over an outlet, n m wide with n = 2 between two plates' ends, else 1: arches close a share exp(-n m/s) of it, most of a
+/// narrow one, nothing of a wide one. Their span s rises with the friction that holds them and as plates get shallower. Where
+/// nothing is opposite there are none, and o is m. w lets delta go to 0 at guides, whose ends cost nothing.
 /// The root is 1 where nothing is opposite. It makes what a fast belt carries off independent of its speed, as o^(7/4)
 /// sqrt(mu_b g): nearly as grains leave a hopper, o^(3/2) sqrt(g), whose speed is what they gain within the width of its outlet.
 ///

@@ -209,7 +209,14 @@ def development():
         "transfer": [dict(layout="transfer", opening=10, load=q, ratio=r) for q, r in ((.4, 1), (.6, 1), (.8, .8), (1, 1))],
         "mix": [dict(sizes=z, angle=a) for z, a in (((1, 1.5), 60), ((.7, 1), 60), ((1, 1.3, 1.8), 60), ((.8, 1.2), 75))],
         "box": [dict(box=b, opening=o, angle=a, **BOXES) for b, o, a in (
-            (1.33, 5.5, 60), (1.33, 4, 60), (1.33, 8, 60), (1, 5.5, 60), (2.5, 5.5, 60), (1.33, 5.5, 90), (1.33, 5.5, 45))],
+            (1.33, 5.5, 60), (1.33, 4, 60), (1.33, 8, 60), (1, 5.5, 60), (2.5, 5.5, 60), (1.33, 5.5, 90), (1.33, 5.5, 45),
+            (1.33, 3.2, 60), (1.33, 2.6, 60), (1.33, 3.2, 90), (1.33, 3.4, 45), (1, 3.2, 60), (2.5, 4.2, 60), (2, 6, 45),
+            (1.33, 5, 75), (1.33, 8, 45), (1.5, 6, 30))]
+        + [dict(box=1.33, opening=5.5, angle=a, parts=p, plates=h, **BOXES) for a, p, h in (
+            (60, .5, .19), (60, .15, .5), (45, .4, .3))]
+        + [dict(box=b, layout="funnel", opening=o, angle=a, parts=p, plates=h, **BOXES) for b, o, a, p, h in (
+            (1.33, 6, 60, .15, .19), (1, 5, 45, .15, .19), (1.33, 5, 75, .4, .3), (1.33, 6, 90, .15, .19))]
+        + [dict(box=1.33, opening=5.5, **{**BOXES, "foot": 20.0})],
     }
     return [Line("development", group, **row) for group, rows in groups.items() for row in rows]
 
@@ -240,6 +247,13 @@ def apart():
     for _ in range(8):
         row = dict(box=between(1, 2.5), opening=between(3, 8.5, 1), angle=between(45, 90, 0), parts=between(.1, .6),
                    plates=between(.1, .5))
+        made.append(Line("apart", "box", **row, **BOXES))
+    draw = random.Random(20261128)
+    for _ in range(10):
+        box = draw.choice((1.0, 1.33, 1.5, 2.0))
+        circle = math.sqrt(math.pi / 4.0 * (box + 1.0 / box))  # about a box, d
+        row = dict(box=box, layout=draw.choice(("plate", "funnel")), opening=round(between(2.6, 5) * circle, 1),
+                   angle=between(30, 75, 0), parts=between(.1, .6), plates=between(.1, .5))
         made.append(Line("apart", "box", **row, **BOXES))
     return made
 
