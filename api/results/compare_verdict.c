@@ -193,20 +193,20 @@ static void say_models(const compare_side *a, const compare_side *b, double half
                     100.0 * fabs(by_chance), by_chance > 0.0 ? "more" : "fewer");
         verdict_rests_on(v, "arrived_by_chance", "", by_chance);
     }
-    if (is_early) {
-        verdict_say(v, " The belt was still filling while this was counted.");
-        verdict_advise(v, "Let warmup_s be twice as long as parts stay, and the runs longer.");
-    }
-    if (do_agree || is_early)
+    if (do_agree)
         return;
     if (!macro->is_compared)
         verdict_say(v, " The macroscopic one was not compared for such lines.");
     if (!micro->is_compared)
         verdict_say(v, " The microscopic one was not compared with experiments on such lines.");
-    if (micro->is_compared || !macro->is_compared)
+    if (is_early) {
+        verdict_say(v, " The belt was still filling while this was counted.");
+        verdict_advise(v, "Let warmup_s be twice as long as parts stay, and the runs longer.");
+    } else if (micro->is_compared || !macro->is_compared) {
         verdict_advise(v, "Trust the microscopic model.");
-    else
+    } else {
         verdict_advise(v, "Trust neither without counts of a real line.");
+    }
 }
 
 static const char *find_kind(double gap, double half, const compare_side *a)

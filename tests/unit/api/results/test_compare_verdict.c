@@ -203,7 +203,10 @@ static void models_are_not_compared_while_the_belt_fills(void **unused)
     const verdict *v = say(&macro, &micro);
     assert_string_equal(v->kind, "too_early");
     assert_non_null(strstr(v->text, "2,000 against 1,000 ± 10 parts/h"));
+    assert_null(strstr(v->text, "not compared"));
     assert_non_null(strstr(v->advice, "warmup_s"));
+    macro.is_compared = false;
+    assert_non_null(strstr(say(&macro, &micro)->text, "The macroscopic one was not compared"));
     macro.throughput_per_h = 1010.0;
     assert_string_equal(say(&macro, &micro)->kind, "models_agree");
 }
