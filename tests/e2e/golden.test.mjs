@@ -3,46 +3,16 @@
 // are two digests where they differ). With BELTFLOW_GOLDEN=write the file is written instead.
 
 import assert from "node:assert/strict";
-import { createHash } from "node:crypto";
-import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { readdirSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import test from "node:test";
 
+import { digestOfFolder, goldenFile, hasFma, isX86, known } from "./golden.mjs";
 import { beltflow } from "./processes.mjs";
-import { isEmulated, isSanitized, patience, root, temporaryFolder } from "./setup.mjs";
+import { isSanitized, patience, root, temporaryFolder } from "./setup.mjs";
 
-const goldenFile = path.join(root, "tests/golden/results.txt");
 const scenarios = path.join(root, "api/scenario/examples");
 const withoutFma = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable,-FMA_Usable";
-// Only on x86-64 is there a choice; AArch64 always has fused multiply-add.
-const isX86 = process.arch === "x64" && !isEmulated;
-const hasFma = !isX86 || /^flags.*\bfma\b/m.test(readFileSync("/proc/cpuinfo", "utf8"));
-
-// Results of one release are those of the next, so the digests have the first one's number.
-const release = { solver_version: "0.1.0" };
-
-// The members of a summary that are results: not timings, not what is said about the run and what follows from its document, and
-// not that itself, which api/openapi.json has.
-function resultsOf(text) {
-  const { verdicts, warnings, warning_details, validity, closure, cell_m, scenario, ...results } = JSON.parse(text);
-  return JSON.stringify({ ...results, ...release }, (name, value) => (/^(wall_time_s|threads|\w+_steps_per_s)$/.test(name) ? 0 : value));
-}
-
-// One digest for all files of a folder, names and bytes, in order.
-function digestOfFolder(folder) {
-  const hash = createHash("sha256");
-  const names = readdirSync(folder, { recursive: true, withFileTypes: true })
-    .filter((entry) => entry.isFile())
-    .map((entry) => path.relative(folder, path.join(entry.parentPath ?? entry.path, entry.name)))
-    .filter((name) => name !== "scenario.json")
-    .sort();
-  for (const name of names) {
-    const bytes = readFileSync(path.join(folder, name));
-    const kept = name === "summary.json" ? Buffer.from(resultsOf(bytes.toString())) : bytes;
-    hash.update(`${name} ${kept.length}\n`).update(kept);
-  }
-  return hash.digest("hex");
-}
 
 async function digestOfResults(t, file, model, tunables) {
   const out = path.join(temporaryFolder(t), "out");
@@ -51,13 +21,6 @@ async function digestOfResults(t, file, model, tunables) {
   assert.equal(done.status, 0, done.stderr);
   return digestOfFolder(out);
 }
-
-const known = existsSync(goldenFile)
-  ? new Map(readFileSync(goldenFile, "utf8").trim().split("\n").map((line) => {
-    const [name, fma, none = fma] = line.split(" ");
-    return [name, { fma, none }];
-  }))
-  : new Map();
 
 for (const file of readdirSync(scenarios).sort()) {
   for (const model of ["macro", "micro"]) {
