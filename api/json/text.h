@@ -1,5 +1,5 @@
-/// Text as it may come from clients: checks of UTF-8, pieces of lines, words of a list, and the distance of names, to suggest the one that
-/// was meant.
+/// Text as it may come from clients: checks of UTF-8, pieces of lines, words of a list, and the distance of names, to suggest
+/// the one that was meant.
 
 #pragma once
 

@@ -1,5 +1,5 @@
-/// Flows of the counters and of the outlets of two runs, side by side: lines that let the same through in all may still divide it in
-/// another way.
+/// Flows of the counters and of the outlets of two runs, side by side: lines that let the same through in all may still divide
+/// it in another way.
 
 #pragma once
 

@@ -7,7 +7,8 @@
 ///     equal            the difference is within what chance leaves open, and what would halve that
 ///     same             no difference at all
 ///     uncertain        parts arrive by chance, and how much of the difference is chance is not known
-///     too_early        both models of one line, not within that, and the belt of one was still filling while its throughput was counted
+///     too_early        both models of one line, not within that, and the belt of one was still filling while its throughput was
+///                      counted
 ///     no_throughput    nothing has left of one of them
 ///     flows_differ     flows of counters or outlets differ by more than chance leaves open, and by more than the throughputs do
 

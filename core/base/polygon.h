@@ -12,8 +12,8 @@
 /// Distance from a point to the segment from start to end.
 double polygon_segment_distance(vec2 at, vec2 start, vec2 end);
 
-/// True if along x or y a point is beyond both ends of a segment by more than distance: a quick test which parts of a polygon need
-/// a closer look. False says nothing.
+/// True if along x or y a point is beyond both ends of a segment by more than distance: a quick test which parts of a polygon
+/// need a closer look. False says nothing.
 static inline bool polygon_segment_is_far(vec2 at, vec2 start, vec2 end, double distance)
 {
     return (at.x > start.x + distance && at.x > end.x + distance) ||

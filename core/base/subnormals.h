@@ -1,8 +1,8 @@
 /// Subnormal numbers (below 2.3e-308 as doubles, 1.2e-38 as floats) taken for zero by the calling thread.
 ///
 /// An upwind scheme lets the tail behind moving cargo decay by the same factor in every step until it is subnormal, where an
-/// operation takes some hundred cycles on many processors, not on all. Between the two calls below, operands that are subnormal count as
-/// zero, and so do results that would be: the tail stays where its fluxes are zero.
+/// operation takes some hundred cycles on many processors, not on all. Between the two calls below, operands that are
+/// subnormal count as zero, and so do results that would be: the tail stays where its fluxes are zero.
 ///
 /// Threads    Only the calling thread is set. All threads that share a step must be, or its bits would depend on their number.
 /// Processors x86-64 and AArch64; on others the calls do nothing.

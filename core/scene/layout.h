@@ -7,8 +7,9 @@
 ///     opening  plates and walls that touch are one body; the narrowest opening is the smallest distance
 ///              of two bodies, one of them with a plate, across a moving belt. It is 0 where plates join two
 ///              opposite walls. A gap that no part of any kind fits through is none, but where it is all that two opposite
-///              walls, joined by plates and such gaps, leave, or where there is nothing else. What lies behind a plate, where no belt brings cargo and nothing ahead would spread
-///              it to, is none; nor is one between guides, or a guide and a wall, to which no belt brings cargo
+///              walls, joined by plates and such gaps, leave, or where there is nothing else. What lies behind a
+///              plate, where no belt brings cargo and nothing ahead would spread it to, is none; nor is one
+///              between guides, or a guide and a wall, to which no belt brings cargo
 ///
 /// Plates are solid with their thickness, and are looked at as far as they lie in the domain, or beyond a
 /// side where cargo flows in. Pieces along their belt are guides: they bound openings and deflect nothing. A gap at a wall of at most half a
