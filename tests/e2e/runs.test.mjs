@@ -11,7 +11,7 @@ import { digestOfFolder, goldenDigest } from "./golden.mjs";
 import { beltflow } from "./processes.mjs";
 import * as prism from "./prism.mjs";
 import { assertSameResults, solve } from "./results.mjs";
-import { jam, tiny } from "./scenarios.mjs";
+import { fed, jam, tiny } from "./scenarios.mjs";
 import { isSanitized, temporaryFolder } from "./setup.mjs";
 
 const curveMeasures = ["l1", "l2", "largest"];
@@ -187,11 +187,26 @@ test("a run compared with itself is apart by nothing", async (t) => {
   await d.reached(run.id, "succeeded");
   const measures = (await d.get(`/v1/compare?a=${run.id}&b=${run.id}`)).json;
   for (const name of curveMeasures) assert.equal(measures.curve[name], 0, name);
-  const { counters } = (await d.get(`/v1/runs/${run.id}/summary`)).json.key_figures;
-  assert.deepEqual(measures.flows.map(({ id, flow_b_per_h, flow_gap_per_h }) => [id, flow_b_per_h, flow_gap_per_h]),
-    counters.filter(({ flow_per_h }) => flow_per_h !== undefined).map(({ id, flow_per_h }) => [id, flow_per_h, 0]));
   assert.equal(measures.density.snapshots.length, 3);
   for (const { mean_abs } of measures.density.snapshots) assert.equal(mean_abs, 0);
+});
+
+test("a comparison has the flows of the counters that both runs have", async (t) => {
+  const d = await daemon(t);
+  const runs = [];
+  for (const rate_per_s of [10, 20]) {
+    const { id } = await d.submit(fed({ obstacles: [], actions: [], feeds: [{ id: "infeed", edge: "west", y_m: [0.05, 0.25], rate_per_s }] }));
+    await d.reached(id, "succeeded");
+    const { key_figures } = (await d.get(`/v1/runs/${id}/summary`)).json;
+    runs.push({ id, flow: key_figures.counters[0].flow_per_h });
+  }
+  const [a, b] = runs;
+  assert.ok(b.flow > a.flow);
+  const { flows } = (await d.get(`/v1/compare?a=${a.id}&b=${b.id}&densities=0`)).json;
+  const { flow_gap_per_h: gap, ...others } = flows[0];
+  assert.equal(flows.length, 1);
+  assert.deepEqual(others, { of: "counter", id: "upstream", flow_a_per_h: a.flow, flow_error_a_per_h: null, flow_b_per_h: b.flow, flow_error_b_per_h: null });
+  assert.ok(Math.abs(gap - (b.flow - a.flow)) < 1e-6 * b.flow);
 });
 
 test("two runs compared give the measures of the command line", async (t) => {
