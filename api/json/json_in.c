@@ -303,11 +303,14 @@ static void note_words(json_in *in, const struct json_t *value, const char *cons
 bool json_in_word(json_in *in, const struct json_t *value, const char *const *words,
                   unsigned *ret_index)
 {
-    if (!json_is_string(value) || !text_has_word(words, json_string_value(value))) {
+    const char *word = json_string_value(value);
+    const size_t k = word == NULL ? 0 : text_find_word(words, SIZE_MAX, word);
+
+    if (word == NULL || words[k] == NULL) {
         note_words(in, value, words);
         return false;
     }
-    *ret_index = (unsigned)text_find_word(words, SIZE_MAX, json_string_value(value));
+    *ret_index = (unsigned)k;
     return true;
 }
 

@@ -56,14 +56,12 @@ static void take_flows(const json_t *root, size_t kind, compare_flows *to)
 
 bf_status compare_flows_read(const char *figures, size_t n, compare_flows *ret_flows, bf_error *err)
 {
-    bf_faults faults = { 0 };
-    json_in in = json_in_to(&faults);
+    json_t *root = NULL;
 
     *ret_flows = (compare_flows){ 0 };
-    json_t *root = json_in_parse(&in, figures, n);
-    if (root == NULL)
-        return in.has_failed ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                             : bf_fail(err, BF_ECORRUPT, "", "stored key figures are damaged");
+    const bf_status status = key_figures_parse(figures, n, &root, err);
+    if (status != BF_OK)
+        return status;
     for (size_t kind = 0; kind < sizeof kinds / sizeof *kinds; kind++)
         take_flows(root, kind, ret_flows);
     json_in_free(root);

@@ -212,7 +212,7 @@ static bf_status append_all(const json_t *object, bf_buffer *out)
     return status;
 }
 
-static bf_status parse(const char *json, size_t n, json_t **ret_root, bf_error *err)
+bf_status key_figures_parse(const char *json, size_t n, json_t **ret_root, bf_error *err)
 {
     bf_faults faults = { 0 };
     json_in in = json_in_to(&faults);
@@ -229,7 +229,7 @@ bf_status key_figures_csv(const char *json, size_t n, bf_buffer *out, bf_error *
     const size_t start = out->n;
     json_t *root = NULL;
 
-    bf_status status = parse(json, n, &root, err);
+    bf_status status = key_figures_parse(json, n, &root, err);
     if (status != BF_OK)
         return status;
     status = append_all(root, out);
@@ -258,7 +258,7 @@ bf_status key_figures_read(const char *json, size_t n_json, const char *columns,
     find_items(columns, &all);
     bf_status status = check_items(&all, n, err);
     if (status == BF_OK)
-        status = parse(json, n_json, &root, err);
+        status = key_figures_parse(json, n_json, &root, err);
     if (status != BF_OK)
         return status;
     ret_values = read_item(FIGURE_OF_RUN, root, ret_values);
@@ -277,7 +277,7 @@ bf_status key_figures_read_run(const char *json, size_t n, double *ret_values, b
 {
     json_t *root = NULL;
 
-    const bf_status status = parse(json, n, &root, err);
+    const bf_status status = key_figures_parse(json, n, &root, err);
     if (status != BF_OK)
         return status;
     (void)read_item(FIGURE_OF_RUN, root, ret_values);

@@ -16,6 +16,8 @@
 
 #include <stddef.h>
 
+struct json_t;
+
 /// The key figures of a run at a time; all borrowed.
 typedef struct key_figures {
     const char *columns;  ///< of the run's curve
@@ -40,6 +42,10 @@ void key_figures_write_run(json_out *w, const double *values);
 /// Append a stored object as CSV: a header "figure,of,id,value,unit", then a line for each figure that is there, as
 /// "residence_s.p95,run,,3.25,s" or "wait_s.mean,feed,infeed,0.5,s". BF_ECORRUPT: not such an object.
 BF_MUST_CHECK bf_status key_figures_csv(const char *json, size_t n, bf_buffer *out, bf_error *err);
+
+/// Parse a stored object, for json_in_free(). BF_ECORRUPT: it is no JSON; BF_ENOMEM.
+BF_MUST_CHECK bf_status key_figures_parse(const char *json, size_t n, struct json_t **ret_root,
+                                          bf_error *err);
 
 /// Read the object that key_figures_write() wrote of a run with these columns: n values in the order of figure.h, bit by bit;
 /// NAN: missing. BF_ECORRUPT: it is not such an object, or there are not n values. BF_ENOMEM.

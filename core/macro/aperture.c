@@ -122,8 +122,8 @@ static double cost_of(const side_law *law, double sine, const scene *s, double h
            law->handling * (sqrt(handling) - sqrt(fitted_handling));
 }
 
-// The share of an outlet that arches of parts with corners leave open; span is its width, m, sine that of the plate's angle.
-static double unarched(const scene *s, double span, double sine)
+// The fraction of an outlet that arches of parts with corners leave open; span is its width, m, sine that of the plate's angle.
+static double fraction_without_arches(const scene *s, double span, double sine)
 {
     const double friction = s->micro.contact[SCENE_CARGO_CARGO].friction;
     const double length = arch_length * aperture_radius(s) * mix_angularity(s) *
@@ -159,7 +159,8 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
     const double radius = aperture_radius(s), wide = fmax(way - radii * radius, 0.0);
     // An arch stands on both sides of an outlet.
     const double open =
-        wide * (other.kind == OPPOSITE_NOTHING ? 1.0 : unarched(s, ends * wide, sine));
+        wide *
+        (other.kind == OPPOSITE_NOTHING ? 1.0 : fraction_without_arches(s, ends * wide, sine));
     const double slowing = other.kind == OPPOSITE_NOTHING
                                ? 0.0
                                : acceleration * stopping / open * sqrt(2.0 * radius / open);

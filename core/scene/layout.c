@@ -414,7 +414,7 @@ static void measure_bends(const measuring *m, layout *out)
     }
 }
 
-/// True if no part gets past plates between two opposite walls, as nothing but gaps is left, that are too narrow.
+/// True if plates leave nothing but gaps between two opposite walls that no part fits through (layout_fits()).
 static bool closes_but_for_gaps(measuring *m)
 {
     const double width = 2.0 * m->inner_radius - SCENE_LENGTH_MIN;
