@@ -140,24 +140,17 @@ static const param *find_row(const param *const *params, const char *name)
     return NULL;
 }
 
-void query_list_known(const param *const *params, char *ret_text)
-{
-    size_t n = 0;
-
-    ret_text[0] = '\0';
-    for (; *params != NULL; params++) {
-        if (strcmp((*params)->in, "query") == 0)
-            n += (size_t)snprintf(ret_text + n, QUERY_KNOWN_SIZE - n, "%s%s", n > 0 ? " " : "",
-                                  (*params)->name);
-        BF_CHECK(n < QUERY_KNOWN_SIZE);
-    }
-}
-
 static bf_status refuse_unknown(const param *const *params, const char *name, bf_error *err)
 {
-    char known[QUERY_KNOWN_SIZE];
+    char known[QUERY_KNOWN_SIZE] = "";
+    size_t n = 0;
 
-    query_list_known(params, known);
+    for (; *params != NULL; params++) {
+        if (strcmp((*params)->in, "query") == 0)
+            n += (size_t)snprintf(known + n, sizeof known - n, "%s%s", n > 0 ? " " : "",
+                                  (*params)->name);
+        BF_CHECK(n < sizeof known);
+    }
     return bf_fail(err, BF_EINPUT, "", "query parameter '%.64s' is not known here; known: %s", name,
                    *known == '\0' ? "none" : known);
 }

@@ -50,7 +50,3 @@ BF_MUST_CHECK bf_status query_check(const query *q, const param *const *params, 
 /// neither (*ret_value untouched).
 bool query_read(const query *q, const param *const *params, const char *name,
                 param_value *ret_value);
-
-/// Write the names of the parameters that a query can have, with spaces between, "" for none, into
-/// ret_text, QUERY_KNOWN_SIZE bytes.
-void query_list_known(const param *const *params, char *ret_text);

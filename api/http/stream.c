@@ -225,9 +225,10 @@ static bf_status append_batch(batch *b, const api_services *services, size_t lim
     return BF_OK;
 }
 
-bf_status stream_next(stream_cursor *cursor, const api_services *services, size_t limit_bytes,
-                      bf_buffer *out, body_state *ret_state, bf_error *err)
+bf_status stream_next(void *state, const api_services *services, size_t limit_bytes, bf_buffer *out,
+                      body_state *ret_state, bf_error *err)
 {
+    stream_cursor *cursor = state;
     batch b = { .cursor = cursor, .out = out };
     size_t start = out->n, n_open = cursor->n_open;
     uint64_t after = cursor->after;
@@ -252,12 +253,6 @@ const char *stream_heartbeat(stream_format format)
     return format == STREAM_SSE ? ":\n\n" : "\n";
 }
 
-static bf_status next_chunk(void *state, const api_services *services, size_t limit_bytes,
-                            bf_buffer *out, body_state *ret_state, bf_error *err)
-{
-    return stream_next(state, services, limit_bytes, out, ret_state, err);
-}
-
 bf_status stream_open(const stream_cursor *cursor, body_source *ret_source, bf_error *err)
 {
     stream_cursor *state = memory_alloc(1, sizeof *state);
@@ -266,7 +261,7 @@ bf_status stream_open(const stream_cursor *cursor, body_source *ret_source, bf_e
         return out_of_memory(err);
     *state = *cursor;
     *ret_source = (body_source){ .state = state,
-                                 .next_chunk = next_chunk,
+                                 .next_chunk = stream_next,
                                  .destroy = memory_free,
                                  .is_stream = true,
                                  .heartbeat = stream_heartbeat(cursor->format),

@@ -46,9 +46,8 @@ BF_MUST_CHECK bf_status stream_begin(const api_services *services, stream_format
 /// Append the next batch, at most about limit_bytes (and one inline snapshot), to *out: the
 /// body_next_chunk_fn of a stream. Runs that were removed count as ended. On failure *cursor and *out
 /// are as before.
-BF_MUST_CHECK bf_status stream_next(stream_cursor *cursor, const api_services *services,
-                                    size_t limit_bytes, bf_buffer *out, body_state *ret_state,
-                                    bf_error *err);
+BF_MUST_CHECK bf_status stream_next(void *cursor, const api_services *services, size_t limit_bytes,
+                                    bf_buffer *out, body_state *ret_state, bf_error *err);
 
 /// Make the stream of a cursor, which is copied, the body of a response. *ret_source is the caller's;
 /// its destroy() frees it. BF_ENOMEM.

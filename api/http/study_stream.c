@@ -107,9 +107,11 @@ static bf_status append_batch(study_stream *s, const api_services *services, con
     return status;
 }
 
-bf_status study_stream_next(study_stream *s, const api_services *services, size_t limit_bytes,
+// A study that was removed has ended.
+static bf_status next_chunk(void *state, const api_services *services, size_t limit_bytes,
                             bf_buffer *out, body_state *ret_state, bf_error *err)
 {
+    study_stream *s = state;
     api_study about;
 
     if (!s->has_begun && s->format == STREAM_SSE && buffer_printf(out, "retry: 3000\n\n") != BF_OK)
@@ -121,12 +123,6 @@ bf_status study_stream_next(study_stream *s, const api_services *services, size_
         return BF_OK;
     return status == BF_OK ? append_batch(s, services, &about, limit_bytes, out, ret_state, err)
                            : status;
-}
-
-static bf_status next_chunk(void *state, const api_services *services, size_t limit_bytes,
-                            bf_buffer *out, body_state *ret_state, bf_error *err)
-{
-    return study_stream_next(state, services, limit_bytes, out, ret_state, err);
 }
 
 bf_status study_stream_open(const study_stream *stream, body_source *ret_source, bf_error *err)

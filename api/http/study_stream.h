@@ -28,12 +28,6 @@ typedef struct study_stream {
 /// all events, as after a loss of the store, counts as the newest. False: the client has seen the end.
 bool study_stream_begin(study_stream *stream, const api_study *about);
 
-/// Append the next batch, at most about limit_bytes, to *out: the body_next_chunk_fn of a stream. A study that was removed
-/// has ended. On failure *out may be longer.
-BF_MUST_CHECK bf_status study_stream_next(study_stream *stream, const api_services *services,
-                                          size_t limit_bytes, bf_buffer *out, body_state *ret_state,
-                                          bf_error *err);
-
 /// Make the stream, which is copied, the body of a response. *ret_source is the caller's; its destroy() frees it. BF_ENOMEM.
 BF_MUST_CHECK bf_status study_stream_open(const study_stream *stream, body_source *ret_source,
                                           bf_error *err);

@@ -37,23 +37,17 @@ const openapi_header *openapi__headers(size_t *ret_n)
     return table;
 }
 
-const openapi_header *openapi__header(const char *name, size_t n)
-{
-    for (size_t k = 0; k < sizeof table / sizeof *table; k++) {
-        if (strlen(table[k].name) == n && memcmp(table[k].name, name, n) == 0)
-            return &table[k];
-    }
-    return NULL;
-}
-
 static void write_header_refs(json_out *w, const char *words)
 {
     for (size_t n; words != NULL && (n = schema_next_word(&words)) > 0; words += n) {
-        const openapi_header *header = openapi__header(words, n);
-        BF_CHECK(header != NULL);
-        json_out_key(w, header->name);
+        size_t k = 0;
+        while (k < sizeof table / sizeof *table &&
+               (strlen(table[k].name) != n || memcmp(table[k].name, words, n) != 0))
+            k++;
+        BF_CHECK(k < sizeof table / sizeof *table);
+        json_out_key(w, table[k].name);
         json_out_object(w);
-        schema_write_ref(w, "headers", header->name, n);
+        schema_write_ref(w, "headers", table[k].name, n);
         json_out_object_end(w);
     }
 }

@@ -55,9 +55,6 @@ const char *openapi__text(const char *name);
 /// and problems. Errors: BF_ENOMEM.
 BF_MUST_CHECK bf_status openapi__write_manual(bf_buffer *out);
 
-/// A row, or NULL if there is none. words is of n bytes where it need not end.
-const openapi_header *openapi__header(const char *name, size_t n);
-
 /// Name of the schema of bodies in a format, NULL for JSON, whose schemas are the routes'.
 const char *openapi__format_schema(media_format format);
 

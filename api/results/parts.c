@@ -23,7 +23,8 @@ _Static_assert(sizeof body_columns / sizeof *body_columns ==
                    FRAME_VALUES_FED + FRAME_VALUES_SPATIAL,
                "a name each");
 
-const char *const *results_parts_columns(uint32_t n_values)
+// Names of the values of a part, n_values of them.
+static const char *const *columns_of(uint32_t n_values)
 {
     const size_t n_ids = frame_has_ids(n_values) ? FRAME_VALUES_FED : 0;
 
@@ -33,7 +34,7 @@ const char *const *results_parts_columns(uint32_t n_values)
 
 static bf_status append_header(const api_parts *parts, bf_buffer *out)
 {
-    const char *const *columns = results_parts_columns(parts->n_values);
+    const char *const *columns = columns_of(parts->n_values);
     const bool has_ids = frame_has_ids(parts->n_values);
     bf_status status = buffer_printf(out, "%s", has_ids ? "" : "part");
 
@@ -80,7 +81,7 @@ static void write_row(json_out *w, const double *row, uint32_t n_values)
 static void write_columns(json_out *w, const member *m, const void *item)
 {
     const api_parts *parts = (const api_parts *)(const void *)((const char *)item + m->offset);
-    const char *const *columns = results_parts_columns(parts->n_values);
+    const char *const *columns = columns_of(parts->n_values);
 
     json_out_array(w);
     for (uint32_t k = 0; k < parts->n_values; k++)

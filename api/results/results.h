@@ -80,10 +80,6 @@ BF_MUST_CHECK bf_status results_snapshot_png(const picture *p, const colormap *m
 BF_MUST_CHECK bf_status results_snapshot_vti(const float *rho, const bf_grid *grid, double t,
                                              bf_buffer *out, bf_error *err);
 
-/// Names of the values of a part, n_values of them, e.g. "x_m". n_values is one that frame_parts can
-/// have.
-const char *const *results_parts_columns(uint32_t n_values);
-
 /// Append the line of photo_eyes.csv, "t_s,photo_eye,state", that a change has, with the header where *out is empty;
 /// nothing for a change that is none of a photo eye.
 BF_MUST_CHECK bf_status results_photo_eyes_csv(const frame_change *c, bf_buffer *out,

@@ -262,11 +262,7 @@ static const member method_members[] = {
 };
 #undef AT
 
-static const member_table method_table = { MEMBER_TABLE("studyMethod", method_members),
-                                           .size = sizeof(study_document_method),
-                                           .init = study__init_method, .choice = MEMBER_TAGGED };
-
-void study__init_method(void *item, size_t place)
+static void init_method(void *item, size_t place)
 {
     (void)place;
     *(study_document_method *)item = (study_document_method){ .sweep = STUDY_SOBOL,
@@ -277,6 +273,10 @@ void study__init_method(void *item, size_t place)
                                                               .tolerance = 0.001,
                                                               .n_independent = (double)NAN };
 }
+
+static const member_table method_table = { MEMBER_TABLE("studyMethod", method_members),
+                                           .size = sizeof(study_document_method),
+                                           .init = init_method, .choice = MEMBER_TAGGED };
 
 #define AT(place) offsetof(study_document, place)
 static const member limit_members[] = {
@@ -330,7 +330,7 @@ void study__init(void *item, size_t place)
                                   .seed = 1,
                                   .replications = STUDY_NOT_GIVEN,
                                   .trials_max = STUDY_NOT_GIVEN };
-    study__init_method(&document->method, 0);
+    init_method(&document->method, 0);
 }
 
 const member_table study_document_members = { MEMBER_TABLE("studyDocument", members),

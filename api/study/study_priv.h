@@ -10,9 +10,8 @@
 /// Stands for a whole number that was not given.
 #define STUDY_NOT_GIVEN UINT64_MAX
 
-/// Defaults of a document and of a method, as the init of their tables.
+/// Defaults of a document, as the init of its table.
 void study__init(void *item, size_t place);
-void study__init_method(void *item, size_t place);
 
 /// The word of a key figure, "residence_s.p95", into MEMBER_TEXT_SIZE bytes.
 void study__figure_word(figure_id id, char *ret_word);

@@ -99,7 +99,8 @@ bool belt_arc_is_far(const scene_belt *belt, vec2 at, double distance)
     return belt->arc.is_given && belt_border_distance(belt, at) > distance + slack;
 }
 
-bool belt_arc_is_sound(const scene_belt *belt)
+// True if the members of an arc are within their limits.
+static bool is_sound(const scene_belt *belt)
 {
     const scene_arc *arc = &belt->arc;
     const double angle = belt_arc_angle(arc);
@@ -117,7 +118,7 @@ bf_status belt_resolve_arc(scene_belt *belt, bf_error *err)
 
     if (arc->is_given && isnan(arc->reference_radius))
         arc->reference_radius = 0.5 * (arc->inner_radius + arc->outer_radius);
-    if (!arc->is_given || !belt_arc_is_sound(belt))
+    if (!arc->is_given || !is_sound(belt))
         return BF_OK;
     const double low = fmin(arc->from, arc->to), angle = belt_arc_angle(arc);
     const size_t n = (size_t)ceil(angle / BELT_ARC_STEP);

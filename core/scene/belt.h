@@ -66,9 +66,6 @@ static inline double belt_arc_angle(const scene_arc *arc)
     return fabs(arc->to - arc->from);
 }
 
-/// True if the members of an arc are within their limits.
-bool belt_arc_is_sound(const scene_belt *belt);
-
 /// True if a place, seen from the centre of a resolved arc, is between its ends, those included.
 bool belt_arc_spans(const scene_arc *arc, vec2 from_centre);
 

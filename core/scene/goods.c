@@ -35,18 +35,6 @@ double goods_friction_of(const goods_friction *pair)
     return round((pair->low + pair->high) / 2.0 * 1e4) / 1e4;
 }
 
-bool goods_find_friction(scene_surface a, scene_surface b, double *ret_friction)
-{
-    for (size_t k = 0; k < goods_n_frictions; k++) {
-        const goods_friction *pair = &goods_frictions[k];
-        if ((pair->a != a || pair->b != b) && (pair->a != b || pair->b != a))
-            continue;
-        *ret_friction = goods_friction_of(pair);
-        return true;
-    }
-    return false;
-}
-
 // Sizes that the other shape would have are no numbers, so that a document that changes the type must give them.
 void goods_apply(scene_goods goods, scene_cargo *kind)
 {
@@ -79,9 +67,14 @@ typedef struct pair_frictions {
 
 static void add_friction(pair_frictions *all, scene_surface a, scene_surface b)
 {
-    double friction;
+    double friction = NAN; // of the first pair of the table that is this one
 
-    if (!goods_find_friction(a, b, &friction)) {
+    for (size_t k = 0; k < goods_n_frictions && isnan(friction); k++) {
+        const goods_friction *pair = &goods_frictions[k];
+        if ((pair->a == a && pair->b == b) || (pair->a == b && pair->b == a))
+            friction = goods_friction_of(pair);
+    }
+    if (isnan(friction)) {
         all->on = a;
         all->and = b;
     } else if (isnan(all->first)) {

@@ -52,9 +52,6 @@ extern const char *const goods_surface_titles[SCENE_SURFACE_COUNT]; ///< "steel,
 /// The friction that is taken for a pair: the middle of its range, to four decimals.
 double goods_friction_of(const goods_friction *pair);
 
-/// The friction of two surfaces; false: none is known.
-bool goods_find_friction(scene_surface a, scene_surface b, double *ret_friction);
-
 /// Give a kind of cargo the shape, mass and surface of goods, and their name.
 void goods_apply(scene_goods goods, scene_cargo *kind);
 

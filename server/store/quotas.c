@@ -16,7 +16,8 @@
 
 enum { QUOTA_HOURS = API_QUOTA_WINDOW_S / 3600, HOUR_MS = 3600000 };
 
-store_quotas store__quotas(const store *s)
+// What owners may use at the moment.
+static store_quotas quotas_of(const store *s)
 {
     return (store_quotas){ .n_waiting = s->quotas.n_waiting,
                            .cpu_s = s->quotas.cpu_s,
@@ -126,7 +127,7 @@ static bf_status read_quotas(store__connection *c, const store_quotas *allowed, 
 bf_status store_read_quotas(store *s, const char *owner, api_quotas *ret_quotas, bf_error *err)
 {
     // Nobody has no quotas.
-    const store_quotas allowed = owner[0] == '\0' ? (store_quotas){ 0 } : store__quotas(s);
+    const store_quotas allowed = owner[0] == '\0' ? (store_quotas){ 0 } : quotas_of(s);
     store__connection *reader = NULL;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
@@ -226,7 +227,7 @@ static bf_status check_cpu(store__connection *writer, uint64_t allowed, const ch
 bf_status store__check_owner(store__connection *writer, const store *s, const char *owner,
                              unsigned *ret_retry_s, bf_error *err)
 {
-    const store_quotas allowed = store__quotas(s);
+    const store_quotas allowed = quotas_of(s);
 
     if (owner[0] == '\0')
         return BF_OK;
@@ -237,7 +238,7 @@ bf_status store__check_owner(store__connection *writer, const store *s, const ch
 bf_status store__is_held(store__connection *reader, const store *s, const char *owner,
                          bool *ret_is_held, bf_error *err)
 {
-    const store_quotas allowed = store__quotas(s);
+    const store_quotas allowed = quotas_of(s);
     api_quota cpu = { .allowed = allowed.cpu_s }, bytes = { .allowed = allowed.n_bytes };
     bf_status status = BF_OK;
 

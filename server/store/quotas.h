@@ -4,9 +4,6 @@
 
 #include "server/store/store_priv.h"
 
-/// What owners may use at the moment.
-store_quotas store__quotas(const store *s);
-
 /// Charge the owner of a run for what it has used since it was charged last; cpu_s is that of all its attempts. The row
 /// is to be saved in the same transaction.
 BF_MUST_CHECK bf_status store__charge(store__connection *writer, store__row *row, double cpu_s,

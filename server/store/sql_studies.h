@@ -38,7 +38,7 @@
     STORE__STUDY_CHANGING(X)                                                                       \
     STORE__STUDY_FIXED(X)
 
-/// What store__read_study() reads.
+/// The columns that a study is read from.
 #define STORE__STUDY_COLUMNS "number" STORE__STUDY_LIST(STORE__NAME)
 
 /// The columns of a trial, in the order in which they are read, with the state of its run.

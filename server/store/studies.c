@@ -22,7 +22,8 @@ static bool is_possible(const store__study *row)
            (unsigned)row->stop_request <= STORE_STOP_KILL;
 }
 
-bf_status store__read_study(const store__query *q, store__study *ret_row, bf_error *err)
+// Reads the study of the present row, selected as STORE__STUDY_COLUMNS.
+static bf_status read_study(const store__query *q, store__study *ret_row, bf_error *err)
 {
     store__study row = { .rowid = sqlite3_column_int64(q->statement, 0) };
     bool is_whole = false;
@@ -46,15 +47,16 @@ bf_status store__find_study(store__connection *c, const char *id, store__study *
     bf_status status = BF_OK;
     const bool has_row = store__next(&q, &status, err);
     if (has_row)
-        status = store__read_study(&q, ret_row, err);
+        status = read_study(&q, ret_row, err);
     store__end(&q);
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
     return status;
 }
 
-bf_status store__find_visible_study(store__connection *c, const char *id, store__study *ret_row,
-                                    bf_error *err)
+// Finds a study that is not to be removed.
+static bf_status find_visible(store__connection *c, const char *id, store__study *ret_row,
+                              bf_error *err)
 {
     bf_status status = store__find_study(c, id, ret_row, err);
 
@@ -194,7 +196,7 @@ bf_status store_find_study(store *s, const char *id, api_study *ret_study, bf_er
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = store__find_visible_study(reader, id, &row, err);
+    status = find_visible(reader, id, &row, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_study = row.study;
@@ -214,7 +216,7 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
         store__start(reader, STORE__SQL_LIST_STUDIES, TEXT(before), INTEGER(query->limit + 1),
                      INTEGER(query->state), TEXT(query->owner));
     while (!list->has_more && store__next(&q, &status, err)) {
-        status = store__read_study(&q, &row, err);
+        status = read_study(&q, &row, err);
         list->has_more = list->n == query->limit;
         if (status == BF_OK && !list->has_more)
             list->items[list->n++] = row.study;
@@ -253,7 +255,7 @@ bf_status store_list_work(store *s, store_studies which, size_t size, store_stud
     if (works[which].state >= 0)
         store__bind(&q, INTEGER(works[which].state));
     while (store__next(&q, &status, err)) {
-        status = store__read_study(&q, &row, err);
+        status = read_study(&q, &row, err);
         if (status == BF_OK)
             ret_studies[n++] =
                 (store_study){ .study = row.study, .stop_request = row.stop_request };
@@ -278,7 +280,7 @@ static bf_status find_changed(store__connection *writer, store__operation *opera
     change_context *context = operation->context;
     const api_study *about = &context->row.study;
 
-    bf_status status = store__find_visible_study(writer, context->id, &context->row, err);
+    bf_status status = find_visible(writer, context->id, &context->row, err);
     if (status == BF_OK && context->revision != API_ANY_REVISION &&
         about->revision != context->revision)
         return bf_fail(err, BF_EINPUT, "", "the study has revision %llu, not %llu",
@@ -410,7 +412,7 @@ bf_status store_find_old_study(store *s, int64_t before_ms, char ret_id[API_ID_S
     store__query q = store__start(reader, STORE__SQL_OLDEST_ENDED_STUDY, INTEGER(before_ms));
     has_row = store__next(&q, &status, err);
     if (status == BF_OK && has_row)
-        status = store__read_study(&q, &row, err);
+        status = read_study(&q, &row, err);
     store__end(&q);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK && !has_row)

@@ -13,17 +13,9 @@ typedef struct store__study {
     store_stop stop_request;      ///< what is asked of it
 } store__study;
 
-/// Read the study of the present row, selected as STORE__STUDY_COLUMNS. BF_ECORRUPT.
-BF_MUST_CHECK bf_status store__read_study(const store__query *q, store__study *ret_row,
-                                          bf_error *err);
-
 /// Find a study by its id, also one that is to be removed. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_study(store__connection *c, const char *id,
                                           store__study *ret_row, bf_error *err);
-
-/// The same, but not of one that is to be removed.
-BF_MUST_CHECK bf_status store__find_visible_study(store__connection *c, const char *id,
-                                                  store__study *ret_row, bf_error *err);
 
 /// Write a changed study back, with a new revision.
 BF_MUST_CHECK bf_status store__save_study(store__connection *writer, store__study *row,

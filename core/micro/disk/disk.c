@@ -227,7 +227,7 @@ static bf_status advance(void *state, uint64_t n, bf_error *err)
                                                : disk__advance_explicit(s, n, err);
 }
 
-void disk__harden(void *state, double reduction)
+static void harden(void *state, double reduction)
 {
     disk_state *s = state;
     const double factor = reduction / s->def.modulus_reduction;
@@ -252,7 +252,7 @@ const micro_backend micro__disk = {
     .forget_gone = disk__forget_gone,
     .measure = disk__measure,
     .press = disk__press,
-    .harden = disk__harden,
+    .harden = harden,
     .load_on = disk__load_on,
     .save = disk__save,
     .load = disk__load,

@@ -232,9 +232,6 @@ BF_MUST_CHECK bf_status disk__check(const void *state, bf_error *err);
 /// micro_backend.press
 void disk__press(const void *state, micro_press *ret_press);
 
-/// Take another modulus_reduction, also for the parts that are here.
-void disk__harden(void *state, double reduction);
-
 /// The iterations in an implicit step for the present modulus_reduction.
 void disk__set_iterations(disk_state *s);
 

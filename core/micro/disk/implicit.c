@@ -43,16 +43,6 @@ const implicit_kernels *disk__implicit_kernels(cpu_level level)
     return builds[level];
 }
 
-implicit_state *disk_implicit__destroy(implicit_state *z)
-{
-    if (!z)
-        return NULL;
-    memory_free(z->pieces);
-    memory_free(z->blocks);
-    memory_free(z);
-    return NULL;
-}
-
 // The largest number of iterations that a kind of part requires.
 static int find_iterations(const disk_state *s)
 {
@@ -104,7 +94,14 @@ void disk_implicit__forget_choice(implicit_state *z)
 
 void disk__implicit_fini(disk_state *s)
 {
-    s->implicit = disk_implicit__destroy(s->implicit);
+    implicit_state *z = s->implicit;
+
+    if (z == NULL)
+        return;
+    memory_free(z->pieces);
+    memory_free(z->blocks);
+    memory_free(z);
+    s->implicit = NULL;
 }
 
 // False if a next step like the last one, which moved parts by up to `last_bound`, could make parts touch that

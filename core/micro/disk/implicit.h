@@ -110,9 +110,6 @@ void disk_implicit__forget_gone(const disk_state *s, implicit_state *z);
 /// Make the state; NULL: no memory.
 implicit_state *disk_implicit__create(const disk_state *s);
 
-/// Free it. NULL is fine. Always returns NULL.
-implicit_state *disk_implicit__destroy(implicit_state *z);
-
 /// Select the pairs again from the list and the candidates, which must be current; pairs that existed
 /// before retain their impulses. is_current must be false and stays so. BF_ENOMEM: they are of no use until a call
 /// succeeds, with the same impulses.
