@@ -1,6 +1,5 @@
 #include "api/results/compare_flows.h"
 
-#include "api/json/json_in.h"
 #include "api/results/key_figures.h"
 
 #include <jansson.h>
@@ -54,18 +53,11 @@ static void take_flows(const json_t *root, size_t kind, compare_flows *to)
     }
 }
 
-bf_status compare_flows_read(const char *figures, size_t n, compare_flows *ret_flows, bf_error *err)
+void compare_flows_read(const json_t *figures, compare_flows *ret_flows)
 {
-    json_t *root = NULL;
-
-    *ret_flows = (compare_flows){ 0 };
-    const bf_status status = key_figures_parse(figures, n, &root, err);
-    if (status != BF_OK)
-        return status;
+    ret_flows->n = 0;
     for (size_t kind = 0; kind < sizeof kinds / sizeof *kinds; kind++)
-        take_flows(root, kind, ret_flows);
-    json_in_free(root);
-    return BF_OK;
+        take_flows(figures, kind, ret_flows);
 }
 
 size_t compare_flows_match(const compare_flows *a, const compare_flows *b,

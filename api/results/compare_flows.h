@@ -43,9 +43,8 @@ typedef struct compare_flow_pair {
 /// Its object; the struct is the one above.
 extern const member_table compare_flow_members;
 
-/// Read the flows from the object of a run's key figures (key_figures_write()). BF_ECORRUPT: it is none; BF_ENOMEM.
-BF_MUST_CHECK bf_status compare_flows_read(const char *figures, size_t n, compare_flows *ret_flows,
-                                           bf_error *err);
+/// Read the flows from the object of a run's key figures (key_figures_write()), parsed; NULL: none is there.
+void compare_flows_read(const struct json_t *figures, compare_flows *ret_flows);
 
 /// Find what both have, in the order of a: at most COMPARE_FLOWS_MAX, whose number is returned.
 size_t compare_flows_match(const compare_flows *a, const compare_flows *b,

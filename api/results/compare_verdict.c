@@ -2,6 +2,7 @@
 
 #include "api/json/json_in.h"
 #include "api/results/key_figures.h"
+#include "api/results/run_verdict.h"
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
@@ -9,7 +10,6 @@
 
 #include <jansson.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double open_fraction =
@@ -64,41 +64,45 @@ static bf_status find_arrivals(const scene *s, compare_side *side, bf_error *err
     return status;
 }
 
+// Makes the side of a run. The scene is done with; figures NULL: there are none.
+static bf_status make_side(run_model model, scene *s, const json_t *figures, compare_side *ret_side,
+                           compare_flows *ret_flows, bf_error *err)
+{
+    double values[FIGURE_OFFERED];
+
+    key_figures_read_run(figures, values);
+    compare_flows_read(figures, ret_flows);
+    *ret_side = (compare_side){ .is_run = true,
+                                .model = model,
+                                .has_chance = scene_has_chance(s, model == RUN_MACRO),
+                                .offered_per_h = (double)NAN,
+                                .arrived = 1.0,
+                                .throughput_per_h = values[FIGURE_SUSTAINED],
+                                .error_per_h = values[FIGURE_THROUGHPUT_ERROR],
+                                .needs_s = values[FIGURE_THROUGHPUT_NEEDS] };
+    bf_status status = find_arrivals(s, ret_side, err);
+    if (status == BF_OK)
+        status = review_side(s, ret_side, err);
+    ret_side->line = line_of(s);
+    scene_fini(s);
+    return status;
+}
+
 bf_status compare_verdict_side(run_model model, const char *scenario, size_t n_scenario,
                                const char *figures, size_t n_figures, compare_side *ret_side,
                                compare_flows *ret_flows, bf_error *err)
 {
-    double values[FIGURE_OFFERED];
     bf_status status = BF_OK;
+    json_t *root = NULL;
     scene s;
 
-    *ret_side = (compare_side){ .is_run = true,
-                                .model = model,
-                                .offered_per_h = (double)NAN,
-                                .arrived = 1.0,
-                                .throughput_per_h = (double)NAN,
-                                .error_per_h = (double)NAN,
-                                .needs_s = (double)NAN };
-    *ret_flows = (compare_flows){ 0 };
-    if (n_figures > 0) {
-        status = key_figures_read_run(figures, n_figures, values, err);
-        if (status == BF_OK)
-            status = compare_flows_read(figures, n_figures, ret_flows, err);
-        if (status != BF_OK)
-            return status;
-        ret_side->throughput_per_h = values[FIGURE_SUSTAINED];
-        ret_side->error_per_h = values[FIGURE_THROUGHPUT_ERROR];
-        ret_side->needs_s = values[FIGURE_THROUGHPUT_NEEDS];
-    }
-    status = scenario_read_resolved(scenario, n_scenario, &s, err);
-    if (status != BF_OK)
-        return status;
-    ret_side->has_chance = scene_has_chance(&s, model == RUN_MACRO);
-    status = find_arrivals(&s, ret_side, err);
+    if (n_figures > 0)
+        status = key_figures_parse(figures, n_figures, &root, err);
     if (status == BF_OK)
-        status = review_side(&s, ret_side, err);
-    ret_side->line = line_of(&s);
-    scene_fini(&s);
+        status = scenario_read_resolved(scenario, n_scenario, &s, err);
+    if (status == BF_OK)
+        status = make_side(model, &s, root, ret_side, ret_flows, err);
+    json_in_free(root);
     return status;
 }
 
@@ -109,7 +113,7 @@ static bool says_filling(const json_t *summary)
 
     for (size_t k = 0; k < json_array_size(list); k++) {
         const char *kind = json_string_value(json_object_get(json_array_get(list, k), "kind"));
-        is = is || (kind != NULL && strcmp(kind, "belt_fills") == 0);
+        is = is || (kind != NULL && strcmp(kind, RUN_VERDICT_BELT_FILLS) == 0);
     }
     return is;
 }
@@ -119,22 +123,21 @@ bf_status compare_verdict_side_of_summary(const char *summary, size_t n, compare
 {
     bf_faults faults = { 0 };
     json_in in = json_in_to(&faults);
-    bf_status status = BF_EINPUT;
+    bf_status status = BF_OK;
+    scene s;
 
     json_t *root = json_in_parse(&in, summary, n);
     const char *model = json_string_value(json_object_get(root, "model"));
-    char *scenario = json_dumps(json_object_get(root, "scenario"), JSON_COMPACT);
-    char *figures = json_dumps(json_object_get(root, "key_figures"), JSON_COMPACT);
+    const json_t *scenario = json_object_get(root, "scenario");
     if (model == NULL || scenario == NULL)
         status = bf_fail(err, BF_EINPUT, "", "not a summary of a run");
     else
-        status = compare_verdict_side(
-            strcmp(model, run_model_words[RUN_MICRO]) == 0 ? RUN_MICRO : RUN_MACRO, scenario,
-            strlen(scenario), figures, figures == NULL ? 0 : strlen(figures), ret_side, ret_flows,
-            err);
-    ret_side->is_filling = status == BF_OK && says_filling(root);
-    free(figures);
-    free(scenario);
+        status = scenario_read_resolved_tree(scenario, &s, err);
+    if (status == BF_OK)
+        status = make_side(strcmp(model, run_model_words[RUN_MICRO]) == 0 ? RUN_MICRO : RUN_MACRO,
+                           &s, json_object_get(root, "key_figures"), ret_side, ret_flows, err);
+    if (status == BF_OK)
+        ret_side->is_filling = says_filling(root);
     json_in_free(root);
     return status;
 }

@@ -273,14 +273,7 @@ bf_status key_figures_read(const char *json, size_t n_json, const char *columns,
     return status;
 }
 
-bf_status key_figures_read_run(const char *json, size_t n, double *ret_values, bf_error *err)
+void key_figures_read_run(const json_t *object, double *ret_values)
 {
-    json_t *root = NULL;
-
-    const bf_status status = key_figures_parse(json, n, &root, err);
-    if (status != BF_OK)
-        return status;
-    (void)read_item(FIGURE_OF_RUN, root, ret_values);
-    json_in_free(root);
-    return BF_OK;
+    (void)read_item(FIGURE_OF_RUN, object, ret_values);
 }

@@ -52,7 +52,5 @@ BF_MUST_CHECK bf_status key_figures_parse(const char *json, size_t n, struct jso
 BF_MUST_CHECK bf_status key_figures_read(const char *json, size_t n_json, const char *columns,
                                          size_t n, double *ret_values, bf_error *err);
 
-/// Read the figures of the run alone, FIGURE_OFFERED values, from that object or from what key_figures_write_run() wrote.
-/// BF_ECORRUPT: it is none; BF_ENOMEM.
-BF_MUST_CHECK bf_status key_figures_read_run(const char *json, size_t n, double *ret_values,
-                                             bf_error *err);
+/// Read the figures of the run alone, FIGURE_OFFERED values, from that object, parsed; NULL: none is there.
+void key_figures_read_run(const struct json_t *object, double *ret_values);

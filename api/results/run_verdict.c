@@ -102,7 +102,7 @@ static void say_missing(const run_verdict_subject *of, double offered_per_h, dou
     const bool is_filling = s->warmup < stay;
     char number[VERDICT_NUMBER_SIZE];
 
-    verdict *v = verdict_add(all, is_filling ? "belt_fills" : "queue_grows");
+    verdict *v = verdict_add(all, is_filling ? RUN_VERDICT_BELT_FILLS : "queue_grows");
     say_rate(v, of);
     verdict_say(v, " of %s offered get through, and ",
                 verdict_number(offered_per_h, (double)NAN, number));

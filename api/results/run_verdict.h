@@ -21,6 +21,9 @@
 #include "core/figures/figure.h"
 #include "core/run/run.h"
 
+/// The kind of belt_fills, on which too_early rests (compare_verdict.h).
+#define RUN_VERDICT_BELT_FILLS "belt_fills"
+
 /// What is looked at; all borrowed.
 typedef struct run_verdict_subject {
     const scene *scene;       ///< resolved

@@ -56,38 +56,16 @@ void scenario__check_model(json_in *in, const scene *s, run_model model)
     prefix_pointers(in, n_kept);
 }
 
-bf_status scenario_read(const char *json, size_t n, scene *ret_scene, bf_faults *faults,
-                        bf_error *err)
-{
-    json_in in = json_in_to(faults);
-    struct json_t *root = json_in_parse(&in, json, n);
-    scene s;
-
-    if (root == NULL)
-        return json_in_status(&in, err);
-    scene_init(&s);
-    members_read(&in, root, &scenario_members, &s);
-    bf_status status = json_in_status(&in, err);
-    if (status == BF_OK && !scenario__complete(&in, root, &s))
-        status = json_in_status(&in, err);
-    json_in_free(root);
-    if (status == BF_OK)
-        *ret_scene = s;
-    else
-        scene_fini(&s);
-    return status;
-}
-
-bool scenario_read_tree(json_in *in, const struct json_t *tree, run_model model, scene *ret_scene)
+// Reads a tree and completes the scene. False: faults were noted, or there is no memory.
+static bool read_tree(json_in *in, const struct json_t *tree,
+                      bool (*complete)(json_in *, const struct json_t *, scene *), scene *ret_scene)
 {
     const size_t n_faults = in->faults->n;
     scene s;
 
     scene_init(&s);
     members_read(in, tree, &scenario_members, &s);
-    if (in->faults->n == n_faults && !in->has_failed && scenario__complete(in, tree, &s))
-        scenario__check_model(in, &s, model);
-    const bool is_read = in->faults->n == n_faults && !in->has_failed;
+    const bool is_read = in->faults->n == n_faults && !in->has_failed && complete(in, tree, &s);
     if (is_read)
         *ret_scene = s;
     else
@@ -95,27 +73,55 @@ bool scenario_read_tree(json_in *in, const struct json_t *tree, run_model model,
     return is_read;
 }
 
+bf_status scenario_read(const char *json, size_t n, scene *ret_scene, bf_faults *faults,
+                        bf_error *err)
+{
+    json_in in = json_in_to(faults);
+    struct json_t *root = json_in_parse(&in, json, n);
+
+    if (root != NULL)
+        (void)read_tree(&in, root, scenario__complete, ret_scene);
+    json_in_free(root);
+    return json_in_status(&in, err);
+}
+
+bool scenario_read_tree(json_in *in, const struct json_t *tree, run_model model, scene *ret_scene)
+{
+    scene s;
+
+    if (!read_tree(in, tree, scenario__complete, &s))
+        return false;
+    const size_t n_faults = in->faults->n;
+    scenario__check_model(in, &s, model);
+    if (in->faults->n > n_faults) {
+        scene_fini(&s);
+        return false;
+    }
+    *ret_scene = s;
+    return true;
+}
+
+bf_status scenario_read_resolved_tree(const struct json_t *tree, scene *ret_scene, bf_error *err)
+{
+    bf_faults faults = { 0 };
+    json_in in = json_in_to(&faults);
+
+    if (tree != NULL && read_tree(&in, tree, resolve, ret_scene))
+        return BF_OK;
+    return in.has_failed ? json_in_status(&in, err)
+                         : bf_fail(err, BF_ECORRUPT, "", "the scenario is damaged");
+}
+
 bf_status scenario_read_resolved(const char *json, size_t n, scene *ret_scene, bf_error *err)
 {
     bf_faults faults = { 0 };
     json_in in = json_in_to(&faults);
     struct json_t *root = json_in_parse(&in, json, n);
-    scene s;
 
-    scene_init(&s);
-    if (root != NULL)
-        members_read(&in, root, &scenario_members, &s);
-    bf_status status = json_in_status(&in, err);
-    if (status == BF_OK && !resolve(&in, root, &s))
-        status = json_in_status(&in, err);
+    const bf_status status = in.has_failed ? json_in_status(&in, err)
+                                           : scenario_read_resolved_tree(root, ret_scene, err);
     json_in_free(root);
-    if (status != BF_OK) {
-        scene_fini(&s);
-        return status == BF_ENOMEM ? status
-                                   : bf_fail(err, BF_ECORRUPT, "", "the scenario is damaged");
-    }
-    *ret_scene = s;
-    return BF_OK;
+    return status;
 }
 
 bf_status scenario_write(const scene *s, bf_buffer *out, bf_error *err)

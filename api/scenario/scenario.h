@@ -35,6 +35,10 @@ bool scenario_read_tree(json_in *in, const struct json_t *tree, run_model model,
 BF_MUST_CHECK bf_status scenario_read_resolved(const char *json, size_t n, scene *ret_scene,
                                                bf_error *err);
 
+/// The same from a tree of json_in_parse(); NULL: damaged.
+BF_MUST_CHECK bf_status scenario_read_resolved_tree(const struct json_t *tree, scene *ret_scene,
+                                                    bf_error *err);
+
 /// Append the resolved document, every default filled in, one line, members in a fixed order.
 /// Reading it gives the same scene again, bit by bit.
 BF_MUST_CHECK bf_status scenario_write(const scene *s, bf_buffer *out, bf_error *err);
