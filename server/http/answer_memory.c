@@ -33,15 +33,13 @@ bool http__answer_reserve(void *request, uint64_t n)
 
 void http__answer_settle(http_request *r)
 {
-    bf_error err = { 0 };
     const body_source *source = &r->response.source;
     const size_t n =
         source->next_chunk == NULL ? r->response.body.n : source->n_held + http__pull_chunk(source);
 
-    if (change(r, n > SMALL ? n : 0))
-        return;
-    (void)bf_fail(&err, BF_EBUSY, "", "answers to others take the memory that this one needs");
-    http__respond_refuse(r, 503, &err);
+    if (!change(r, n > SMALL ? n : 0))
+        http__respond_refuse(r, 503, BF_EBUSY,
+                             "answers to others take the memory that this one needs");
 }
 
 void http__answer_release(http_request *r)

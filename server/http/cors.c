@@ -82,12 +82,6 @@ static bool is_allowed(const char *origins, const char *origin)
     return origin != NULL && (is_any(origins) || is_listed(origins, origin));
 }
 
-static bool is_safe(const char *method)
-{
-    return strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0 ||
-           strcmp(method, "OPTIONS") == 0;
-}
-
 // The bytes of an authority without the port that its scheme has anyway.
 static size_t skip_port(const char *authority, bool is_https)
 {
@@ -110,20 +104,17 @@ static bool is_own(const char *origin, const char *host)
     return n == skip_port(host, is_https) && strncasecmp(authority, host, n) == 0;
 }
 
-// "none" is what a person does in the browser itself.
-static bool is_of_own_page(const http_cors_sender *sender)
-{
-    const char *site = sender->fetch_site;
-
-    if (site != NULL)
-        return strcmp(site, "same-origin") == 0 || strcmp(site, "none") == 0;
-    return sender->origin == NULL || is_own(sender->origin, sender->host);
-}
-
 bool http_cors_is_forged(const char *origins, const http_cors_sender *sender)
 {
-    return !is_safe(sender->method) && !is_of_own_page(sender) &&
-           !is_allowed(origins, sender->origin);
+    const char *method = sender->method, *site = sender->fetch_site;
+    const bool is_safe =
+        strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0 || strcmp(method, "OPTIONS") == 0;
+    bool is_of_own_page = sender->origin == NULL || is_own(sender->origin, sender->host);
+
+    // "none" is what a person does in the browser itself.
+    if (site != NULL)
+        is_of_own_page = strcmp(site, "same-origin") == 0 || strcmp(site, "none") == 0;
+    return !is_safe && !is_of_own_page && !is_allowed(origins, sender->origin);
 }
 
 const char *http_cors_resource_policy(const char *origins)

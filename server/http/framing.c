@@ -167,14 +167,6 @@ static void follow_size(http_framing *f, char c)
     }
 }
 
-static void end_chunk_line(http_framing *f)
-{
-    f->n_body += f->n_left;
-    f->stage = f->n_left > 0 ? HTTP_FRAMING_CHUNK : HTTP_FRAMING_TRAILER_NAME;
-    f->n_line = 0;
-    f->n_name = 0;
-}
-
 // A CR or LF at its one place.
 static void expect(http_framing *f, char c, char wanted, http_framing_stage next)
 {
@@ -204,8 +196,12 @@ static void follow_chunk(http_framing *f, char c)
         break;
     case HTTP_FRAMING_CHUNK_LF:
         expect(f, c, '\n', HTTP_FRAMING_CHUNK_LF);
-        if (f->refusal == 0)
-            end_chunk_line(f);
+        if (f->refusal != 0)
+            break;
+        f->n_body += f->n_left;
+        f->stage = f->n_left > 0 ? HTTP_FRAMING_CHUNK : HTTP_FRAMING_TRAILER_NAME;
+        f->n_line = 0;
+        f->n_name = 0;
         break;
     case HTTP_FRAMING_CHUNK_END_CR:
         expect(f, c, '\r', HTTP_FRAMING_CHUNK_END_LF);

@@ -121,15 +121,6 @@ const char *http_guard_authority(const char *target, size_t *ret_n)
     return authority;
 }
 
-// The part of a target behind scheme and authority (absolute form), or the target itself.
-static const char *skip_authority(const char *target)
-{
-    size_t n = 0;
-    const char *authority = http_guard_authority(target, &n);
-
-    return authority != NULL && authority[n] == '/' ? authority + n : target;
-}
-
 // Decodes n bytes into *ret_path, which has room for them. NULL, or what is wrong.
 static const char *decode_path(const char *text, size_t n, char *ret_path)
 {
@@ -163,7 +154,10 @@ static bool has_byte_outside_ascii(const char *text)
 
 int http_guard_target(const char *target, char *ret_path, char *ret_query, bf_error *err)
 {
-    const char *path = skip_authority(target);
+    size_t n_authority = 0; // of a target in absolute form
+    const char *authority = http_guard_authority(target, &n_authority);
+    const char *path =
+        authority != NULL && authority[n_authority] == '/' ? authority + n_authority : target;
     size_t n_path = strcspn(path, "?");
     const char *query_text = path[n_path] == '?' ? path + n_path + 1 : "";
     char decoded[API_PATH_MAX];

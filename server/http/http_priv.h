@@ -213,9 +213,6 @@ void http__request_charge(http_request *r, int64_t begun_ns);
 /// On a request thread: handle the request. False: it is parked, and this thread must not access it any more.
 bool http__request_work(http_request *r);
 
-/// Instead of handling a queued request: refuse it because the server stops.
-void http__request_refuse_late(http_request *r);
-
 /// The request is over, answered or not: log and free it. NULL is fine.
 void http__request_close(http_request *r);
 
@@ -235,7 +232,8 @@ void http__request_check(http_request *r, const char *method, const char *versio
 // response.c
 
 /// Make the request's response a problem.
-void http__respond_refuse(http_request *r, int status, const bf_error *err);
+void http__respond_refuse(http_request *r, int status, bf_status code, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 
 /// Add the transport's part of an answer: encoding, range, headers of limits, origins, traces; but once.
 void http__finalize_response(http_request *r);

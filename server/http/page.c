@@ -196,38 +196,12 @@ static void answer_placeholder(http_request *r, size_t which)
 
     api_response_fini(&r->response);
     if (buffer_append(&r->response.body, text, strlen(text)) != BF_OK) {
-        http__respond_refuse(r, 503, &(bf_error){ .code = BF_ENOMEM, .text = "out of memory" });
+        http__respond_refuse(r, 503, BF_ENOMEM, "out of memory");
         return;
     }
     r->response.status = 200;
     api_response_header(&r->response, "Content-Type", "%s", placeholder_pages[which].type);
     api_response_header(&r->response, "Content-Security-Policy", "%s", policy);
-}
-
-static void refuse_method(http_request *r)
-{
-    const bf_error err = { .code = BF_EINPUT, .text = "this path knows: GET, HEAD, OPTIONS" };
-
-    http__respond_refuse(r, 405, &err);
-    api_response_header(&r->response, "Allow", "GET, HEAD, OPTIONS");
-}
-
-static void answer_options(http_request *r)
-{
-    api_response_fini(&r->response);
-    r->response.status = 204;
-    api_response_header(&r->response, "Allow", "GET, HEAD, OPTIONS");
-}
-
-// True if the client is better served by the plain form: a range is one of that form, and little is won
-// by an encoded one of a file that is short or compressed.
-static bool wants_plain(http_request *r, const http_file *file)
-{
-    const char *accepted = http__request_header(r, "Accept-Encoding");
-    bool pays = http_encoding_is_text(file->type) && file->n >= HTTP_ENCODING_MIN &&
-                http__request_header(r, "Range") == NULL;
-
-    return !pays && negotiation_coding_quality(accepted, CODING_IDENTITY) > 0;
 }
 
 // Exchanges the plain file for the encoded one beside it that the client likes best, if that is as
@@ -236,9 +210,13 @@ static coding choose_form(http_request *r, http_file *file)
 {
     static const coding offers[] = { CODING_ZSTD, CODING_GZIP, CODING_IDENTITY };
     const char *accepted = http__request_header(r, "Accept-Encoding");
+    // A range is one of the plain form, and little is won by an encoded one of a file that is short or compressed.
+    const bool pays = http_encoding_is_text(file->type) && file->n >= HTTP_ENCODING_MIN &&
+                      http__request_header(r, "Range") == NULL;
     int chosen = negotiation_choose_coding(accepted, offers, CODING_COUNT);
 
-    if (chosen < 0 || offers[chosen] == CODING_IDENTITY || wants_plain(r, file))
+    if (chosen < 0 || offers[chosen] == CODING_IDENTITY ||
+        (!pays && negotiation_coding_quality(accepted, CODING_IDENTITY) > 0))
         return CODING_IDENTITY;
     for (int c = chosen; c < CODING_IDENTITY; c++) {
         http_file beside;
@@ -253,15 +231,6 @@ static coding choose_form(http_request *r, http_file *file)
     return CODING_IDENTITY;
 }
 
-static void refuse_state(http_request *r, const http_file *file)
-{
-    bf_error err = { 0 };
-
-    (void)bf_fail(&err, BF_EINPUT, "", "the state is not the one that If-Match names: it is \"%s\"",
-                  file->etag);
-    http__respond_refuse(r, 412, &err);
-}
-
 static void answer_file(http_request *r, http_file *file)
 {
     const char *wanted = http__request_header(r, "If-Match");
@@ -269,7 +238,9 @@ static void answer_file(http_request *r, http_file *file)
     char tag[CODING_TAG_SIZE];
 
     if (wanted != NULL && !negotiation_allows_change(wanted, file->etag)) {
-        refuse_state(r, file);
+        http__respond_refuse(r, 412, BF_EINPUT,
+                             "the state is not the one that If-Match names: it is \"%s\"",
+                             file->etag);
         return;
     }
     api_response_fini(&r->response);
@@ -303,14 +274,18 @@ void http__page_answer(http_request *r)
 
     if (!is_there && placeholder == N_PLACEHOLDERS)
         return;
-    if (is_method(r, "OPTIONS"))
-        answer_options(r);
-    else if (!is_read)
-        refuse_method(r);
-    else if (is_there)
+    if (is_method(r, "OPTIONS")) {
+        api_response_fini(&r->response);
+        r->response.status = 204;
+    } else if (!is_read) {
+        http__respond_refuse(r, 405, BF_EINPUT, "this path knows: GET, HEAD, OPTIONS");
+    } else if (is_there) {
         answer_file(r, &file);
-    else
+    } else {
         answer_placeholder(r, placeholder);
+    }
+    if (!is_read)
+        api_response_header(&r->response, "Allow", "GET, HEAD, OPTIONS");
     r->response.route = METRICS_PAGE;
     if (file.fd >= 0 && r->file.fd < 0)
         (void)close(file.fd);

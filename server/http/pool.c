@@ -149,8 +149,10 @@ static void *work(void *context)
 
     while ((r = take(p, &lane, &is_late)) != NULL) {
         struct MHD_Connection *mhd = r->mhd;
-        if (is_late)
-            http__request_refuse_late(r);
+        if (is_late) {
+            http__respond_refuse(r, 503, BF_EBUSY, "the service is stopping");
+            r->stage = HTTP_STAGE_READY;
+        }
         if (is_late || http__request_work(r))
             MHD_resume_connection(mhd);
     }

@@ -51,17 +51,11 @@ const char *http__request_header(void *context, const char *name)
     return MHD_lookup_connection_value(r->mhd, MHD_HEADER_KIND, name);
 }
 
-static void check_reserve(http_request *r)
-{
-    if (http__connection_is_reserved(r->connection) && r->cost != API_COST_HEALTH)
-        http__request_refuse(r, 503, BF_EBUSY, "too many connections are open");
-}
-
 // Answers a request whose body is not, or not wholly, received.
 static void answer_refused_body(http_request *r)
 {
     r->connection->lingers = true;
-    http__respond_refuse(r, r->refusal, &r->fault);
+    http__respond_refuse(r, r->refusal, r->fault.code, "%s", r->fault.text);
     http__respond_past_body(r);
 }
 
@@ -163,43 +157,19 @@ static bool has_rate(const http_request *r)
 // False: the client exceeded its rate and the answer is set. Local clients are exempt.
 static bool check_rate(http_request *r)
 {
-    bf_error err = { 0 };
-
     if (!has_rate(r))
         return true;
     r->verdict = http_limit_take(r->server->limit, r->client.key, r->cost >= API_COST_WORK,
                                  r->server->options.clocks.monotonic_ms());
     if (!r->verdict.is_refused)
         return true;
-    (void)bf_fail(&err, BF_EBUSY, "", "too many requests of %s; the next one is welcome in %u s",
-                  r->client.text, r->verdict.retry_after_s);
-    http__respond_refuse(r, 429, &err);
+    http__respond_refuse(r, 429, BF_EBUSY,
+                         "too many requests of %s; the next one is welcome in %u s", r->client.text,
+                         r->verdict.retry_after_s);
     return false;
 }
 
-// Decides by the header alone what becomes of the body, so that nothing is held for who may not send it. A refusal
-// counts like any other request.
-static void admit_body(http_request *r)
-{
-    const api_request request = view(r);
-    api_body what = api_admit_body(&r->server->services, &request, &r->response);
-
-    r->needs_body = what == API_BODY_NEEDED;
-    if (what != API_BODY_REFUSED)
-        return;
-    (void)check_rate(r);
-    r->refusal = r->response.status;
-}
-
-static bool answer_early(http_request *r)
-{
-    r->connection->lingers = true;
-    http__connection_deadline(r->connection, -1);
-    if (r->response.status == 0)
-        http__respond_refuse(r, r->refusal, &r->fault);
-    return http__respond(r);
-}
-
+// Decides by the header alone what becomes of a request and its body, so that nothing is held for who may not send it.
 static bool begin(http_request *r, const char *method, const char *version)
 {
     bool has_body = false;
@@ -210,18 +180,32 @@ static bool begin(http_request *r, const char *method, const char *version)
     http__connection_occupy(r->connection, true);
     r->connection->request = r;
     r->connection->n_begun++;
+
     http__request_check(r, method, version);
+    const api_request request = view(r);
     if (r->refusal == 0 && !is_misframed(r)) {
-        const api_request request = view(r);
         r->cost = api_request_cost(&request);
-        check_reserve(r);
+        if (http__connection_is_reserved(r->connection) && r->cost != API_COST_HEALTH)
+            http__request_refuse(r, 503, BF_EBUSY, "too many connections are open");
     }
     if (r->refusal == 0)
         has_body = check_length(r);
-    if (r->refusal == 0 && has_body)
-        admit_body(r);
-    if (r->refusal != 0)
-        return answer_early(r);
+    if (r->refusal == 0 && has_body) {
+        const api_body what = api_admit_body(&r->server->services, &request, &r->response);
+        r->needs_body = what == API_BODY_NEEDED;
+        if (what == API_BODY_REFUSED) {
+            (void)check_rate(r); // a refusal counts like any other request
+            r->refusal = r->response.status;
+        }
+    }
+
+    if (r->refusal != 0) {
+        r->connection->lingers = true;
+        http__connection_deadline(r->connection, -1);
+        if (r->response.status == 0)
+            http__respond_refuse(r, r->refusal, r->fault.code, "%s", r->fault.text);
+        return http__respond(r);
+    }
     http__connection_deadline(r->connection, has_body ? r->server->options.body_deadline_ms : -1);
     r->stage = HTTP_STAGE_BODY;
     return true;
@@ -241,32 +225,13 @@ static bool take_body(http_request *r, const char *bytes, size_t *n)
     return false;
 }
 
-static bool is_for_page(const http_request *r)
-{
-    return r->response.status == 404 && strncmp(r->path, "/v1/", 4) != 0;
-}
-
 static void handle(http_request *r)
 {
     const api_request request = view(r);
 
     api_handle(&r->server->services, &request, &r->response);
-    if (is_for_page(r))
+    if (r->response.status == 404 && strncmp(r->path, "/v1/", 4) != 0)
         http__page_answer(r);
-}
-
-// Answer to a long poll beyond the limit of long polls.
-static void refuse_long_poll(http_request *r)
-{
-    bf_error err = { 0 };
-
-    r->response.long_poll.seconds = 0;
-    api_response_drop(&r->response, "Preference-Applied");
-    if (strcmp(r->method, "POST") == 0)
-        return; // it was accepted; waiting was only preferred
-    (void)bf_fail(&err, BF_EBUSY, "", "there are %u requests that wait, which is the limit",
-                  r->server->options.wait_limit);
-    http__respond_refuse(r, 503, &err);
 }
 
 // True if the answer, just made, waits for a run.
@@ -274,32 +239,19 @@ static bool begin_long_poll(http_request *r)
 {
     if (r->response.long_poll.seconds == 0)
         return false;
-    if (!http__pull_begin_long_poll(r)) {
-        refuse_long_poll(r);
-        return false;
+    if (http__pull_begin_long_poll(r)) {
+        r->stage = HTTP_STAGE_LONG_POLL;
+        r->has_waited = true;
+        return true;
     }
-    r->stage = HTTP_STAGE_LONG_POLL;
-    r->has_waited = true;
-    return true;
-}
-
-// Make the answer again, unless the client has disconnected.
-static void end_long_poll(http_request *r)
-{
-    const api_request request = view(r);
-
-    http__pull_end(r);
-    if (!r->pull.has_failed)
-        api_handle_again(&r->server->services, &request, &r->response);
-}
-
-void http__request_refuse_late(http_request *r)
-{
-    bf_error err = { 0 };
-
-    (void)bf_fail(&err, BF_EBUSY, "", "the service is stopping");
-    http__respond_refuse(r, 503, &err);
-    r->stage = HTTP_STAGE_READY;
+    r->response.long_poll.seconds = 0;
+    api_response_drop(&r->response, "Preference-Applied");
+    // What was accepted stays so: waiting for it was only preferred.
+    if (strcmp(r->method, "POST") != 0)
+        http__respond_refuse(r, 503, BF_EBUSY,
+                             "there are %u requests that wait, which is the limit",
+                             r->server->options.wait_limit);
+    return false;
 }
 
 void http__request_charge(http_request *r, int64_t begun_ns)
@@ -328,7 +280,11 @@ bool http__request_work(http_request *r)
         if (!http__pull_work(r))
             return false;
         begun_ns = r->server->options.clocks.thread_cpu_ns();
-        end_long_poll(r);
+        http__pull_end(r);
+        // The answer is made again, unless the client has disconnected.
+        const api_request request = view(r);
+        if (!r->pull.has_failed)
+            api_handle_again(&r->server->services, &request, &r->response);
     }
     http__answer_settle(r);
     http__finalize_response(r);
@@ -351,15 +307,6 @@ static bool can_block(http_request *r)
     return r->cost > API_COST_HEALTH || http__page_may_have(r->server, r->path);
 }
 
-static void handle_at_once(http_request *r)
-{
-    const int64_t begun_ns = has_rate(r) ? r->server->options.clocks.thread_cpu_ns() : 0;
-
-    handle(r);
-    http__answer_settle(r);
-    http__request_charge(r, begun_ns);
-}
-
 // MHD reads from the socket when a connection resumes that was suspended while it waited for more of the
 // request, and takes the end of what a client sends for the end of the client. So the connection is
 // suspended at MHD's second call for the complete request, by when MHD waits for us and not for the socket.
@@ -368,21 +315,22 @@ static bool dispatch(http_request *r)
     http__connection_deadline(r->connection, -1);
     if (!check_rate(r))
         return http__respond(r);
-    if (!can_block(r)) {
-        handle_at_once(r);
-        return http__respond(r);
+    if (can_block(r)) {
+        r->stage = HTTP_STAGE_COMPLETE;
+        return true;
     }
-    r->stage = HTTP_STAGE_COMPLETE;
-    return true;
+    const int64_t begun_ns = has_rate(r) ? r->server->options.clocks.thread_cpu_ns() : 0;
+    handle(r);
+    http__answer_settle(r);
+    http__request_charge(r, begun_ns);
+    return http__respond(r);
 }
 
 static bool queue(http_request *r)
 {
     if (http__pool_suspend(r->server->pool, r))
         return true;
-    bf_error err = { 0 };
-    (void)bf_fail(&err, BF_EBUSY, "", "too many requests are waiting");
-    http__respond_refuse(r, 503, &err);
+    http__respond_refuse(r, 503, BF_EBUSY, "too many requests are waiting");
     return http__respond(r);
 }
 
@@ -420,45 +368,24 @@ static const char *run_of(const http_request *r, char *storage)
     return storage;
 }
 
-// With tokens in use, who changed something: " token=3 owner=alice".
-static const char *write_who(const api_identity *who, char *storage, size_t size)
-{
-    storage[0] = '\0';
-    if (who->token != 0)
-        (void)snprintf(storage, size, " token=%llu owner=%s", (unsigned long long)who->token,
-                       who->owner);
-    return storage;
-}
-
 static void log_request(const http_request *r)
 {
-    char who[API_OWNER_SIZE + 48];
+    const api_identity *identity = &r->response.who;
+    char who[API_OWNER_SIZE + 48] = ""; // with tokens in use, who changed something
     char method[LOG_QUOTED_SIZE], path[LOG_QUOTED_SIZE], id[API_ID_SIZE];
     const bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "PATCH") == 0 ||
                           strcmp(r->method, "DELETE") == 0;
     const bool logs_all = r->server->options.logs_all;
 
+    if (identity->token != 0)
+        (void)snprintf(who, sizeof who, " token=%llu owner=%s", (unsigned long long)identity->token,
+                       identity->owner);
     log_event(is_write || logs_all ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",
               "method=%s path=%s status=%d ms=%lld run=%s request_id=%s trace=%s%s%s%s",
               log_quote(r->method, method), log_quote(r->path, path), r->response.status,
               (long long)((clock_monotonic_ns() - r->begun_ns) / 1000000), run_of(r, id),
-              r->trace.id, r->trace.parent[0] == '\0' ? "-" : r->trace.parent,
-              write_who(&r->response.who, who, sizeof who), logs_all ? " client=" : "",
-              logs_all ? r->client.text : "");
-}
-
-// A wait that the client asked for is no measure of the service's latency.
-static bool is_timed(const http_request *r)
-{
-    return !r->response.source.is_stream && !r->has_waited;
-}
-
-static void measure_request(const http_request *r)
-{
-    const char *route = r->response.route;
-
-    metrics_count_request(route == NULL ? METRICS_NO_ROUTE : route, r->method, r->response.status,
-                          is_timed(r) ? clock_monotonic_ns() - r->begun_ns : -1);
+              r->trace.id, r->trace.parent[0] == '\0' ? "-" : r->trace.parent, who,
+              logs_all ? " client=" : "", logs_all ? r->client.text : "");
 }
 
 void http__request_close(http_request *r)
@@ -473,8 +400,13 @@ void http__request_close(http_request *r)
     http__connection_deadline(r->connection,
                               HTTP_IDLE_S * 1000 + r->server->options.header_deadline_ms);
     if (r->is_counted) {
+        const char *route = r->response.route;
+        // A wait that the client asked for is no measure of the service's latency.
+        const bool is_timed = !r->response.source.is_stream && !r->has_waited;
         log_request(r);
-        measure_request(r);
+        metrics_count_request(route == NULL ? METRICS_NO_ROUTE : route, r->method,
+                              r->response.status,
+                              is_timed ? clock_monotonic_ns() - r->begun_ns : -1);
         count(r, -1);
         http__connection_occupy(r->connection, false);
     }

@@ -34,13 +34,6 @@ void http__request_refuse(http_request *r, int status, bf_status code, const cha
     (void)bf_fail(&r->fault, code, "", "%s", text);
 }
 
-// True if method, target and version stand one behind the other: else there was a zero byte in the
-// request line, which ends their texts early.
-static bool is_line_whole(const http_request *r, const char *method, const char *version)
-{
-    return r->target == method + strlen(method) + 1 && version == r->target_end + 1;
-}
-
 // The guard: sets r->refusal if the request must not be used.
 static void check_header(http_request *r, const char *method, const char *version)
 {
@@ -53,7 +46,8 @@ static void check_header(http_request *r, const char *method, const char *versio
         return;
     }
     memcpy(r->method, method, strlen(method) + 1);
-    if (!is_line_whole(r, method, version)) {
+    // Else there was a zero byte in the request line, which ends the texts of its words early.
+    if (r->target != method + strlen(method) + 1 || version != r->target_end + 1) {
         http__request_refuse(r, 400, BF_EINPUT,
                              "the request line is not three words with one space between");
         return;

@@ -8,6 +8,7 @@
 
 #include <inttypes.h>
 #include <microhttpd.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -16,28 +17,18 @@
 // MHD's room for what a reader gives, where it does not use chunks.
 enum { READER_BLOCK = 4096, LONG_READER_BLOCK = 32768 };
 
-void http__respond_refuse(http_request *r, int status, const bf_error *err)
+void http__respond_refuse(http_request *r, int status, bf_status code, const char *format, ...)
 {
+    bf_error err = { .code = code };
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(err.text, sizeof err.text, format, args);
+    va_end(args);
     if (r->file.fd >= 0)
         (void)close(r->file.fd);
     r->file.fd = -1;
-    api_problem(&r->response, status, r->path, err);
-}
-
-// Headers that every response carries, unless the API set them otherwise.
-static const api_header standard[] = {
-    { "X-Content-Type-Options", "nosniff" },
-    { "Cache-Control", "no-store" },
-};
-
-enum { N_STANDARD = sizeof standard / sizeof *standard };
-
-static void add_standard(api_response *response)
-{
-    for (size_t i = 0; i < N_STANDARD; i++) {
-        if (api_response_find(response, standard[i].name) == NULL)
-            api_response_header(response, standard[i].name, "%s", standard[i].value);
-    }
+    api_problem(&r->response, status, r->path, &err);
 }
 
 static void identify(http_request *r)
@@ -55,13 +46,6 @@ static bool is_get(const http_request *r)
     return strcmp(r->method, "GET") == 0;
 }
 
-// True if a body of this kind has fewer bytes in an encoded form, and no range of it is asked for.
-static bool pays_to_encode(http_request *r, const char *type)
-{
-    return http_encoding_is_text(type) ||
-           (http_encoding_is_array(type) && http__request_header(r, "Range") == NULL);
-}
-
 // The coding of a body of this kind and size for this client; CODING_COUNT: it accepts none. A file
 // was chosen in its form before.
 static coding choose_coding(http_request *r, const char *type)
@@ -69,7 +53,10 @@ static coding choose_coding(http_request *r, const char *type)
     static const coding any[] = { CODING_ZSTD, CODING_GZIP, CODING_IDENTITY };
     static const coding plain_first[] = { CODING_IDENTITY, CODING_ZSTD, CODING_GZIP };
     const char *accepted = http__request_header(r, "Accept-Encoding");
-    bool pays = pays_to_encode(r, type) && r->response.body.n >= HTTP_ENCODING_MIN;
+    // A body of this kind has fewer bytes in an encoded form, and no range of it is asked for.
+    const bool pays = r->response.body.n >= HTTP_ENCODING_MIN &&
+                      (http_encoding_is_text(type) ||
+                       (http_encoding_is_array(type) && http__request_header(r, "Range") == NULL));
 
     if (r->file.fd >= 0)
         return negotiation_coding_quality(accepted, CODING_IDENTITY) > 0 ? CODING_IDENTITY
@@ -108,21 +95,17 @@ static void encode(api_response *response, coding c)
 
 static void refuse_coding(http_request *r)
 {
-    const bf_error err = { .code = BF_EINPUT,
-                           .text = "none of the codings that Accept-Encoding allows is known here; "
-                                   "there is: zstd gzip identity" };
-    http__respond_refuse(r, 406, &err);
+    http__respond_refuse(r, 406, BF_EINPUT,
+                         "none of the codings that Accept-Encoding allows is known here; "
+                         "there is: zstd gzip identity");
     api_response_vary(&r->response, "Accept-Encoding");
     identify(r);
 }
 
 static void refuse_range(http_request *r, uint64_t n)
 {
-    bf_error err = { 0 };
-
-    (void)bf_fail(&err, BF_EINPUT, "",
-                  "the range begins behind the end: there are %" PRIu64 " bytes", n);
-    http__respond_refuse(r, 416, &err);
+    http__respond_refuse(r, 416, BF_EINPUT,
+                         "the range begins behind the end: there are %" PRIu64 " bytes", n);
     identify(r);
     api_response_header(&r->response, "Content-Range", "bytes */%" PRIu64, n);
 }
@@ -222,7 +205,11 @@ void http__finalize_response(http_request *r)
     http_cors_answer(r->server->cors_origins, r->method, http__request_header(r, "Origin"),
                      http__request_header(r, "Access-Control-Request-Method"), response);
     http_limit_write_headers(&r->verdict, response);
-    add_standard(response);
+    // Every response has these, unless the API set them otherwise.
+    if (api_response_find(response, "X-Content-Type-Options") == NULL)
+        api_response_header(response, "X-Content-Type-Options", "nosniff");
+    if (api_response_find(response, "Cache-Control") == NULL)
+        api_response_header(response, "Cache-Control", "no-store");
     api_response_set(response, "Cross-Origin-Resource-Policy",
                      http_cors_resource_policy(r->server->cors_origins));
     if (r->refusal != 0)
@@ -287,15 +274,13 @@ static struct MHD_Response *make_response(http_request *r)
 static void admit(http_request *r)
 {
     bool is_stream = r->response.source.is_stream;
-    bf_error err = { 0 };
 
     if (!is_pulled(r) || http__pull_begin_body(r))
         return;
-    (void)bf_fail(&err, BF_EBUSY, "",
-                  "there are %u %s, which is the limit, or a client has its share of them",
-                  is_stream ? r->server->options.stream_limit : r->server->options.download_limit,
-                  is_stream ? "event streams" : "downloads");
-    http__respond_refuse(r, 503, &err);
+    http__respond_refuse(
+        r, 503, BF_EBUSY, "there are %u %s, which is the limit, or a client has its share of them",
+        is_stream ? r->server->options.stream_limit : r->server->options.download_limit,
+        is_stream ? "event streams" : "downloads");
     r->is_finished = false;
 }
 
