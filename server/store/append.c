@@ -63,36 +63,24 @@ static bf_status pack_item(const store__appending *context, size_t i, store__pac
     return status;
 }
 
-static bf_status pack_items(const store__appending *context, store__packer *packer, bf_error *err)
+bf_status store__pack_batch(const store__appending *context, bf_error *err)
 {
     const store_batch *batch = context->batch;
+    bool has_arrays = batch->checkpoint != NULL;
     bf_status status = BF_OK;
 
+    for (size_t i = 0; i < batch->n; i++)
+        has_arrays = has_arrays || batch->items[i].type == API_EVENT_SNAPSHOT;
+    if (!has_arrays)
+        return BF_OK;
+    store__packer *packer = store__packer_create();
+    if (packer == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = pack_item(context, i, packer, err);
     if (status == BF_OK && batch->checkpoint != NULL)
         status = store__pack(packer, batch->checkpoint, batch->n_checkpoint,
                              compressed_checkpoint(context), err);
-    return status;
-}
-
-static bool has_arrays(const store_batch *batch)
-{
-    bool has_any = batch->checkpoint != NULL;
-
-    for (size_t i = 0; i < batch->n; i++)
-        has_any = has_any || batch->items[i].type == API_EVENT_SNAPSHOT;
-    return has_any;
-}
-
-bf_status store__pack_batch(const store__appending *context, bf_error *err)
-{
-    if (!has_arrays(context->batch))
-        return BF_OK;
-    store__packer *packer = store__packer_create();
-    if (packer == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = pack_items(context, packer, err);
     store__packer_destroy(packer);
     return status;
 }
@@ -198,14 +186,6 @@ static bf_status append_curve(store__connection *writer, store__appending *conte
                                err);
 }
 
-static bf_status append_snapshot(store__connection *writer, store__appending *context, size_t i,
-                                 bf_error *err)
-{
-    return store__append_snapshot(writer, &context->row, &context->batch->items[i],
-                                  compressed_grid(context, i), compressed_parts(context, i),
-                                  &context->n_bytes, err);
-}
-
 static bf_status replace_figures(store__connection *writer, store__row *row, const store_item *item,
                                  bf_error *err)
 {
@@ -217,26 +197,19 @@ static bf_status replace_figures(store__connection *writer, store__row *row, con
                : status;
 }
 
-// How many changes the run has.
-static bf_status count_changes(store__connection *writer, store__appending *context, bf_error *err)
-{
-    int64_t n = 0;
-
-    if (context->has_changes)
-        return BF_OK;
-    bf_status status =
-        store__find_number(writer, STORE__SQL_COUNT_CHANGES, &n, err, INTEGER(context->row.rowid));
-    context->n_changes = (uint64_t)n;
-    context->has_changes = status == BF_OK;
-    return status;
-}
-
 static bf_status append_change(store__connection *writer, store__appending *context,
                                const store_item *item, bf_error *err)
 {
     static const bf_buffer none = { 0 }; // the data stand in the results
-    bf_status status = count_changes(writer, context, err);
+    bf_status status = BF_OK;
+    int64_t n = 0;
 
+    if (!context->has_changes) {
+        status = store__find_number(writer, STORE__SQL_COUNT_CHANGES, &n, err,
+                                    INTEGER(context->row.rowid));
+        context->n_changes = (uint64_t)n;
+        context->has_changes = status == BF_OK;
+    }
     if (status != BF_OK || item->first < context->n_changes)
         return status;
     if (item->first > context->n_changes)
@@ -261,7 +234,8 @@ static bf_status append_item(store__connection *writer, store__appending *contex
     if (item->type == API_EVENT_CURVE)
         return append_curve(writer, context, item, err);
     if (item->type == API_EVENT_SNAPSHOT)
-        return append_snapshot(writer, context, i, err);
+        return store__append_snapshot(writer, &context->row, item, compressed_grid(context, i),
+                                      compressed_parts(context, i), &context->n_bytes, err);
     if (item->type == API_EVENT_FIGURES)
         return replace_figures(writer, &context->row, item, err);
     if (item->type >= API_EVENT_EYE)
@@ -285,32 +259,6 @@ static bf_status replace_checkpoint(store__connection *writer, store__appending 
         status = store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, 0,
                                       compressed_checkpoint(context), err);
     return status;
-}
-
-static bf_status grow_results(store__connection *writer, const store__appending *context,
-                              bf_error *err)
-{
-    if (context->n_bytes == 0)
-        return BF_OK;
-    return store__exec(writer, STORE__SQL_GROW_RESULTS, err, INTEGER(context->row.results),
-                       INTEGER(context->n_bytes));
-}
-
-// Whether the batch brought the run further than any attempt before.
-static bool has_grown(const store__row *row, const store__row *before)
-{
-    return row->run.n_samples > before->run.n_samples ||
-           row->run.n_snapshots > before->run.n_snapshots ||
-           row->checkpoint_step > before->checkpoint_step;
-}
-
-static void note_progress(const store_batch *batch, store__row *row)
-{
-    if (isfinite(batch->progress))
-        row->run.progress = fmin(fmax(batch->progress, 0.0), 1.0);
-    if (isfinite(batch->wall_s))
-        row->wall_s = batch->wall_s;
-    row->run.eta_s = batch->eta_s;
 }
 
 static bool is_hidden(const store_item *item)
@@ -342,8 +290,9 @@ bf_status store__apply_batch(store__connection *writer, store__appending *contex
         status = store__note_sender(writer, row, batch->token, err);
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = append_item(writer, context, i, err);
-    if (status == BF_OK)
-        status = grow_results(writer, context, err);
+    if (status == BF_OK && context->n_bytes > 0)
+        status = store__exec(writer, STORE__SQL_GROW_RESULTS, err, INTEGER(context->row.results),
+                             INTEGER(context->n_bytes));
     if (status == BF_OK)
         status = replace_checkpoint(writer, context, err);
     if (status != BF_OK)
@@ -351,8 +300,15 @@ bf_status store__apply_batch(store__connection *writer, store__appending *contex
     *row = context->row;
     if (brings_nothing_visible(batch))
         return BF_OK;
-    note_progress(batch, row);
-    if (has_grown(row, &before))
+    if (isfinite(batch->progress))
+        row->run.progress = fmin(fmax(batch->progress, 0.0), 1.0);
+    if (isfinite(batch->wall_s))
+        row->wall_s = batch->wall_s;
+    row->run.eta_s = batch->eta_s;
+    // Attempts count since one brought the run further than any before.
+    if (row->run.n_samples > before.run.n_samples ||
+        row->run.n_snapshots > before.run.n_snapshots ||
+        row->checkpoint_step > before.checkpoint_step)
         row->attempts = row->hand_backs = 0;
     return store__charge(writer, row, batch->cpu_s, err);
 }

@@ -38,15 +38,6 @@ static bf_status compress(ZSTD_CCtx *context, const char *bytes, size_t n, bf_bu
     return BF_OK;
 }
 
-// Room for all slices at once, so that they are not moved; what is not needed of it is never touched.
-static bool reserve_slices(size_t n, bf_buffer *out)
-{
-    const size_t room = n / STORE__SLICE_BYTES * ZSTD_compressBound(STORE__SLICE_BYTES) +
-                        ZSTD_compressBound(n % STORE__SLICE_BYTES);
-
-    return buffer_reserve(out, room) != NULL;
-}
-
 store__packer *store__packer_create(void)
 {
     ZSTD_CCtx *context = ZSTD_createCCtx();
@@ -67,7 +58,10 @@ void store__packer_destroy(store__packer *packer)
 bf_status store__pack(store__packer *packer, const void *bytes, size_t n, bf_buffer *out,
                       bf_error *err)
 {
-    bf_status status = reserve_slices(n, out) ? BF_OK : fail_memory(err);
+    // For all slices at once, so that they are not moved; what is not needed of it is never touched.
+    const size_t room = n / STORE__SLICE_BYTES * ZSTD_compressBound(STORE__SLICE_BYTES) +
+                        ZSTD_compressBound(n % STORE__SLICE_BYTES);
+    bf_status status = buffer_reserve(out, room) != NULL ? BF_OK : fail_memory(err);
     size_t at = 0;
 
     do {
@@ -123,13 +117,6 @@ static bf_status fail_missing(bf_error *err)
     return bf_fail(err, BF_ECORRUPT, "", "a part of stored bytes is missing");
 }
 
-static bf_status insert_chunk(store__connection *writer, const int64_t key[4], const char *bytes,
-                              size_t n, bf_error *err)
-{
-    return store__exec(writer, STORE__SQL_INSERT_CHUNK, err, INTEGER(key[0]), INTEGER(key[1]),
-                       INTEGER(key[2]), INTEGER(key[3]), BLOB(bytes, n));
-}
-
 // A blob begins in the place of what is there of it; what follows must follow it.
 static bf_status check_place(store__connection *writer, int64_t results, store__blob kind,
                              uint64_t item, uint64_t at, bf_error *err)
@@ -149,15 +136,16 @@ bf_status store__insert_chunks(store__connection *writer, int64_t results, store
                                uint64_t item, uint64_t at, const bf_buffer *compressed,
                                bf_error *err)
 {
-    int64_t key[4] = { results, kind, (int64_t)item, (int64_t)(at / STORE__SLICE_BYTES) };
+    uint64_t slice = at / STORE__SLICE_BYTES;
 
     if (compressed->n == 0)
         return BF_OK;
     bf_status status = check_place(writer, results, kind, item, at, err);
-    for (size_t from = 0, n = 0; from < compressed->n && status == BF_OK; from += n, key[3]++) {
+    for (size_t from = 0, n = 0; from < compressed->n && status == BF_OK; from += n, slice++) {
         n = ZSTD_findFrameCompressedSize(compressed->bytes + from, compressed->n - from);
         BF_CHECK(!ZSTD_isError(n)); // it comes from store__pack()
-        status = insert_chunk(writer, key, compressed->bytes + from, n, err);
+        status = store__exec(writer, STORE__SQL_INSERT_CHUNK, err, INTEGER(results), INTEGER(kind),
+                             INTEGER(item), INTEGER(slice), BLOB(compressed->bytes + from, n));
     }
     return status;
 }

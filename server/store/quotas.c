@@ -16,16 +16,6 @@
 
 enum { QUOTA_HOURS = API_QUOTA_WINDOW_S / 3600, HOUR_MS = 3600000 };
 
-// What owners may use at the moment.
-static store_quotas quotas_of(const store *s)
-{
-    return (store_quotas){ .n_waiting = s->quotas.n_waiting,
-                           .cpu_s = s->quotas.cpu_s,
-                           .n_bytes = s->quotas.n_bytes,
-                           .n_measurements = s->quotas.n_measurements,
-                           .n_studies = s->quotas.n_studies };
-}
-
 void store_set_quotas(store *s, const store_quotas *quotas)
 {
     s->quotas.n_waiting = quotas->n_waiting;
@@ -73,16 +63,6 @@ static void find_hours(int64_t now_ms, int64_t *ret_since, int64_t *ret_until)
     *ret_since = *ret_until - QUOTA_HOURS;
 }
 
-// When the oldest sums leave the window until less than the quota is left, Unix time, ms.
-static int64_t find_release(const double *sums, int64_t since, double used_s, uint64_t allowed_s)
-{
-    int64_t n = 0;
-
-    while (n < QUOTA_HOURS && used_s >= (double)allowed_s)
-        used_s -= sums[n++];
-    return (since + n + QUOTA_HOURS) * HOUR_MS;
-}
-
 static bf_status read_cpu(store__connection *c, const char *owner, int64_t now_ms,
                           api_quota *ret_quota, bf_error *err)
 {
@@ -101,39 +81,35 @@ static bf_status read_cpu(store__connection *c, const char *owner, int64_t now_m
     if (status != BF_OK)
         return status;
     ret_quota->used = used_s < 0x1p63 ? (uint64_t)used_s : UINT64_C(1) << 63;
-    if (ret_quota->allowed > 0 && used_s >= (double)ret_quota->allowed)
-        ret_quota->release_ms = find_release(sums, since, used_s, ret_quota->allowed);
+    if (ret_quota->allowed == 0 || used_s < (double)ret_quota->allowed)
+        return BF_OK;
+    // The oldest sums leave the window until less than the quota is left.
+    int64_t n = 0;
+    while (n < QUOTA_HOURS && used_s >= (double)ret_quota->allowed)
+        used_s -= sums[n++];
+    ret_quota->release_ms = (since + n + QUOTA_HOURS) * HOUR_MS;
     return BF_OK;
-}
-
-static bf_status read_quotas(store__connection *c, const store_quotas *allowed, const char *owner,
-                             api_quotas *ret_quotas, bf_error *err)
-{
-    api_quotas q = { .waiting = { .allowed = allowed->n_waiting },
-                     .cpu_s = { .allowed = allowed->cpu_s },
-                     .bytes = { .allowed = allowed->n_bytes } };
-
-    memcpy(q.owner, owner, strlen(owner) + 1);
-    bf_status status = read_for(c, STORE__SQL_COUNT_QUEUED_OWNED, owner, &q.waiting.used, err);
-    if (status == BF_OK)
-        status = read_for(c, STORE__SQL_GET_OWNER, owner, &q.bytes.used, err);
-    if (status == BF_OK)
-        status = read_cpu(c, owner, clock_unix_ms(), &q.cpu_s, err);
-    if (status == BF_OK)
-        *ret_quotas = q;
-    return status;
 }
 
 bf_status store_read_quotas(store *s, const char *owner, api_quotas *ret_quotas, bf_error *err)
 {
-    // Nobody has no quotas.
-    const store_quotas allowed = owner[0] == '\0' ? (store_quotas){ 0 } : quotas_of(s);
+    const bool is_anyone = owner[0] != '\0'; // nobody has no quotas
+    api_quotas q = { .waiting = { .allowed = is_anyone ? s->quotas.n_waiting : 0 },
+                     .cpu_s = { .allowed = is_anyone ? s->quotas.cpu_s : 0 },
+                     .bytes = { .allowed = is_anyone ? s->quotas.n_bytes : 0 } };
     store__connection *reader = NULL;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_quotas(reader, &allowed, owner, ret_quotas, err);
+    memcpy(q.owner, owner, strlen(owner) + 1);
+    status = read_for(reader, STORE__SQL_COUNT_QUEUED_OWNED, owner, &q.waiting.used, err);
+    if (status == BF_OK)
+        status = read_for(reader, STORE__SQL_GET_OWNER, owner, &q.bytes.used, err);
+    if (status == BF_OK)
+        status = read_cpu(reader, owner, clock_unix_ms(), &q.cpu_s, err);
+    if (status == BF_OK)
+        *ret_quotas = q;
     store__release_reader(&s->pool, reader);
     return status;
 }
@@ -189,57 +165,40 @@ bf_status store__check_studies(store__connection *writer, const store *s, const 
                       "studies that have not ended, as many as are allowed (owner_studies)", err);
 }
 
-static bf_status check_waiting(store__connection *writer, uint64_t allowed, const char *owner,
-                               bf_error *err)
-{
-    api_quota waiting = { .allowed = allowed };
-
-    if (allowed == 0)
-        return BF_OK;
-    bf_status status = read_for(writer, STORE__SQL_COUNT_QUEUED_OWNED, owner, &waiting.used, err);
-    if (status != BF_OK || !is_used_up(&waiting))
-        return status;
-    metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_QUEUE, 1);
-    return bf_fail(err, BF_ELIMIT, "",
-                   "%" PRIu64 " runs of %s wait, of %" PRIu64 " allowed (owner_queue)",
-                   waiting.used, owner, allowed);
-}
-
-static bf_status check_cpu(store__connection *writer, uint64_t allowed, const char *owner,
-                           unsigned *ret_retry_s, bf_error *err)
-{
-    const int64_t now_ms = clock_unix_ms();
-    api_quota cpu = { .allowed = allowed };
-
-    if (allowed == 0)
-        return BF_OK;
-    bf_status status = read_cpu(writer, owner, now_ms, &cpu, err);
-    if (status != BF_OK || !is_used_up(&cpu))
-        return status;
-    *ret_retry_s = (unsigned)((cpu.release_ms - now_ms + 999) / 1000);
-    metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_CPU, 1);
-    return bf_fail(err, BF_ELIMIT, "",
-                   "runs of %s have used %" PRIu64 " CPU seconds in %d hours, of %" PRIu64
-                   " allowed (owner_cpu_s)",
-                   owner, cpu.used, QUOTA_HOURS, allowed);
-}
-
 bf_status store__check_owner(store__connection *writer, const store *s, const char *owner,
                              unsigned *ret_retry_s, bf_error *err)
 {
-    const store_quotas allowed = quotas_of(s);
+    const int64_t now_ms = clock_unix_ms();
+    api_quota waiting = { .allowed = s->quotas.n_waiting }, cpu = { .allowed = s->quotas.cpu_s };
+    bf_status status = BF_OK;
 
     if (owner[0] == '\0')
         return BF_OK;
-    bf_status status = check_waiting(writer, allowed.n_waiting, owner, err);
-    return status == BF_OK ? check_cpu(writer, allowed.cpu_s, owner, ret_retry_s, err) : status;
+    if (waiting.allowed > 0)
+        status = read_for(writer, STORE__SQL_COUNT_QUEUED_OWNED, owner, &waiting.used, err);
+    if (status == BF_OK && is_used_up(&waiting)) {
+        metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_QUEUE, 1);
+        return bf_fail(err, BF_ELIMIT, "",
+                       "%" PRIu64 " runs of %s wait, of %" PRIu64 " allowed (owner_queue)",
+                       waiting.used, owner, waiting.allowed);
+    }
+    if (status == BF_OK && cpu.allowed > 0)
+        status = read_cpu(writer, owner, now_ms, &cpu, err);
+    if (status == BF_OK && is_used_up(&cpu)) {
+        *ret_retry_s = (unsigned)((cpu.release_ms - now_ms + 999) / 1000);
+        metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_CPU, 1);
+        return bf_fail(err, BF_ELIMIT, "",
+                       "runs of %s have used %" PRIu64 " CPU seconds in %d hours, of %" PRIu64
+                       " allowed (owner_cpu_s)",
+                       owner, cpu.used, QUOTA_HOURS, cpu.allowed);
+    }
+    return status;
 }
 
 bf_status store__is_held(store__connection *reader, const store *s, const char *owner,
                          bool *ret_is_held, bf_error *err)
 {
-    const store_quotas allowed = quotas_of(s);
-    api_quota cpu = { .allowed = allowed.cpu_s }, bytes = { .allowed = allowed.n_bytes };
+    api_quota cpu = { .allowed = s->quotas.cpu_s }, bytes = { .allowed = s->quotas.n_bytes };
     bf_status status = BF_OK;
 
     *ret_is_held = false;

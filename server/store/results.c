@@ -163,12 +163,6 @@ static bf_status are_used(store__connection *writer, int64_t results, bool *ret_
     return status;
 }
 
-// Foreign keys delete with the set the samples and snapshots that refer to it (I9).
-static bf_status delete_results(store__connection *writer, int64_t results, bf_error *err)
-{
-    return store__exec(writer, STORE__SQL_DELETE_RESULTS, err, INTEGER(results));
-}
-
 static bf_status collect(store__connection *writer, int64_t results, bool *ret_is_over,
                          bf_error *err)
 {
@@ -177,7 +171,8 @@ static bf_status collect(store__connection *writer, int64_t results, bool *ret_i
     if (status != BF_OK)
         return status;
     *ret_is_over = sqlite3_changes(writer->db) < COLLECT_CHUNKS;
-    return *ret_is_over ? delete_results(writer, results, err)
+    // Foreign keys delete with the set the samples and snapshots that refer to it (I9).
+    return *ret_is_over ? store__exec(writer, STORE__SQL_DELETE_RESULTS, err, INTEGER(results))
                         : store__mark_results(writer, results, STORE__RESULTS_ORPHANED, err);
 }
 

@@ -99,23 +99,6 @@ static bf_status find_first_to_go(const step *st, store__row *first, bf_error *e
     return status;
 }
 
-static bf_status remove_oldest(step *st, const store__row *oldest, bf_error *err)
-{
-    bool is_over = false; // if not, the next step finds what is left over
-
-    memcpy(st->changed, oldest->run.id, API_ID_SIZE);
-    return store__remove_row(st->writer, oldest, &is_over, err);
-}
-
-static bf_status end_turn(step *st, bool has_oldest, bf_error *err)
-{
-    st->is_last = true;
-    bf_status status = has_oldest ? BF_OK : warn(st, err);
-    if (status == BF_OK)
-        status = store__expire_keys(st->writer, clock_unix_ms() - st->idempotency_ms, err);
-    return status == BF_OK ? store__forget_use(st->writer, err) : status;
-}
-
 static bf_status do_step(step *st, bf_error *err)
 {
     bool has_oldest = false, is_over = false, has_suspect = false;
@@ -138,7 +121,17 @@ static bf_status do_step(step *st, bf_error *err)
         status = find_first_to_go(st, &oldest, err);
     if (status != BF_OK)
         return status;
-    return st->rule != NULL ? remove_oldest(st, &oldest, err) : end_turn(st, has_oldest, err);
+    if (st->rule != NULL) {
+        memcpy(st->changed, oldest.run.id, API_ID_SIZE);
+        // What is left over the next step finds.
+        return store__remove_row(st->writer, &oldest, &is_over, err);
+    }
+    st->is_last = true;
+    if (!has_oldest)
+        status = warn(st, err);
+    if (status == BF_OK)
+        status = store__expire_keys(st->writer, clock_unix_ms() - st->idempotency_ms, err);
+    return status == BF_OK ? store__forget_use(st->writer, err) : status;
 }
 
 static bf_status run_step(step *st, bf_error *err)

@@ -77,12 +77,6 @@ bf_status store__save_row(store__connection *writer, store__row *row, bf_error *
 
 #undef X
 
-static bf_status move_row(store__connection *writer, const store__row *row, bf_error *err)
-{
-    return store__exec(writer, STORE__SQL_MOVE_RUN, err, INTEGER(row->run.state),
-                       INTEGER(row->run.finished_ms), INTEGER(row->rowid));
-}
-
 static bf_status close_row(store__connection *writer, store__row *row, bf_error *err)
 {
     row->run.finished_ms = clock_unix_ms();
@@ -119,6 +113,7 @@ bf_status store__transition(store__connection *writer, store__row *row, run_stat
     if (status == BF_OK && run_state_is_end(to))
         status = close_row(writer, row, err);
     if (status == BF_OK)
-        status = move_row(writer, row, err);
+        status = store__exec(writer, STORE__SQL_MOVE_RUN, err, INTEGER(row->run.state),
+                             INTEGER(row->run.finished_ms), INTEGER(row->rowid));
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }

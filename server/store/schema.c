@@ -516,21 +516,16 @@ static bf_status upgrade(sqlite3 *db, int version, bf_error *err)
     return status;
 }
 
-// Both can only be said of a database without tables. Free pages can then be given back to the disk (space.c).
-static bf_status prepare_empty(sqlite3 *db, bf_error *err)
-{
-    bf_status status = store__reserve_page_sums(db, err);
-
-    return status == BF_OK ? execute(db, "PRAGMA auto_vacuum = INCREMENTAL", err) : status;
-}
-
 bf_status store__migrate(store__connection *writer, const char *path, bf_error *err)
 {
     int version = 0;
 
     bf_status status = store__identify(writer->db, path, &version, err);
+    // Both can only be said of a database without tables. Free pages can then be given back to the disk (space.c).
     if (status == BF_OK && version == 0)
-        status = prepare_empty(writer->db, err);
+        status = store__reserve_page_sums(writer->db, err);
+    if (status == BF_OK && version == 0)
+        status = execute(writer->db, "PRAGMA auto_vacuum = INCREMENTAL", err);
     if (status == BF_OK)
         status = switch_to_wal(writer->db, err);
     if (status != BF_OK || version == VERSION)

@@ -28,22 +28,6 @@ static bf_status check_parts(const api_run *record, uint64_t n, bf_error *err)
                    (unsigned long long)parts->n_parts, parts->n_values, (unsigned long long)n);
 }
 
-static bf_status check_density(const api_run *record, uint64_t n, bf_error *err)
-{
-    if (n == store__array_bytes(record, STORE__BLOB_SNAPSHOT))
-        return BF_OK;
-    return bf_fail(err, BF_ECORRUPT, "", "a snapshot of %zu x %zu cells came as %llu bytes",
-                   record->grid.n1, record->grid.n2, (unsigned long long)n);
-}
-
-static bf_status insert_snapshot(store__connection *writer, int64_t results,
-                                 const api_snapshot *snapshot, bf_error *err)
-{
-    return store__exec(writer, STORE__SQL_INSERT_SNAPSHOT, err, INTEGER(results),
-                       INTEGER(snapshot->index), REAL(snapshot->t), REAL(snapshot->peak),
-                       REAL(snapshot->mass));
-}
-
 // Whether all of an array of n bytes is stored.
 static bf_status check_stored(store__connection *writer, const store__row *row, store__blob kind,
                               uint64_t index, uint64_t n, bf_error *err)
@@ -57,32 +41,31 @@ static bf_status check_stored(store__connection *writer, const store__row *row, 
     return status;
 }
 
-// Of a snapshot that came in pieces, when it is whole.
-static bf_status count_bytes(store__connection *writer, const store__row *row, uint64_t index,
-                             bf_error *err)
-{
-    return store__exec(writer, STORE__SQL_COUNT_SNAPSHOT, err, INTEGER(row->results),
-                       INTEGER(index), INTEGER(STORE__BLOB_SNAPSHOT), INTEGER(STORE__BLOB_PARTS));
-}
-
 static bf_status complete(store__connection *writer, store__row *row, const store_item *item,
                           bf_error *err)
 {
-    const uint64_t index = item->snapshot.index, n_density = item->rho_at + item->rho.n,
+    const api_snapshot *snapshot = &item->snapshot;
+    const uint64_t index = snapshot->index, n_density = item->rho_at + item->rho.n,
                    n_parts = item->parts_at + item->parts.n;
 
-    bf_status status = check_density(&row->run, n_density, err);
-    if (status == BF_OK)
-        status = check_parts(&row->run, n_parts, err);
+    if (n_density != store__array_bytes(&row->run, STORE__BLOB_SNAPSHOT))
+        return bf_fail(err, BF_ECORRUPT, "", "a snapshot of %zu x %zu cells came as %llu bytes",
+                       row->run.grid.n1, row->run.grid.n2, (unsigned long long)n_density);
+    bf_status status = check_parts(&row->run, n_parts, err);
     // What came with this item is there.
     if (status == BF_OK && item->rho_at > 0)
         status = check_stored(writer, row, STORE__BLOB_SNAPSHOT, index, n_density, err);
     if (status == BF_OK && item->parts_at > 0)
         status = check_stored(writer, row, STORE__BLOB_PARTS, index, n_parts, err);
     if (status == BF_OK)
-        status = insert_snapshot(writer, row->results, &item->snapshot, err);
+        status = store__exec(writer, STORE__SQL_INSERT_SNAPSHOT, err, INTEGER(row->results),
+                             INTEGER(index), REAL(snapshot->t), REAL(snapshot->peak),
+                             REAL(snapshot->mass));
+    // Of a snapshot that came in pieces the bytes are counted when it is whole.
     if (status == BF_OK && item->rho_at + item->parts_at > 0)
-        status = count_bytes(writer, row, index, err);
+        status =
+            store__exec(writer, STORE__SQL_COUNT_SNAPSHOT, err, INTEGER(row->results),
+                        INTEGER(index), INTEGER(STORE__BLOB_SNAPSHOT), INTEGER(STORE__BLOB_PARTS));
     if (status == BF_OK)
         status = store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err);
     if (status == BF_OK)

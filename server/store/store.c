@@ -72,17 +72,9 @@ static bf_status fail_held(const store *s, int file, bf_error *err)
                    holder);
 }
 
-// For operators only; the lock itself is authoritative.
-static bool write_holder(int file)
-{
-    char text[32];
-    int n = snprintf(text, sizeof text, "%ld\n", (long)getpid());
-    return ftruncate(file, 0) == 0 && pwrite(file, text, (size_t)n, 0) == n;
-}
-
 static bf_status take_lock_file(store *s, bf_error *err)
 {
-    char path[STORE__PATH_SIZE + 16];
+    char path[STORE__PATH_SIZE + 16], holder[32];
     bf_status status = BF_OK;
 
     snprintf(path, sizeof path, "%s/beltflow.lock", s->directory);
@@ -94,7 +86,9 @@ static bf_status take_lock_file(store *s, bf_error *err)
             errno == EWOULDBLOCK ? fail_held(s, file, err) : fail_errno("cannot lock", path, err);
     else
         store__make_room_to_open(s);
-    if (status == BF_OK && !write_holder(file))
+    // The holder is for operators only; the lock itself is authoritative.
+    const int n = snprintf(holder, sizeof holder, "%ld\n", (long)getpid());
+    if (status == BF_OK && (ftruncate(file, 0) != 0 || pwrite(file, holder, (size_t)n, 0) != n))
         status = fail_errno("cannot write", path, err);
     if (status != BF_OK)
         close(file);
@@ -147,18 +141,11 @@ static bf_status sync_directory(const char *path, bf_error *err)
     return status;
 }
 
-static bf_status make_directory(const store *s, bf_error *err)
-{
-    if (file_io_make_directories(s->directory, 0700, FILE_IO_NOW))
-        return BF_OK;
-    return fail_errno("cannot make the data directory", s->directory, err);
-}
-
 static bf_status hold_directory(store *s, bf_error *err)
 {
-    bf_status status = make_directory(s, err);
-    if (status == BF_OK)
-        status = take_lock_file(s, err);
+    if (!file_io_make_directories(s->directory, 0700, FILE_IO_NOW))
+        return fail_errno("cannot make the data directory", s->directory, err);
+    bf_status status = take_lock_file(s, err);
     if (status == BF_OK)
         status = refuse_lone_log(s, err);
     if (status == BF_OK)
@@ -192,16 +179,6 @@ static bf_status fail_after_attempts(store__connection *writer, store__row *row,
     return store__transition(writer, row, RUN_FAILED, err);
 }
 
-static bf_status requeue(store__connection *writer, const store_options *options, store__row *row,
-                         bf_error *err)
-{
-    const bool is_last = options->attempts_max > 0 && row->attempts >= options->attempts_max;
-
-    return is_last && row->stop_request == STORE_STOP_NONE
-               ? fail_after_attempts(writer, row, err)
-               : store__transition(writer, row, RUN_QUEUED, err);
-}
-
 // What the daemon before was running and the executor does not have any more is queued again (I8).
 static bf_status requeue_all(store__connection *writer, const store_options *options, int *ret_n,
                              bf_error *err)
@@ -218,19 +195,14 @@ static bf_status requeue_all(store__connection *writer, const store_options *opt
             break;
         if (still_runs(options, &row))
             continue;
-        status = requeue(writer, options, &row, err);
+        const bool is_last = options->attempts_max > 0 && row.attempts >= options->attempts_max;
+        status = is_last && row.stop_request == STORE_STOP_NONE
+                     ? fail_after_attempts(writer, &row, err)
+                     : store__transition(writer, &row, RUN_QUEUED, err);
         n += row.run.state == RUN_QUEUED;
     }
     *ret_n = n;
     return status;
-}
-
-static bf_status recover_rows(store__connection *writer, const store_options *options,
-                              int *ret_n_requeued, bf_error *err)
-{
-    bf_status status = store__invalidate_results(writer, err);
-
-    return status == BF_OK ? requeue_all(writer, options, ret_n_requeued, err) : status;
 }
 
 static bf_status recover(store__connection *writer, const store_options *options, bf_error *err)
@@ -238,8 +210,12 @@ static bf_status recover(store__connection *writer, const store_options *options
     int n = 0;
 
     bf_status status = store__begin_transaction(writer, err);
+    if (status != BF_OK)
+        return status;
+    status = store__invalidate_results(writer, err);
     if (status == BF_OK)
-        status = store__end_transaction(writer, recover_rows(writer, options, &n, err), err);
+        status = requeue_all(writer, options, &n, err);
+    status = store__end_transaction(writer, status, err);
     if (status == BF_OK && n > 0)
         log_event(LOG_LEVEL_INFO, "runs_requeued", "runs=%d", n);
     return status;

@@ -92,13 +92,6 @@ static bf_status apply_suspecting(store__connection *writer, store__operation *o
     return status;
 }
 
-static bf_status prepare_nothing(store__operation *operation, bf_error *err)
-{
-    (void)operation;
-    (void)err;
-    return BF_OK;
-}
-
 static void log_lost(const char *run_id, uint64_t token, const char *why)
 {
     char quoted[LOG_QUOTED_SIZE];
@@ -130,7 +123,6 @@ void store_begin_suspecting(store *s, const char *run_id, uint64_t token)
         return;
     }
     *o = (suspecting){ .operation = { .apply = apply_suspecting,
-                                      .prepare = prepare_nothing,
                                       .finish = finish_suspecting,
                                       .context = o,
                                       .may_use_reserve = true },

@@ -108,13 +108,6 @@ static bf_status decompress(const bf_buffer *base, const bf_buffer *delta, bf_bu
     return BF_OK;
 }
 
-static bf_status put_delta(store__connection *writer, const store__row *row, store__text kind,
-                           const bf_buffer *delta, bf_error *err)
-{
-    return store__exec(writer, STORE__SQL_PUT_TEXT_DELTA, err, INTEGER(row->rowid), INTEGER(kind),
-                       BLOB(delta->bytes, delta->n));
-}
-
 // The first scenario of a study is what others are stored against.
 static bf_status need_base(store__connection *writer, const store__study *of, store__text kind,
                            const char *text, size_t n, bf_buffer *base, uint64_t *n_bytes,
@@ -146,7 +139,8 @@ bf_status store__put_run_text(store__connection *writer, const store__row *row, 
     if (status == BF_OK)
         status = compress(&base, text, n, &delta, err);
     if (status == BF_OK)
-        status = put_delta(writer, row, kind, &delta, err);
+        status = store__exec(writer, STORE__SQL_PUT_TEXT_DELTA, err, INTEGER(row->rowid),
+                             INTEGER(kind), BLOB(delta.bytes, delta.n));
     *n_bytes += delta.n;
     buffer_fini(&delta);
     buffer_fini(&base);

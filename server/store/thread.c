@@ -42,41 +42,27 @@ static bf_status apply_alone(store__connection *writer, store__operation *operat
     return status;
 }
 
-static void fail_group(store__operation *first, bf_status status, const bf_error *error)
-{
-    for (store__operation *o = first; o != NULL; o = o->next)
-        if (o->status == BF_OK) {
-            o->status = status;
-            o->error = *error;
-        }
-}
-
-static void observe_group(const store__operation *first, bf_status status, int64_t begin_ns)
-{
-    int64_t n = 0;
-
-    if (status != BF_OK) {
-        metrics_add(METRICS_COMMIT_FAILURES, 0, 1);
-        return;
-    }
-    for (const store__operation *o = first; o != NULL; o = o->next)
-        n++;
-    metrics_observe(METRICS_COMMIT_SIZES, 0, n);
-    metrics_observe(METRICS_COMMIT_TIMES, 0, clock_monotonic_ns() - begin_ns);
-}
-
 static void apply_group(store__connection *writer, store__operation *first)
 {
     bf_error error = { 0 };
-    int64_t begin_ns = clock_monotonic_ns();
+    int64_t begin_ns = clock_monotonic_ns(), n = 0;
 
     bf_status status = store__begin_transaction(writer, &error);
     for (store__operation *o = first; o != NULL && status == BF_OK; o = o->next)
         status = apply_alone(writer, o, &error);
     status = store__end_transaction(writer, status, &error);
-    if (status != BF_OK)
-        fail_group(first, status, &error);
-    observe_group(first, status, begin_ns);
+    for (store__operation *o = first; o != NULL; o = o->next, n++) {
+        if (status != BF_OK && o->status == BF_OK) {
+            o->status = status;
+            o->error = error;
+        }
+    }
+    if (status != BF_OK) {
+        metrics_add(METRICS_COMMIT_FAILURES, 0, 1);
+        return;
+    }
+    metrics_observe(METRICS_COMMIT_SIZES, 0, n);
+    metrics_observe(METRICS_COMMIT_TIMES, 0, clock_monotonic_ns() - begin_ns);
 }
 
 // What frees or ends something is done once more, each alone, with the room of the reserve.
@@ -100,13 +86,6 @@ static void retry_with_reserve(store *s, store__operation *first)
     }
 }
 
-static bool frees_something(const store__operation *first)
-{
-    while (first != NULL && !first->may_use_reserve)
-        first = first->next;
-    return first != NULL;
-}
-
 static bool is_notified_before(const store__operation *first, const store__operation *operation)
 {
     for (const store__operation *o = first; o != operation; o = o->next)
@@ -124,14 +103,6 @@ static void notify_listener(store *s, const store__operation *first)
     for (const store__operation *o = first; o != NULL; o = o->next)
         if (o->status == BF_OK && o->changed[0] != '\0' && !is_notified_before(first, o))
             s->listener(s->listener_context, o->changed);
-}
-
-static store__operation *take_all(store *s, store__queue *queue)
-{
-    lock_assert_held(&s->lock);
-    store__operation *first = queue->first;
-    queue->first = queue->last = NULL;
-    return first;
 }
 
 static void enqueue(store *s, store__queue *queue, store__operation *operation)
@@ -202,8 +173,9 @@ static void do_group(store *s, store__operation *first)
     lock_release(&s->lock);
     apply_group(&s->writer, first);
     retry_with_reserve(s, first);
-    if (frees_something(first))
-        s->space.next_ms = 0;
+    for (const store__operation *o = first; o != NULL; o = o->next)
+        if (o->may_use_reserve)
+            s->space.next_ms = 0; // something was freed
     notify_listener(s, first);
     finish_group(first);
     lock_acquire(&s->lock);
@@ -217,7 +189,8 @@ static void *write_groups(void *context)
     lock_acquire(&s->lock);
     while (s->writing.first != NULL || !s->writing.is_stopping) {
         wait_for_work(s);
-        store__operation *first = take_all(s, &s->writing);
+        store__operation *first = s->writing.first;
+        s->writing.first = s->writing.last = NULL;
         if (first != NULL)
             do_group(s, first);
         store__apply_retention(s);
@@ -245,7 +218,9 @@ static void *prepare_all(void *context)
         if (queue->first == NULL)
             queue->last = NULL;
         lock_release(&s->lock);
-        bf_status status = first->status = first->prepare(first, &first->error);
+        bf_status status = BF_OK;
+        if (first->prepare != NULL)
+            status = first->status = first->prepare(first, &first->error);
         if (status != BF_OK)
             first->finish(first);
         lock_acquire(&s->lock);

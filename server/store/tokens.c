@@ -253,11 +253,6 @@ static uint64_t take_unsaved(tokens *t, int64_t *ret_used_ms)
     return id;
 }
 
-static bf_status save_use(store__connection *c, uint64_t id, int64_t used_ms, bf_error *err)
-{
-    return store__exec(c, STORE__SQL_USE_TOKEN, err, INTEGER(id), INTEGER(used_ms));
-}
-
 void tokens_save_uses(tokens *t)
 {
     store__connection c = { 0 };
@@ -271,7 +266,7 @@ void tokens_save_uses(tokens *t)
         if (c.db == NULL)
             status = store__open_tokens(t->directory, false, &c, &err);
         if (status == BF_OK)
-            status = save_use(&c, id, used_ms, &err);
+            status = store__exec(&c, STORE__SQL_USE_TOKEN, &err, INTEGER(id), INTEGER(used_ms));
     }
     store__disconnect(&c);
     if (status != BF_OK)
