@@ -4,24 +4,6 @@
 
 #include <string.h>
 
-static bf_status refuse_lost(const config *c, bf_error *err)
-{
-    return bf_fail(err, BF_EINPUT, "",
-                   "the store in %.200s was used with access tokens, and there are none: put "
-                   "access.db back, or add one (beltflowd token add NAME), or set access = open to "
-                   "let everybody submit, read and remove",
-                   c->data);
-}
-
-static bf_status refuse_strangers(const config *c, bf_error *err)
-{
-    return bf_fail(err, BF_EINPUT, "",
-                   "%s says that a proxy passes on the requests of others, and there is no access "
-                   "token: add one (beltflowd token add NAME), or set plaintext = open to let "
-                   "everybody submit, read and remove",
-                   c->trusted_proxies[0] != '\0' ? "trusted_proxies" : "hosts");
-}
-
 static void warn(const char *why)
 {
     log_event(LOG_LEVEL_WARN, "open_to_everybody",
@@ -41,9 +23,19 @@ bf_status admission_check(const config *c, store *s, tokens *t, bf_error *err)
     if (status != BF_OK)
         return status;
     if (needs_tokens && strcmp(c->access, "open") != 0)
-        return refuse_lost(c, err);
+        return bf_fail(
+            err, BF_EINPUT, "",
+            "the store in %.200s was used with access tokens, and there are none: put "
+            "access.db back, or add one (beltflowd token add NAME), or set access = open to "
+            "let everybody submit, read and remove",
+            c->data);
     if (has_strangers && strcmp(c->plaintext, "open") != 0)
-        return refuse_strangers(c, err);
+        return bf_fail(
+            err, BF_EINPUT, "",
+            "%s says that a proxy passes on the requests of others, and there is no access "
+            "token: add one (beltflowd token add NAME), or set plaintext = open to let "
+            "everybody submit, read and remove",
+            c->trusted_proxies[0] != '\0' ? "trusted_proxies" : "hosts");
     if (needs_tokens)
         warn("access");
     if (has_strangers)

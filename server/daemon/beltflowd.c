@@ -226,16 +226,6 @@ static bf_status start_store(parts *p, bf_error *err)
     return store_open(&options, &p->service.store, err);
 }
 
-static bf_status start_tokens(parts *p, bf_error *err)
-{
-    bf_status status = tickets_draw(&p->service.tickets, err);
-
-    if (status == BF_OK)
-        status = tokens_open(p->settings.data, &p->service.tokens, err);
-    return status == BF_OK ? admission_check(&p->settings, p->service.store, p->service.tokens, err)
-                           : status;
-}
-
 static bf_status start_supervisor(parts *p, bf_error *err)
 {
     const supervisor_options options = options_of_supervisor(p);
@@ -278,34 +268,25 @@ static bf_status start_http(parts *p, bf_error *err)
     return status;
 }
 
-static bf_status start_executor(parts *p, bf_error *err)
-{
-    bf_status status = executors_create(&p->executors, &p->settings, err);
-
-    if (status == BF_OK && p->executors.kind != CONFIG_LOCAL)
-        p->service.leases = &p->executors.leases;
-    return status;
-}
-
-static bf_status start_predictor(parts *p, bf_error *err)
-{
-    bf_status status = predictor_start(p->service.store, &p->service.predictor, err);
-
-    if (status == BF_OK)
-        executors_set_predictor(&p->executors, p->service.predictor);
-    return status;
-}
-
 static bf_status start(parts *p, bf_error *err)
 {
-    bf_status status = start_executor(p, err);
+    service *s = &p->service;
 
+    bf_status status = executors_create(&p->executors, &p->settings, err);
+    if (status == BF_OK && p->executors.kind != CONFIG_LOCAL)
+        s->leases = &p->executors.leases;
     if (status == BF_OK)
         status = start_store(p, err);
     if (status == BF_OK)
-        status = start_tokens(p, err);
+        status = tickets_draw(&s->tickets, err);
     if (status == BF_OK)
-        status = start_predictor(p, err);
+        status = tokens_open(p->settings.data, &s->tokens, err);
+    if (status == BF_OK)
+        status = admission_check(&p->settings, s->store, s->tokens, err);
+    if (status == BF_OK)
+        status = predictor_start(s->store, &s->predictor, err);
+    if (status == BF_OK)
+        executors_set_predictor(&p->executors, s->predictor);
     if (status == BF_OK)
         status = start_supervisor(p, err);
     if (status == BF_OK)

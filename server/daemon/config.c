@@ -171,15 +171,6 @@ static const char *value_of(const config *c, size_t i, char *storage)
     return storage;
 }
 
-static void copy_row(config *c, const config *from, size_t i)
-{
-    size_t offset = places[i].offset;
-
-    memcpy((char *)c + offset, (const char *)from + offset,
-           places[i].kind == KIND_TEXT ? CONFIG_TEXT_SIZE : sizeof(uint64_t));
-    memcpy(c->origins[i], from->origins[i], sizeof c->origins[i]);
-}
-
 void config_reload(config *c, const config *fresh, config_take_change *take, void *context)
 {
     char storage[2][CONFIG_TEXT_SIZE];
@@ -189,8 +180,11 @@ void config_reload(config *c, const config *fresh, config_take_change *take, voi
         if (strcmp(before, after) == 0)
             continue;
         take(context, &rows[i], before, after);
-        if (rows[i].can_reload)
-            copy_row(c, fresh, i);
+        if (!rows[i].can_reload)
+            continue;
+        memcpy((char *)c + places[i].offset, (const char *)fresh + places[i].offset,
+               places[i].kind == KIND_TEXT ? CONFIG_TEXT_SIZE : sizeof(uint64_t));
+        memcpy(c->origins[i], fresh->origins[i], sizeof c->origins[i]);
     }
 }
 

@@ -112,27 +112,22 @@ static bf_status back_up(const char *directory, const char *settings, const char
     return BF_OK;
 }
 
-static bf_status read_copies(const char *text, uint64_t *ret_n, bf_error *err)
-{
-    if (!number_read_digits(text, 1, COPIES_MAX, ret_n))
-        return bf_fail(err, BF_EINPUT, "", "--copies wants 1 to %d, not '%.40s'", COPIES_MAX, text);
-    return BF_OK;
-}
-
 int maintenance_backup(const char *directory, const char *settings, const char *file,
                        const char *copies)
 {
     const time_t now = (time_t)(clock_unix_ms() / 1000);
     char path[PATH_SIZE], name[48];
     uint64_t n_most = COPIES_MAX;
-    bool is_folder = false;
+    bf_status status = BF_OK;
     struct stat facts;
     struct tm parts;
     bf_error err = { 0 };
 
-    is_folder = stat(file, &facts) == 0 && S_ISDIR(facts.st_mode);
-    bf_status status = copies == NULL ? BF_OK : read_copies(copies, &n_most, &err);
-    if (status == BF_OK && copies != NULL && !is_folder)
+    const bool is_folder = stat(file, &facts) == 0 && S_ISDIR(facts.st_mode);
+    if (copies != NULL && !number_read_digits(copies, 1, COPIES_MAX, &n_most))
+        status =
+            bf_fail(&err, BF_EINPUT, "", "--copies wants 1 to %d, not '%.40s'", COPIES_MAX, copies);
+    else if (copies != NULL && !is_folder)
         status =
             bf_fail(&err, BF_EINPUT, "", "--copies wants a directory, and %.200s is none", file);
     (void)strftime(name, sizeof name, COPY_PREFIX "%Y%m%dT%H%M%SZ" COPY_ENDING,
@@ -211,16 +206,6 @@ static bf_status read_time(const char *flag, const char *text, int64_t *ret_ms, 
     return BF_OK;
 }
 
-// From now on; NULL is never, 0.
-static bf_status read_expiry(const char *text, int64_t *ret_at_ms, bf_error *err)
-{
-    int64_t after_ms = 0;
-
-    bf_status status = text == NULL ? BF_OK : read_time("--expires", text, &after_ms, err);
-    *ret_at_ms = after_ms == 0 ? 0 : clock_unix_ms() + after_ms;
-    return status;
-}
-
 static bf_status copy_name(const char *text, char *ret_name, size_t size, bf_error *err)
 {
     if (strlen(text) >= size)
@@ -234,6 +219,7 @@ static bf_status read_wanted(const maintenance_token *wanted, tokens_record *tok
 {
     const char *scopes = wanted->scopes == NULL ? "read,submit" : wanted->scopes;
     const char *owner = wanted->owner == NULL ? wanted->name : wanted->owner;
+    int64_t after_ms = 0; // it expires; 0: never
 
     if (!api_access_read_scopes(scopes, &token->scopes) || (token->scopes & API_SCOPE_GRANTED) != 0)
         return bf_fail(
@@ -242,7 +228,10 @@ static bf_status read_wanted(const maintenance_token *wanted, tokens_record *tok
     bf_status status = copy_name(wanted->name, token->name, sizeof token->name, err);
     if (status == BF_OK)
         status = copy_name(owner, token->owner, sizeof token->owner, err);
-    return status == BF_OK ? read_expiry(wanted->expires, &token->expires_ms, err) : status;
+    if (status == BF_OK && wanted->expires != NULL)
+        status = read_time("--expires", wanted->expires, &after_ms, err);
+    token->expires_ms = after_ms == 0 ? 0 : clock_unix_ms() + after_ms;
+    return status;
 }
 
 static int print_new(const tokens_record *token, const char *text)

@@ -104,24 +104,6 @@ static bf_status list(service *s, const api_list_query *query, api_run_list *ret
     return status;
 }
 
-static void add_waiter(service *s, service_waiter *w)
-{
-    lock_acquire(&s->lock);
-    w->next = s->waiters;
-    s->waiters = w;
-    lock_release(&s->lock);
-}
-
-static void remove_waiter(service *s, service_waiter *w)
-{
-    lock_acquire(&s->lock);
-    service_waiter **at = &s->waiters;
-    while (*at != w)
-        at = &(*at)->next;
-    *at = w->next;
-    lock_release(&s->lock);
-}
-
 // Wait until a commit has changed the run. False: the deadline has come.
 static bool await_commit(service *s, service_waiter *w, int64_t deadline_ms)
 {
@@ -142,12 +124,20 @@ static bf_status remove_run(service *s, const char *id, uint64_t revision, bf_er
     int64_t deadline_ms = clock_monotonic_ms() + REMOVE_MS;
     bf_status status;
 
-    add_waiter(s, &waiter);
+    lock_acquire(&s->lock);
+    waiter.next = s->waiters;
+    s->waiters = &waiter;
+    lock_release(&s->lock);
     do {
         status = store_remove(s->store, id, revision, err);
         revision = API_ANY_REVISION;
     } while (status == BF_ECONFLICT && await_commit(s, &waiter, deadline_ms));
-    remove_waiter(s, &waiter);
+    lock_acquire(&s->lock);
+    service_waiter **at = &s->waiters;
+    while (*at != &waiter)
+        at = &(*at)->next;
+    *at = waiter.next;
+    lock_release(&s->lock);
     if (status == BF_OK)
         supervisor_wake(s->supervisor); // the owner has room again for runs that were held back
     if (status != BF_ECONFLICT)

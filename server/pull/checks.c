@@ -57,15 +57,6 @@ static void add(digest *d, const void *bytes, size_t n)
                              sizeof before.bytes);
 }
 
-static void note_curve(digest *d, const frame_curve *curve)
-{
-    for (uint32_t k = 0; k < curve->n; k++) {
-        add(d, &curve->t[k], sizeof curve->t[k]);
-        add(d, curve->values + (size_t)k * curve->n_columns,
-            curve->n_columns * sizeof *curve->values);
-    }
-}
-
 // A whole frame: samples come in any number at once, other frames as they are.
 static void note_frame(pull__check *c, const char *bytes, size_t n)
 {
@@ -76,10 +67,14 @@ static void note_frame(pull__check *c, const char *bytes, size_t n)
         c->is_damaged = true;
         return;
     }
-    if (f.type == FRAME_CURVE)
-        note_curve(&c->digests[f.type], &f.curve);
-    else
-        add(&c->digests[f.type], bytes, n);
+    digest *d = &c->digests[f.type];
+    if (f.type != FRAME_CURVE)
+        add(d, bytes, n);
+    for (uint32_t k = 0; f.type == FRAME_CURVE && k < f.curve.n; k++) {
+        add(d, &f.curve.t[k], sizeof f.curve.t[k]);
+        add(d, f.curve.values + (size_t)k * f.curve.n_columns,
+            f.curve.n_columns * sizeof *f.curve.values);
+    }
     c->has_ended |= f.type == FRAME_END;
 }
 
@@ -202,13 +197,6 @@ static void suspect(const pull_executor *e, const char *run_id, uint64_t token)
         e->suspect(e->suspect_context, run_id, token);
 }
 
-static void blame(pull_executor *e, const executor_job *job, const witness *who)
-{
-    pull__attribute_fault(e, job->about.run, who->token, who->worker,
-                          "two others have the same results, and it has other ones");
-    suspect(e, NULL, who->token);
-}
-
 void pull__check_end(pull_executor *e, executor_job *job)
 {
     pull__check *c = job->check;
@@ -229,9 +217,14 @@ void pull__check_end(pull_executor *e, executor_job *job)
     if (job->is_repetition)
         metrics_add(METRICS_PULL_DUPLICATES,
                     n_equal > 0 ? METRICS_MATCH_EQUAL : METRICS_MATCH_UNEQUAL, 1);
-    for (size_t k = 0; k < c->n_witnesses && n_equal > 0; k++)
-        if (!is_equal(&c->witnesses[k], &now))
-            blame(e, job, &c->witnesses[k]);
+    for (size_t k = 0; k < c->n_witnesses && n_equal > 0; k++) {
+        const witness *other = &c->witnesses[k];
+        if (is_equal(other, &now))
+            continue;
+        pull__attribute_fault(e, job->about.run, other->token, other->worker,
+                              "two others have the same results, and it has other ones");
+        suspect(e, NULL, other->token);
+    }
     if (n_equal == 0 && c->n_witnesses > 0)
         suspect(e, job->about.run, 0);
     if (n_equal > 0 || c->n_witnesses == sizeof c->witnesses / sizeof *c->witnesses)

@@ -96,16 +96,6 @@ bf_status pull__deliver(void *context, uint64_t token, const char *id,
     return status;
 }
 
-// The job that a worker means, if it is still its own.
-static executor_job *find_reported(const pull__lease *lease, const api_job_report *report)
-{
-    executor_job *job = job_at(lease, report->job);
-    const bool is_it = job != NULL && job->about.attempt == report->attempt &&
-                       strcmp(job->about.run, report->run) == 0;
-
-    return is_it ? job : NULL;
-}
-
 // The most CPU time that a job can have used: that of its threads since it was leased. One of the daemon before was
 // leased behind the time that its attempt is counted from, by a worker of any size.
 static double most_cpu_s(const executor_job *job)
@@ -120,12 +110,14 @@ static double most_cpu_s(const executor_job *job)
     return passed_ms > 0 ? API_WORKER_CORES * (slack_s + 1e-3 * (double)passed_ms) : 0.0;
 }
 
+// The job that a worker means, if it is still its own.
 static executor_job *take_report(answer *a, const pull__lease *lease, const api_job_report *report)
 {
-    executor_job *job = find_reported(lease, report);
+    executor_job *job = job_at(lease, report->job);
 
     a->is_named[report->job] = true;
-    if (job == NULL)
+    if (job == NULL || job->about.attempt != report->attempt ||
+        strcmp(job->about.run, report->run) != 0)
         return NULL;
     job->used_s = fmax(job->used_s, fmin(report->cpu_s, most_cpu_s(job)));
     if (report->cpu_s > 0.0)
@@ -159,23 +151,6 @@ static void take_end(pull_executor *e, answer *a, const pull__lease *lease, cons
     pull__move(e, job, PULL_ENDED);
 }
 
-// What a worker has and does not name any more it has forgotten.
-static void lose_forgotten(pull_executor *e, const pull__lease *lease, const answer *a)
-{
-    for (uint32_t k = 0; k < lease->n_jobs; k++)
-        if (lease->jobs[k] != NULL && !a->is_named[k])
-            pull__lose_job(e, lease->jobs[k], "forgotten");
-}
-
-static executor_job *find_awaited(const pull_executor *e, const api_job_report *report)
-{
-    for (executor_job *job = e->first; job != NULL; job = job->next)
-        if (job->place == PULL_AWAITED && job->about.attempt == report->attempt &&
-            strcmp(job->about.run, report->run) == 0)
-            return job;
-    return NULL;
-}
-
 static size_t count_places(const api_renewal *renewal)
 {
     uint32_t last = 0;
@@ -190,9 +165,12 @@ static size_t count_places(const api_renewal *renewal)
 static bf_status adopt_job(pull_executor *e, const char *id, const api_renewal *renewal,
                            const api_job_report *report, pull__lease **lease, bf_error *err)
 {
-    executor_job *job = find_awaited(e, report);
+    executor_job *job = e->first;
     bf_status status = BF_OK;
 
+    while (job != NULL && (job->place != PULL_AWAITED || job->about.attempt != report->attempt ||
+                           strcmp(job->about.run, report->run) != 0))
+        job = job->next;
     if (job == NULL)
         return BF_OK;
     if (*lease == NULL)
@@ -231,8 +209,10 @@ static bf_status renew(pull_executor *e, const char *id, const api_renewal *rene
         (void)take_report(a, lease, &renewal->jobs[k]);
     for (size_t k = 0; k < renewal->n_ended; k++)
         take_end(e, a, lease, renewal->worker, &renewal->ended[k]);
-    if (is_known)
-        lose_forgotten(e, lease, a);
+    // What a worker has and does not name any more it has forgotten.
+    for (uint32_t k = 0; is_known && k < lease->n_jobs; k++)
+        if (lease->jobs[k] != NULL && !a->is_named[k])
+            pull__lose_job(e, lease->jobs[k], "forgotten");
     answer_named(a, lease);
     if (lease != NULL && lease->n_open == 0)
         pull__end_lease(e, lease);

@@ -345,64 +345,38 @@ static bf_status take_frames(supervisor__task *task, bf_error *err)
                : begin_batch(task, NULL, err);
 }
 
-// Room for the whole of a large frame that has begun, so that it is not moved while it comes.
-static bf_status reserve_rest(supervisor__task *task, bf_error *err)
-{
-    bf_buffer *output = &task->output;
-    frame_type type;
-    const uint64_t length = output->n == 0 ? 0 : frame_length(output->bytes, output->n, &type);
-
-    if (length > output->n && buffer_reserve(output, length - output->n + READ_CHUNK) == NULL)
-        return fail_memory(err);
-    return BF_OK;
-}
-
-// While a job waits for somebody who solves it, its times do not run.
-static void note_begin(supervisor__task *task)
-{
-    if (task->state == EXECUTOR_WAITING) {
-        task->start_s = 0.0;
-    } else if (task->start_s == 0.0) {
-        task->start_s = clock_monotonic_s();
-        task->moved_ms = clock_monotonic_ms();
-    }
-}
-
 // Take what the job has sent, about SUPERVISOR_READ_BYTES at most.
 static bf_status read_output(supervisor__task *task, bf_error *err)
 {
     executor *e = task->supervisor->executor;
+    bf_buffer *output = &task->output;
     size_t n = 0, n_total = 0;
+    frame_type type;
 
-    bf_status status = reserve_rest(task, err);
-    if (status != BF_OK)
-        return status;
+    // Room for the whole of a large frame that has begun, so that it is not moved while it comes.
+    const uint64_t length = output->n == 0 ? 0 : frame_length(output->bytes, output->n, &type);
+    if (length > output->n && buffer_reserve(output, length - output->n + READ_CHUNK) == NULL)
+        return fail_memory(err);
     do {
         const size_t capacity = task->state == EXECUTOR_WAITING ? FIRST_CHUNK : READ_CHUNK;
-        char *end = buffer_reserve(&task->output, capacity);
+        char *end = buffer_reserve(output, capacity);
         if (end == NULL)
             return fail_memory(err);
         task->state = e->functions->poll(e, task->job, end, capacity, &n, &task->exit);
-        note_begin(task);
+        // While a job waits for somebody who solves it, its times do not run.
+        if (task->state == EXECUTOR_WAITING) {
+            task->start_s = 0.0;
+        } else if (task->start_s == 0.0) {
+            task->start_s = clock_monotonic_s();
+            task->moved_ms = clock_monotonic_ms();
+        }
         // After a failure only the job's end matters.
         if (!task->failed)
-            task->output.n += n;
+            output->n += n;
         n_total += n;
         task->has_more = n > 0;
     } while (n > 0 && n_total < SUPERVISOR_READ_BYTES);
     return BF_OK;
-}
-
-// Wait for the end of a job that has sent its last frame. What came before stays in place: items point into it.
-static bf_status await_exit(supervisor__task *task, bf_error *err)
-{
-    executor *e = task->supervisor->executor;
-    char rest[64];
-    size_t n = 0;
-
-    task->state = e->functions->poll(e, task->job, rest, sizeof rest, &n, &task->exit);
-    task->has_more = false;
-    return n == 0 ? BF_OK : fail_order(err);
 }
 
 static bool is_over(const supervisor__task *task)
@@ -412,10 +386,19 @@ static bool is_over(const supervisor__task *task)
 
 static bf_status read_frames(supervisor__task *task, bf_error *err)
 {
+    executor *e = task->supervisor->executor;
     bf_status status = BF_OK;
+    char rest[64];
+    size_t n = 0;
 
-    if (task->has_ended && !task->failed)
-        return is_over(task) ? BF_OK : await_exit(task, err);
+    // Of a job that has sent its last frame only the end is missing. What came before stays in place: items point into it.
+    if (task->has_ended && !task->failed) {
+        if (is_over(task))
+            return BF_OK;
+        task->state = e->functions->poll(e, task->job, rest, sizeof rest, &n, &task->exit);
+        task->has_more = false;
+        return n == 0 ? BF_OK : fail_order(err);
+    }
     buffer_drop(&task->output, task->n_decoded);
     task->n_decoded = 0;
     // Frames that a checkpoint left behind come first, so that output does not grow; what the executor has

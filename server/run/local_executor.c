@@ -89,13 +89,6 @@ static bool watch_fd(const executor *e, executor_job *job, int fd, uint32_t even
     return epoll_ctl(e->wake_fd, EPOLL_CTL_ADD, fd, &event) == 0;
 }
 
-static bool watch_job(const executor *e, executor_job *job)
-{
-    return watch_fd(e, job, job->child.in, EPOLLOUT, SOURCE_INPUT) &&
-           watch_fd(e, job, job->child.out, EPOLLIN | EPOLLET, SOURCE_OUTPUT) &&
-           watch_fd(e, job, job->child.err, EPOLLIN, SOURCE_ERROR);
-}
-
 static void destroy_job(executor_job *job)
 {
     child_end(&job->child);
@@ -187,7 +180,9 @@ static bf_status hand_over(const local_executor *e, const executor_work *work, e
     // Runs by themselves are solved beside trials, and are to have the cores.
     if (work->is_trial && setpriority(PRIO_PROCESS, (id_t)job->child.pid, TRIAL_NICE) != 0)
         warn_of_priority();
-    if (!watch_job(&e->base, job))
+    if (!watch_fd(&e->base, job, job->child.in, EPOLLOUT, SOURCE_INPUT) ||
+        !watch_fd(&e->base, job, job->child.out, EPOLLIN | EPOLLET, SOURCE_OUTPUT) ||
+        !watch_fd(&e->base, job, job->child.err, EPOLLIN, SOURCE_ERROR))
         return fail_start(e->program, errno, err);
     write_input(job);
     return BF_OK;
@@ -233,17 +228,10 @@ static void stop(executor *base, executor_job *job, executor_stop how)
     child_stop(&job->child, how == EXECUTOR_STOP_NOW);
 }
 
-static void log_line(executor_job *job)
+static void take_error_bytes(executor_job *job, const char *bytes, size_t n)
 {
     char quoted[LOG_QUOTED_SIZE];
 
-    if (job->n_logged++ < LINES_LOGGED_MAX)
-        log_event(LOG_LEVEL_WARN, "run_said", "run=%s text=%s", job->run_id,
-                  log_quote(job->last_line, quoted));
-}
-
-static void take_error_bytes(executor_job *job, const char *bytes, size_t n)
-{
     for (size_t i = 0; i < n; i++) {
         if (bytes[i] != '\n') {
             if (job->n_line < sizeof job->line - 1)
@@ -253,7 +241,9 @@ static void take_error_bytes(executor_job *job, const char *bytes, size_t n)
         job->line[job->n_line] = '\0';
         job->n_line = 0;
         memcpy(job->last_line, job->line, sizeof job->last_line);
-        log_line(job);
+        if (job->n_logged++ < LINES_LOGGED_MAX)
+            log_event(LOG_LEVEL_WARN, "run_said", "run=%s text=%s", job->run_id,
+                      log_quote(job->last_line, quoted));
     }
 }
 
@@ -323,20 +313,16 @@ static void update(executor *base)
     }
 }
 
-static api_job_cause classify_exit(const executor_job *job)
-{
-    int code = WEXITSTATUS(job->child.status);
-
-    if (code == EXIT_SUCCESS)
-        return API_JOB_EXITED;
-    bool is_unstarted = !job->has_spoken && (code == EXIT_NOT_EXECUTABLE || code == EXIT_NOT_FOUND);
-    return is_unstarted ? API_JOB_UNSTARTED : API_JOB_FAILED;
-}
-
 static api_job_cause classify_end(const executor_job *job)
 {
+    const int code = WEXITSTATUS(job->child.status);
+    const bool is_unstarted =
+        !job->has_spoken && (code == EXIT_NOT_EXECUTABLE || code == EXIT_NOT_FOUND);
+
     if (!WIFSIGNALED(job->child.status))
-        return classify_exit(job);
+        return code == EXIT_SUCCESS ? API_JOB_EXITED
+               : is_unstarted       ? API_JOB_UNSTARTED
+                                    : API_JOB_FAILED;
     switch (WTERMSIG(job->child.status)) {
     case SIGTERM:
         return API_JOB_STOPPED;

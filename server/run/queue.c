@@ -98,15 +98,6 @@ static bool retry_pending(supervisor *s)
     return true;
 }
 
-static bool is_claiming(const supervisor *s)
-{
-    for (size_t i = 0; i < s->n_tasks; i++) {
-        if (s->tasks[i]->phase == SUPERVISOR_CLAIMING)
-            return true;
-    }
-    return false;
-}
-
 // What is being claimed is not known here yet, and counts as a run by itself.
 static bool is_trial(const supervisor__task *task)
 {
@@ -172,7 +163,10 @@ supervisor__task *supervisor__create_claiming(supervisor *s)
     const bool with_trials = has_room_for_trials(s);
     bf_error err = { 0 };
 
-    if (is_claiming(s) || !supervisor__has_room(s))
+    for (size_t i = 0; i < s->n_tasks; i++)
+        if (s->tasks[i]->phase == SUPERVISOR_CLAIMING)
+            return NULL; // one at a time
+    if (!supervisor__has_room(s))
         return NULL;
     if (s->claim_at_ms != 0 && clock_monotonic_ms() < s->claim_at_ms)
         return NULL;
@@ -200,19 +194,6 @@ void supervisor__claim(supervisor *s)
         supervisor__begin_write(task, SUPERVISOR_WRITE_CLAIM);
 }
 
-// A claimed run that cannot be started: back to the queue if it may work later, else it has failed, so
-// that it does not come first again and again.
-static void fail_start(supervisor__task *task, const bf_error *err)
-{
-    bool may_work_later = supervisor__may_work_later(err->code);
-
-    task->phase = SUPERVISOR_ENDING;
-    task->ending = (store_ending){ .run_id = task->claimed.run.id,
-                                   .state = may_work_later ? RUN_QUEUED : RUN_FAILED,
-                                   .error = *err };
-    supervisor__begin_end(task, NULL);
-}
-
 static void start_claimed(supervisor__task *task)
 {
     supervisor *s = task->supervisor;
@@ -229,7 +210,14 @@ static void start_claimed(supervisor__task *task)
     } else if (supervisor__may_work_later(err.code)) {
         supervisor__note_trouble(s, &err);
     }
-    fail_start(task, &err);
+    // Back to the queue if it may work later, else it has failed, so that it does not come first again and again.
+    task->phase = SUPERVISOR_ENDING;
+    task->ending = (store_ending){
+        .run_id = task->claimed.run.id,
+        .state = supervisor__may_work_later(err.code) ? RUN_QUEUED : RUN_FAILED,
+        .error = err,
+    };
+    supervisor__begin_end(task, NULL);
 }
 
 void supervisor__finish_claim(supervisor__task *task)

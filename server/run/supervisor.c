@@ -33,41 +33,23 @@ static void request_stop(supervisor__task *task, supervisor__stop how)
         task->requested = how;
 }
 
-static supervisor__stop stop_for(store_stop request)
-{
-    return request == STORE_STOP_NONE     ? SUPERVISOR_STOP_NONE
-           : request == STORE_STOP_CANCEL ? SUPERVISOR_STOP_CANCEL
-                                          : SUPERVISOR_STOP_KILL;
-}
-
-static void expect_stop(supervisor *s)
-{
-    lock_acquire(&s->lock);
-    s->may_stop = true;
-    lock_release(&s->lock);
-}
-
-static bool take_may_stop(supervisor *s)
-{
-    lock_acquire(&s->lock);
-    bool may_stop = s->may_stop;
-    s->may_stop = false;
-    lock_release(&s->lock);
-    return may_stop;
-}
-
 // Read the outstanding stop requests, if there may be new ones. What cannot be read is read in the next turn.
 static void read_stop_requests(supervisor *s)
 {
     const uint64_t n_requests = store_count_stop_requests(s->store);
-    const bool may_stop = take_may_stop(s);
     store_running *running = s->running;
     size_t n = 0;
 
+    lock_acquire(&s->lock);
+    const bool may_stop = s->may_stop;
+    s->may_stop = false;
+    lock_release(&s->lock);
     if (!may_stop && n_requests == s->n_stop_requests)
         return;
     if (store_list_running(s->store, SUPERVISOR_TASKS_MAX, running, &n, NULL) != BF_OK) {
-        expect_stop(s);
+        lock_acquire(&s->lock);
+        s->may_stop = true;
+        lock_release(&s->lock);
         return;
     }
     s->n_stop_requests = n_requests;
@@ -76,7 +58,9 @@ static void read_stop_requests(supervisor *s)
             supervisor__task *task = s->tasks[i];
             if (task->phase == SUPERVISOR_SOLVING &&
                 strcmp(running[k].id, task->claimed.run.id) == 0)
-                request_stop(task, stop_for(running[k].stop_request));
+                request_stop(task, running[k].stop_request == STORE_STOP_CANCEL
+                                       ? SUPERVISOR_STOP_CANCEL
+                                       : SUPERVISOR_STOP_KILL);
         }
     }
 }

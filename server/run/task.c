@@ -208,65 +208,45 @@ static bool may_be_workers(const supervisor__task *task)
            cause == API_JOB_EXITED;
 }
 
-// The executor or the store is at fault, not the run.
-static store_ending end_elsewhere(const supervisor__task *task, const bf_error *err)
-{
-    return (store_ending){ .run_id = task->claimed.run.id,
-                           .state = state_for(task->requested),
-                           .error = *err };
-}
-
-static store_ending end_failed(const supervisor__task *task)
-{
-    const store_ending failure = { .run_id = task->claimed.run.id,
-                                   .state = RUN_FAILED,
-                                   .error = task->error };
-
-    return task->is_store_error ? end_elsewhere(task, &task->error) : failure;
-}
-
-static store_ending end_done(const supervisor__task *task)
-{
-    return (store_ending){ .run_id = task->claimed.run.id,
-                           .state = RUN_SUCCEEDED,
-                           .whole = task->supervisor->executor->is_elsewhere ? &task->end : NULL,
-                           .is_without_snapshots = task->claimed.run.study[0] != '\0' };
-}
-
 store_ending supervisor__classify_exit(const supervisor__task *task)
 {
+    const run_state state = state_for(task->requested); // of a run that is not at fault
     store_ending ending = { .run_id = task->claimed.run.id, .state = RUN_FAILED };
     api_job_cause cause = task->exit.cause;
     bool is_requested = task->requested != SUPERVISOR_STOP_NONE;
     bool has_moved = task->has_ended && task->end.n_steps > task->begin.first_step;
 
-    if (task->requested == SUPERVISOR_STOP_KILL)
+    if (task->requested == SUPERVISOR_STOP_KILL) {
         ending.state = RUN_CANCELLED;
-    else if (task->failed && !task->is_fault_of_worker)
-        ending = end_failed(task);
-    else if (!task->is_fault_of_worker && task->has_ended && !task->end.stopped)
-        ending = end_done(task);
-    else if (!is_requested && may_be_workers(task))
+    } else if (task->failed && !task->is_fault_of_worker) {
+        ending.state = task->is_store_error ? state : RUN_FAILED;
+        ending.error = task->error;
+    } else if (!task->is_fault_of_worker && task->has_ended && !task->end.stopped) {
+        ending.state = RUN_SUCCEEDED;
+        ending.whole = task->supervisor->executor->is_elsewhere ? &task->end : NULL;
+        ending.is_without_snapshots = task->claimed.run.study[0] != '\0';
+    } else if (!is_requested && may_be_workers(task)) {
         ending = end_of_worker(task);
-    else if (task->is_fault_of_worker)
-        ending = end_elsewhere(task, &task->error);
-    else if (task->has_ended && (is_requested || has_moved))
-        ending.state = state_for(task->requested);
-    else if (task->has_ended)
+    } else if (task->is_fault_of_worker) {
+        ending.state = state;
+        ending.error = task->error;
+    } else if (task->has_ended && (is_requested || has_moved)) {
+        ending.state = state;
+    } else if (task->has_ended) {
         (void)bf_fail(&ending.error, BF_ESYSTEM, "", "the solver stopped without being asked to");
-    else if (task->state == EXECUTOR_LOST)
-        ending =
-            (store_ending){ .run_id = ending.run_id,
-                            .state = state_for(task->requested),
-                            .attempt = is_requested ? STORE_ATTEMPT_NONE : STORE_ATTEMPT_FAILED };
-    else if (cause == API_JOB_STOPPED || (cause == API_JOB_KILLED && is_requested))
-        ending.state = state_for(task->requested); // it could not answer the stop, or did not
-    else if (cause == API_JOB_UNSTARTED)
-        ending = end_elsewhere(task, &task->exit.error);
-    else if ((cause == API_JOB_EXITED || cause == API_JOB_FAILED) && task->output.n > 0)
-        (void)bf_fail(&ending.error, BF_ECORRUPT, "", "the solver's output ends inside a frame");
-    else
+    } else if (task->state == EXECUTOR_LOST) {
+        ending.state = state;
+        ending.attempt = is_requested ? STORE_ATTEMPT_NONE : STORE_ATTEMPT_FAILED;
+    } else if (cause == API_JOB_STOPPED || (cause == API_JOB_KILLED && is_requested)) {
+        ending.state = state; // it could not answer the stop, or did not
+    } else if (cause == API_JOB_UNSTARTED) {
+        ending.state = state;
         ending.error = task->exit.error;
+    } else if ((cause == API_JOB_EXITED || cause == API_JOB_FAILED) && task->output.n > 0) {
+        (void)bf_fail(&ending.error, BF_ECORRUPT, "", "the solver's output ends inside a frame");
+    } else {
+        ending.error = task->exit.error;
+    }
     return ending;
 }
 

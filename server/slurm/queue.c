@@ -52,20 +52,15 @@ static bool read_line(const char *text, size_t n, line *ret_line)
     return true;
 }
 
-// Reasons of a hold: "JobHeldUser", "JobHeldAdmin", "launch failed requeued held" (some releases: with underscores).
-static slurm__state state_of_pending(const char *reason)
-{
-    if (strcasestr(reason, "held") == NULL)
-        return SLURM_PENDING;
-    return strcasestr(reason, "launch") != NULL ? SLURM_FAILED : SLURM_HELD;
-}
-
 static slurm__state state_of(const line *l)
 {
-    const char *word = l->fields[STATE];
+    const char *word = l->fields[STATE], *reason = l->fields[REASON];
 
+    // Reasons of a hold: "JobHeldUser", "JobHeldAdmin", "launch failed requeued held" (some releases: with underscores).
     if (strcmp(word, "PENDING") == 0)
-        return state_of_pending(l->fields[REASON]);
+        return strcasestr(reason, "held") == NULL     ? SLURM_PENDING
+               : strcasestr(reason, "launch") != NULL ? SLURM_FAILED
+                                                      : SLURM_HELD;
     if (strcmp(word, "REQUEUED") == 0 || strcmp(word, "REQUEUE_HOLD") == 0 ||
         strcmp(word, "SPECIAL_EXIT") == 0)
         return SLURM_FAILED;

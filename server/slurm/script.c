@@ -26,14 +26,6 @@ static bf_status quote(bf_buffer *out, const char *text)
     return status == BF_OK ? buffer_append(out, "'", 1) : status;
 }
 
-static bf_status write_token(bf_buffer *out, const slurm_settings *s)
-{
-    if (s->token_file[0] == '\0')
-        return BF_OK;
-    bf_status status = buffer_printf(out, "--token-file ");
-    return status == BF_OK ? quote(out, s->token_file) : status;
-}
-
 // What stands for a name of n bytes. *ret_is_known = false: it is none, and nothing was written.
 static bf_status write_value(bf_buffer *out, const slurm_settings *s, const char *name, size_t n,
                              bool *ret_is_known)
@@ -51,8 +43,12 @@ static bf_status write_value(bf_buffer *out, const slurm_settings *s, const char
     };
 
     *ret_is_known = true;
-    if (n == strlen("token") && memcmp(name, "token", n) == 0)
-        return write_token(out, s);
+    if (n == strlen("token") && memcmp(name, "token", n) == 0) {
+        if (s->token_file[0] == '\0')
+            return BF_OK;
+        bf_status status = buffer_printf(out, "--token-file ");
+        return status == BF_OK ? quote(out, s->token_file) : status;
+    }
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
         if (strlen(values[i].name) != n || memcmp(values[i].name, name, n) != 0)
             continue;

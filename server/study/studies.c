@@ -306,14 +306,6 @@ static void advance_studies(studies *s)
     studies__look_again(s, RETRY_MS);
 }
 
-// The thread goes round once more without being woken.
-static void note_more(studies *s)
-{
-    lock_acquire(&s->lock);
-    s->has_changes = true;
-    lock_release(&s->lock);
-}
-
 // True if a study has left its place to another.
 static bool work_on_tasks(studies *s)
 {
@@ -329,8 +321,11 @@ static bool work_on_tasks(studies *s)
         bf_status status = study__task_turn(s->tasks[k], &is_over, &has_more, &err);
         if (status == BF_EBUSY && !studies__goes_on(s))
             break;
-        if (has_more)
-            note_more(s);
+        if (has_more) { // the thread goes round once more without being woken
+            lock_acquire(&s->lock);
+            s->has_changes = true;
+            lock_release(&s->lock);
+        }
         if (status == BF_OK && !is_over) {
             k++;
             continue;

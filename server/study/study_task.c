@@ -171,22 +171,6 @@ static void empty_turn(turn *u)
     buffer_fini(&u->best);
 }
 
-static bool take_change(study__task *t, size_t index)
-{
-    lock_acquire(&t->owner->lock);
-    const bool is_changed = t->open[index].is_changed;
-    t->open[index].is_changed = false;
-    lock_release(&t->owner->lock);
-    return is_changed;
-}
-
-static void close_open(study__task *t, size_t index)
-{
-    lock_acquire(&t->owner->lock);
-    t->open[index] = t->open[--t->n_open];
-    lock_release(&t->owner->lock);
-}
-
 // The ends of trials whose runs have changed.
 static bf_status take_ends(study__task *t, turn *u, bf_error *err)
 {
@@ -194,7 +178,11 @@ static bf_status take_ends(study__task *t, turn *u, bf_error *err)
 
     for (size_t k = 0; k < t->n_open && status == BF_OK;) {
         bool has_ended = false;
-        if (take_change(t, k))
+        lock_acquire(&t->owner->lock);
+        const bool is_changed = t->open[k].is_changed;
+        t->open[k].is_changed = false;
+        lock_release(&t->owner->lock);
+        if (is_changed)
             status = study__look(t, &t->open[k], &has_ended, err);
         if (status != BF_OK || !has_ended) {
             k++;
@@ -202,7 +190,9 @@ static bf_status take_ends(study__task *t, turn *u, bf_error *err)
         }
         u->ends[u->n_ends] = t->open[k].trial;
         tell(t, &u->ends[u->n_ends++]);
-        close_open(t, k);
+        lock_acquire(&t->owner->lock);
+        t->open[k] = t->open[--t->n_open];
+        lock_release(&t->owner->lock);
     }
     return status;
 }

@@ -95,24 +95,18 @@ static bf_status start_child(worker *w, const worker_lease *lease, worker_job *j
     return w->solver->functions->start(w->solver, &work, &job->child, err);
 }
 
-static bf_status open_spool(const worker *w, worker_job *job, bf_error *err)
-{
-    job->spool = open(w->options->spool, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-    return job->spool >= 0 ? BF_OK
-                           : bf_fail(err, BF_ESYSTEM, "", "no file can be made in %s: %s",
-                                     w->options->spool, strerror(errno));
-}
-
 static void start_job(worker *w, const worker_lease *lease, worker_job *job)
 {
     bf_error why = { 0 };
 
-    bf_status status = open_spool(w, job, &why);
-    if (status != BF_OK) {
+    job->spool = open(w->options->spool, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+    if (job->spool < 0) {
+        (void)bf_fail(&why, BF_ESYSTEM, "", "no file can be made in %s: %s", w->options->spool,
+                      strerror(errno));
         worker__fail(w, &why);
         return;
     }
-    status = start_child(w, lease, job, &why);
+    const bf_status status = start_child(w, lease, job, &why);
     if (status == BF_OK) {
         job->state = WORKER_JOB_RUNS;
         return;

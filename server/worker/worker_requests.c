@@ -38,14 +38,6 @@ static bool is_delivered(const worker_job *job)
     return job->state == WORKER_JOB_ENDED && job->n_taken == job->n_spooled;
 }
 
-static bool has_end_to_tell(const worker_lease *lease)
-{
-    for (size_t k = 0; k < lease->n_jobs; k++)
-        if (is_delivered(&lease->jobs[k]))
-            return true;
-    return false;
-}
-
 static bool has_frames_to_send(const worker_lease *lease, int64_t now)
 {
     uint64_t n = 0;
@@ -61,11 +53,6 @@ static bool has_frames_to_send(const worker_lease *lease, int64_t now)
 }
 
 // ---- bodies
-
-static bf_status write_lease(worker *w, bf_error *err)
-{
-    return lease_json_write_worker(&w->options->who, &w->body, err);
-}
 
 static size_t request_bytes(const worker *w)
 {
@@ -165,7 +152,10 @@ static worker_request choose_for(const worker_lease *lease, int64_t now)
         return WORKER_REQUEST_JOBS;
     if (has_frames_to_send(lease, now))
         return WORKER_REQUEST_FRAMES;
-    return has_end_to_tell(lease) ? WORKER_REQUEST_RENEW : WORKER_REQUEST_NONE;
+    for (size_t k = 0; k < lease->n_jobs; k++)
+        if (is_delivered(&lease->jobs[k]))
+            return WORKER_REQUEST_RENEW; // its end is to be told
+    return WORKER_REQUEST_NONE;
 }
 
 static worker_request choose(worker *w, int64_t now, worker_lease **ret_about)
@@ -191,7 +181,7 @@ static bf_status write_body(worker *w, worker_request request, worker_lease *abo
 {
     switch (request) {
     case WORKER_REQUEST_LEASE:
-        return write_lease(w, err);
+        return lease_json_write_worker(&w->options->who, &w->body, err);
     case WORKER_REQUEST_FRAMES:
         return write_frames(w, about, now, err);
     case WORKER_REQUEST_RENEW:
