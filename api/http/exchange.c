@@ -167,16 +167,6 @@ static void complete(exchange *x)
         api_response_header(response, "Cache-Control", "no-store");
 }
 
-// Text that is not JSON or CSV is a 400; a document that can be parsed but is at fault, a 422.
-static int refusal_status(const exchange *x, bf_status code)
-{
-    if (x->refusal != 0)
-        return x->refusal;
-    if ((code == BF_EINPUT || code == BF_ELIMIT) && x->faults.n > 0)
-        return x->faults.items[0].pointer[0] == '\0' ? 400 : 422;
-    return problem_status(code);
-}
-
 // Faults of numbers get the units of the document, which the core does not know: its angles are in radians.
 static void name_units(exchange *x)
 {
@@ -196,9 +186,12 @@ static void name_units(exchange *x)
 
 static void refuse(exchange *x, bf_status code, const bf_error *error)
 {
-    int status = refusal_status(x, code);
+    int status = x->refusal != 0 ? x->refusal : problem_status(code);
     char allow[ROUTES_ALLOW_SIZE];
 
+    // Text that is not JSON or CSV is a 400; a document that can be parsed but is at fault, a 422.
+    if (x->refusal == 0 && (code == BF_EINPUT || code == BF_ELIMIT) && x->faults.n > 0)
+        status = x->faults.items[0].pointer[0] == '\0' ? 400 : 422;
     name_units(x);
     problem_write(x->response, status, x->request->path, error, &x->faults);
     if (status == 405 && routes_allow(x->request->path, allow))

@@ -95,22 +95,16 @@ bool exchange__is_unchanged(exchange *x, const char *format, ...)
     return true;
 }
 
-// A cacheable answer without an entity tag gets a digest of its bytes as one.
-static void tag_by_bytes(exchange *x)
-{
-    api_response *response = x->response;
-    const char *caching = api_response_find(response, "Cache-Control");
-
-    if (response->status != 200 || response->source.is_stream || x->route->method[0] != 'G' ||
-        caching == NULL || api_response_find(response, "ETag") != NULL)
-        return;
-    uint64_t digest = digest_add(DIGEST_START, response->body.bytes, response->body.n);
-    (void)exchange__match_etag(x, "%016" PRIx64, digest);
-}
-
 bf_status exchange__check_state(exchange *x, bf_error *err)
 {
-    tag_by_bytes(x);
+    const api_response *response = x->response;
+
+    // A cacheable answer without an entity tag gets a digest of its bytes as one.
+    if (response->status == 200 && !response->source.is_stream && x->route->method[0] == 'G' &&
+        api_response_find(response, "Cache-Control") != NULL &&
+        api_response_find(response, "ETag") == NULL)
+        (void)exchange__match_etag(
+            x, "%016" PRIx64, digest_add(DIGEST_START, response->body.bytes, response->body.n));
     if (!x->is_unmatched)
         return BF_OK;
     return exchange__refuse(x, 412, "", err,

@@ -218,44 +218,27 @@ static bf_status take_column(const comparison *c, const entry *e, const api_curv
     return BF_OK;
 }
 
-// All columns of a long curve would take much more memory than the one.
-static bf_status read_column_of_run(exchange *x, const comparison *c, const entry *e, column *to,
-                                    bf_error *err)
-{
-    const api_services *services = x->services;
-    bf_status status = BF_OK;
-
-    for (uint64_t at = 0; status == BF_OK && at < e->run.n_samples; at += PIECE_SAMPLES) {
-        const uint64_t n_left = e->run.n_samples - at;
-        api_curve curve = { 0 };
-        status = services->read_curve(services->store, e->id, at,
-                                      n_left < PIECE_SAMPLES ? n_left : PIECE_SAMPLES, &curve, err);
-        if (status == BF_OK)
-            status = take_column(c, e, &curve, to, err);
-        api_curve_fini(&curve);
-    }
-    return status;
-}
-
-static bf_status read_column_of_measurement(exchange *x, const comparison *c, const entry *e,
-                                            column *to, bf_error *err)
-{
-    const api_services *services = x->services;
-    api_curve curve = { 0 };
-
-    bf_status status = services->read_measurement(services->store, e->id, &curve, err);
-    if (status == BF_OK)
-        status = take_column(c, e, &curve, to, err);
-    api_curve_fini(&curve);
-    return status;
-}
-
-// The caller's also on failure.
+// The caller's also on failure. All columns of a long curve of a run would take much more memory than the one.
 static bf_status read_column(exchange *x, const comparison *c, const entry *e, column *ret_column,
                              bf_error *err)
 {
-    return e->is_run ? read_column_of_run(x, c, e, ret_column, err)
-                     : read_column_of_measurement(x, c, e, ret_column, err);
+    const api_services *services = x->services;
+    bf_status status = BF_OK;
+    uint64_t at = 0;
+
+    do {
+        const uint64_t n_left = e->run.n_samples - at;
+        api_curve curve = { 0 };
+        status = e->is_run ? services->read_curve(services->store, e->id, at,
+                                                  n_left < PIECE_SAMPLES ? n_left : PIECE_SAMPLES,
+                                                  &curve, err)
+                           : services->read_measurement(services->store, e->id, &curve, err);
+        if (status == BF_OK)
+            status = take_column(c, e, &curve, ret_column, err);
+        api_curve_fini(&curve);
+        at += PIECE_SAMPLES;
+    } while (status == BF_OK && e->is_run && at < e->run.n_samples);
+    return status;
 }
 
 static compare_curve view_of(const column *c)

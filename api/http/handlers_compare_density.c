@@ -56,26 +56,6 @@ static bf_status measure_distance(exchange *x, const side *a, size_t i, const si
     return status;
 }
 
-static void write_distance(json_out *w, const api_snapshot *a, const api_snapshot *b,
-                           const compare_distance *d)
-{
-    const compare_json_snapshots view = { .t = a->t,
-                                          .a = a->index,
-                                          .b = b->index,
-                                          .mass_a = a->mass,
-                                          .mass_b = b->mass,
-                                          .distance = *d };
-    members_write(w, &compare_json_density_distance, &view);
-}
-
-static size_t choose_stride(size_t n_common, size_t n_cells, size_t n_cells_max)
-{
-    size_t most = n_cells_max / n_cells;
-
-    most = most < 1 ? 1 : most > SNAPSHOTS_MAX ? SNAPSHOTS_MAX : most;
-    return n_common <= most ? 1 : (n_common + most - 1) / most;
-}
-
 static bf_status write_distances(exchange *x, json_out *w, const side *a, const side *b,
                                  size_t n_common, size_t stride, compare_mean *mean, bf_error *err)
 {
@@ -83,14 +63,19 @@ static bf_status write_distances(exchange *x, json_out *w, const side *a, const 
     size_t at = 0;
 
     for (size_t i = 0, k = 0; compare_next_common(&of_a, &of_b, &i, &k); i++, k++, at++) {
-        compare_distance distance;
         if (at % stride != 0 && at + 1 != n_common)
             continue;
-        bf_status status = measure_distance(x, a, i, b, k, &distance, err);
+        const api_snapshot *at_a = snapshot_at(a, i), *at_b = snapshot_at(b, k);
+        compare_json_snapshots view = { .t = at_a->t,
+                                        .a = at_a->index,
+                                        .b = at_b->index,
+                                        .mass_a = at_a->mass,
+                                        .mass_b = at_b->mass };
+        bf_status status = measure_distance(x, a, i, b, k, &view.distance, err);
         if (status != BF_OK)
             return status;
-        compare_mean_add(mean, &distance);
-        write_distance(w, snapshot_at(a, i), snapshot_at(b, k), &distance);
+        compare_mean_add(mean, &view.distance);
+        members_write(w, &compare_json_density_distance, &view);
     }
     return BF_OK;
 }
@@ -111,7 +96,9 @@ static bf_status write_sides(exchange *x, json_out *w, const side *a, const side
     json_out_key(w, "snapshots");
     json_out_array(w);
     if (is_same) {
-        size_t stride = choose_stride(n_common, grid_cells(&a->list.grid), n_cells_max);
+        size_t most = n_cells_max / grid_cells(&a->list.grid);
+        most = most < 1 ? 1 : most > SNAPSHOTS_MAX ? SNAPSHOTS_MAX : most;
+        const size_t stride = n_common <= most ? 1 : (n_common + most - 1) / most;
         status = write_distances(x, w, a, b, n_common, stride, &sum, err);
     }
     json_out_array_end(w);

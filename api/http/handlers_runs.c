@@ -148,24 +148,13 @@ bf_status handlers_runs_validate(exchange *x, bf_error *err)
     return status;
 }
 
-// A to Z as a to z, as the store compares.
-static void read_search(const exchange *x, char ret_search[API_LABEL_SIZE])
-{
-    const char *search = exchange__text(x, "search");
-
-    snprintf(ret_search, API_LABEL_SIZE, "%s", search == NULL ? "" : search);
-    for (char *c = ret_search; *c != '\0'; c++) {
-        if (*c >= 'A' && *c <= 'Z')
-            *c = (char)(*c - 'A' + 'a');
-    }
-}
-
 static api_list_query read_list_query(const exchange *x, const exchange_page *page)
 {
     const char *state = exchange__text(x, "status");
     const char *model = exchange__text(x, "model");
     const char *parent = exchange__text(x, "study");
     const char *sort = exchange__text(x, "sort");
+    const char *search = exchange__text(x, "search");
     api_list_query list = {
         .state = -1,
         .model = -1,
@@ -178,7 +167,11 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
 
     snprintf(list.owner, sizeof list.owner, "%s", access_list_owner(x));
     memcpy(list.label, page->label, sizeof list.label);
-    read_search(x, list.search);
+    snprintf(list.search, sizeof list.search, "%s", search == NULL ? "" : search);
+    for (char *c = list.search; *c != '\0'; c++) {
+        if (*c >= 'A' && *c <= 'Z')
+            *c = (char)(*c - 'A' + 'a'); // as the store compares
+    }
     if (sort != NULL)
         (void)run_sort_read(sort, &list.sort);
     snprintf(list.study, sizeof list.study, "%s", parent != NULL ? parent : "");

@@ -57,23 +57,6 @@ bf_status handlers_results_snapshots(exchange *x, bf_error *err)
     return status;
 }
 
-static picture_query read_picture_query(const exchange *x)
-{
-    const char *map = exchange__text(x, "colormap");
-
-    return (picture_query){ .width = exchange__whole(x, "width"),
-                            .top = exchange__real(x, "max"),
-                            .map = map == NULL ? colormap_first() : colormap_find(map) };
-}
-
-static bool has_it_already(exchange *x, const char *id, uint64_t index, const picture_query *wanted)
-{
-    if (x->media->format != MEDIA_PNG)
-        return exchange__is_unchanged(x, "%s-%" PRIu64 "-%s", id, index, x->media->word);
-    return exchange__is_unchanged(x, "%s-%" PRIu64 "-png-%" PRIu64 "-%s-%.17g", id, index,
-                                  wanted->width, colormap_word(wanted->map), wanted->top);
-}
-
 // Reads the grid from its lowest row up, so that only some rows of it are in memory.
 static bf_status draw(exchange *x, const picture *p, const char *id, uint64_t index,
                       uint8_t *levels, double *ret_t, bf_error *err)
@@ -89,15 +72,6 @@ static bf_status draw(exchange *x, const picture *p, const char *id, uint64_t in
     return status;
 }
 
-// The levels and the file, whose size is about that of the levels at most; a row of cells, and its mean.
-static bf_status reserve_picture(const exchange *x, const picture *p, bf_error *err)
-{
-    const double n_cells = (double)p->grid.n1 * (sizeof(double) + sizeof(float));
-
-    return exchange__reserve(x, 2.0 * (double)(p->width * p->height) + n_cells + GRID_ROWS_BYTES,
-                             err);
-}
-
 static bf_status write_picture(exchange *x, const api_run *of, uint64_t index,
                                const picture_query *wanted, bf_error *err)
 {
@@ -107,8 +81,14 @@ static bf_status write_picture(exchange *x, const api_run *of, uint64_t index,
     bf_status status = picture_layout(&of->grid, (size_t)wanted->width, wanted->top, &p, err);
     if (status == BF_ELIMIT)
         x->refusal = 422;
-    if (status == BF_OK)
-        status = reserve_picture(x, &p, err);
+    if (status != BF_OK)
+        return status;
+    // The levels and the file, whose size is about that of the levels at most; a row of cells, and its mean.
+    status = exchange__reserve(x,
+                               2.0 * (double)(p.width * p.height) +
+                                   (double)p.grid.n1 * (sizeof(double) + sizeof(float)) +
+                                   GRID_ROWS_BYTES,
+                               err);
     if (status != BF_OK)
         return status;
     uint8_t *levels = memory_alloc(p.width, p.height);
@@ -167,7 +147,11 @@ static bool is_sent_in_pieces(const exchange *x, size_t n_cells)
 
 bf_status handlers_results_snapshot(exchange *x, bf_error *err)
 {
-    const picture_query wanted = read_picture_query(x);
+    const char *map = exchange__text(x, "colormap");
+    const picture_query wanted = { .width = exchange__whole(x, "width"),
+                                   .top = exchange__real(x, "max"),
+                                   .map = map == NULL ? colormap_first() : colormap_find(map) };
+    const bool is_picture = x->media->format == MEDIA_PNG;
     uint64_t index = 0;
     api_run record;
 
@@ -179,11 +163,14 @@ bf_status handlers_results_snapshot(exchange *x, bf_error *err)
     if (exchange__wants_several(x))
         return exchange__send_several(x, &record, index, false, err);
     exchange__cache_immutable(x);
-    if (has_it_already(x, record.id, index, &wanted))
+    if (is_picture
+            ? exchange__is_unchanged(x, "%s-%" PRIu64 "-png-%" PRIu64 "-%s-%.17g", record.id, index,
+                                     wanted.width, colormap_word(wanted.map), wanted.top)
+            : exchange__is_unchanged(x, "%s-%" PRIu64 "-%s", record.id, index, x->media->word))
         return BF_OK;
     exchange__name_snapshot(x, index);
     const size_t n_cells = grid_cells(&record.grid);
-    if (x->media->format == MEDIA_PNG)
+    if (is_picture)
         return write_picture(x, &record, index, &wanted, err);
     if (is_sent_in_pieces(x, n_cells))
         return send_snapshot(x, record.id, index, err);

@@ -13,16 +13,6 @@ static const char *const words[] = {
     [API_SORT_LABEL] = "label",     [API_SORT_MODEL] = "model",       [API_SORT_STATUS] = "status",
 };
 
-static void name_figure(figure_id id, char ret_name[API_SORT_FIGURE_SIZE])
-{
-    const figure *f = &figure_table[id];
-    const bool has_part = f->part != NULL;
-    const int n = snprintf(ret_name, API_SORT_FIGURE_SIZE, "%s%s%s", f->word, has_part ? "." : "",
-                           has_part ? f->part : "");
-
-    BF_CHECK(n > 0 && n < API_SORT_FIGURE_SIZE);
-}
-
 bool run_sort_read(const char *text, api_sort *ret_sort)
 {
     const char *word = text + (*text == '-' ? 1 : 0);
@@ -30,7 +20,11 @@ bool run_sort_read(const char *text, api_sort *ret_sort)
                       .is_rising = *text != '-' };
     figure_id id = figure_first(FIGURE_OF_RUN);
     for (; sort.by == API_SORT_FIGURE && id < figure_first(FIGURE_OF_RUN + 1); id++) {
-        name_figure(id, sort.figure);
+        const figure *f = &figure_table[id];
+        const bool has_part = f->part != NULL;
+        const int n = snprintf(sort.figure, sizeof sort.figure, "%s%s%s", f->word,
+                               has_part ? "." : "", has_part ? f->part : "");
+        BF_CHECK(n > 0 && n < API_SORT_FIGURE_SIZE);
         if (strcmp(word, sort.figure) == 0)
             break;
     }

@@ -54,21 +54,6 @@ bf_status stream_begin(const api_services *services, stream_format format, bool 
     return BF_OK;
 }
 
-// Appends an event without its closing bytes; n bytes of data.
-static bf_status append_open_event(const stream_cursor *cursor, const api_event *event, size_t n,
-                                   bf_buffer *out)
-{
-    const char *word = api_event_word(event->type);
-    bf_status status;
-
-    if (cursor->format == STREAM_SSE)
-        status = buffer_printf(out, "id: %" PRIu64 "\nevent: %s\ndata: ", event->id, word);
-    else
-        status = buffer_printf(out, "{\"id\":%" PRIu64 ",\"run\":\"%s\",\"event\":\"%s\",\"data\":",
-                               event->id, event->run, word);
-    return status == BF_OK ? buffer_append(out, event->data, n) : status;
-}
-
 static bf_status append_close(stream_format format, bf_buffer *out)
 {
     return format == STREAM_SSE ? buffer_append(out, "\n\n", 2) : buffer_append(out, "}\n", 2);
@@ -82,9 +67,18 @@ static bf_status take_event(void *context, const api_event *event, bf_error *err
     stream_cursor *cursor = b->cursor;
     bool is_left_open = cursor->is_inline && event->type == API_EVENT_SNAPSHOT && event->n > 2;
     size_t n = is_left_open ? event->n - 1 : event->n; // without the last brace
+    const char *word = api_event_word(event->type);
 
-    if (append_open_event(cursor, event, n, b->out) != BF_OK ||
-        (!is_left_open && append_close(cursor->format, b->out) != BF_OK))
+    bf_status status =
+        cursor->format == STREAM_SSE
+            ? buffer_printf(b->out, "id: %" PRIu64 "\nevent: %s\ndata: ", event->id, word)
+            : buffer_printf(b->out, "{\"id\":%" PRIu64 ",\"run\":\"%s\",\"event\":\"%s\",\"data\":",
+                            event->id, event->run, word);
+    if (status == BF_OK)
+        status = buffer_append(b->out, event->data, n);
+    if (status == BF_OK && !is_left_open)
+        status = append_close(cursor->format, b->out);
+    if (status != BF_OK)
         return out_of_memory(err);
     cursor->after = event->id;
     if (event->type == API_EVENT_END && cursor->n_open > 0)
@@ -190,14 +184,6 @@ static bf_status count_open(stream_cursor *cursor, const api_services *services,
     return BF_OK;
 }
 
-// True if a batch has all events there were: some came, and they ended below the limit. After the end
-// of a run the others have to be counted again, as they may have been removed.
-static bool has_read_all(const stream_cursor *cursor, uint64_t after, size_t n_open,
-                         bool is_below_limit)
-{
-    return cursor->after > after && cursor->n_open == n_open && is_below_limit;
-}
-
 static bf_status append_batch(batch *b, const api_services *services, size_t limit_bytes,
                               body_state *ret_state, bf_error *err)
 {
@@ -214,14 +200,13 @@ static bf_status append_batch(batch *b, const api_services *services, size_t lim
         if (status != BF_OK)
             return status;
     }
-    if (cursor->n_open == 0)
-        *ret_state = BODY_DONE;
-    else if (b->out->n == start)
+    // These were all events that there were if some came and they ended below the limit. After the end of a run the others
+    // have to be counted again, as they may have been removed.
+    const bool has_read_all =
+        cursor->after > after && cursor->n_open == n_open && b->out->n - start < limit_bytes;
+    if (cursor->n_open > 0 && b->out->n == start)
         return count_open(cursor, services, ret_state, err);
-    else
-        *ret_state = has_read_all(cursor, after, n_open, b->out->n - start < limit_bytes)
-                         ? BODY_WAIT
-                         : BODY_MORE;
+    *ret_state = cursor->n_open == 0 ? BODY_DONE : has_read_all ? BODY_WAIT : BODY_MORE;
     return BF_OK;
 }
 

@@ -20,33 +20,23 @@ bool study_stream_begin(study_stream *stream, const api_study *about)
 }
 
 // id 0: the event has none.
-static bf_status open_event(const study_stream *s, uint64_t id, const char *word, bf_buffer *out)
-{
-    const bool is_sse = s->format == STREAM_SSE;
-    bf_status status = is_sse ? BF_OK : buffer_printf(out, "{");
-
-    if (status == BF_OK && id > 0)
-        status = buffer_printf(out, is_sse ? "id: %" PRIu64 "\n" : "\"id\":%" PRIu64 ",", id);
-    if (status != BF_OK)
-        return status;
-    return is_sse ? buffer_printf(out, "event: %s\ndata: ", word)
-                  : buffer_printf(out, "\"study\":\"%s\",\"event\":\"%s\",\"data\":", s->id, word);
-}
-
-static bf_status close_event(const study_stream *s, bf_buffer *out)
-{
-    return buffer_printf(out, "%s", s->format == STREAM_SSE ? "\n\n" : "}\n");
-}
-
 static bf_status append_object(const study_stream *s, uint64_t id, const char *word,
                                const member_table *table, const void *item, bf_buffer *out,
                                bf_error *err)
 {
+    const bool is_sse = s->format == STREAM_SSE;
     json_out w = json_out_to(out);
 
-    w.has_failed = open_event(s, id, word, out) != BF_OK;
+    bf_status status = buffer_printf(out, "%s", is_sse ? "" : "{");
+    if (status == BF_OK && id > 0)
+        status = buffer_printf(out, is_sse ? "id: %" PRIu64 "\n" : "\"id\":%" PRIu64 ",", id);
+    if (status == BF_OK)
+        status =
+            is_sse ? buffer_printf(out, "event: %s\ndata: ", word)
+                   : buffer_printf(out, "\"study\":\"%s\",\"event\":\"%s\",\"data\":", s->id, word);
+    w.has_failed = status != BF_OK;
     members_write(&w, table, item);
-    w.has_failed = w.has_failed || close_event(s, out) != BF_OK;
+    w.has_failed = w.has_failed || buffer_printf(out, "%s", is_sse ? "\n\n" : "}\n") != BF_OK;
     return json_out_status(&w, err);
 }
 

@@ -285,33 +285,27 @@ static bool list_words(char *text, size_t size, const char *separator, const cha
     return n < size;
 }
 
-// Of many words nothing but the words, so that all are told.
-static void note_words(json_in *in, const struct json_t *value, const char *const *words)
-{
-    char list[BF_TEXT_SIZE];
-
-    if (!list_words(list, 128, ", ", "\"", words)) {
-        (void)list_words(list, sizeof list, " ", "", words);
-        json_in_fault(in, "must be one of %s", list);
-    } else if (!json_is_string(value)) {
-        json_in_fault(in, "must be one of %s, not %s", list, name_type(value));
-    } else {
-        json_in_fault(in, "must be one of %s, not \"%.60s\"", list, json_string_value(value));
-    }
-}
-
 bool json_in_word(json_in *in, const struct json_t *value, const char *const *words,
                   unsigned *ret_index)
 {
     const char *word = json_string_value(value);
     const size_t k = word == NULL ? 0 : text_find_word(words, SIZE_MAX, word);
+    char list[BF_TEXT_SIZE];
 
-    if (word == NULL || words[k] == NULL) {
-        note_words(in, value, words);
-        return false;
+    if (word != NULL && words[k] != NULL) {
+        *ret_index = (unsigned)k;
+        return true;
     }
-    *ret_index = (unsigned)k;
-    return true;
+    // Of many words nothing but the words, so that all are told.
+    if (!list_words(list, 128, ", ", "\"", words)) {
+        (void)list_words(list, sizeof list, " ", "", words);
+        json_in_fault(in, "must be one of %s", list);
+    } else if (word == NULL) {
+        json_in_fault(in, "must be one of %s, not %s", list, name_type(value));
+    } else {
+        json_in_fault(in, "must be one of %s, not \"%.60s\"", list, word);
+    }
+    return false;
 }
 
 static bool check_length(json_in *in, size_t n, size_t least, size_t most)

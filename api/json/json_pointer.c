@@ -15,21 +15,6 @@ static bool put(json_pointer *p, const char *bytes, size_t n)
     return true;
 }
 
-static bool is_continuation(char c)
-{
-    return ((unsigned char)c & 0xc0) == 0x80;
-}
-
-// Bytes from the one at `name` to the end of its character.
-static size_t measure_character(const char *name, size_t n)
-{
-    size_t length = 1;
-
-    while (length < n && length < 4 && is_continuation(name[length]))
-        length++;
-    return length;
-}
-
 static bool put_character(json_pointer *p, const char *character, size_t n)
 {
     unsigned char c = (unsigned char)*character;
@@ -49,7 +34,9 @@ size_t json_pointer_enter(json_pointer *p, const char *name, size_t n)
     bool fits = put(p, "/", 1);
 
     for (size_t at = 0; at < n && fits;) {
-        size_t length = measure_character(name + at, n - at);
+        size_t length = 1; // bytes to the end of the character
+        while (at + length < n && length < 4 && (name[at + length] & 0xc0) == 0x80)
+            length++;
         fits = put_character(p, name + at, length);
         at += length;
     }

@@ -67,43 +67,28 @@ static json_scan_end scan_word(scanner *s)
     return JSON_SCAN_NO_NUMBER;
 }
 
-static json_scan_end open_level(scanner *s, bool is_object)
-{
-    if (s->depth == JSON_NESTING_MAX)
-        return JSON_SCAN_TOO_DEEP;
-    s->levels[s->depth++] = (level){ .is_object = is_object, .awaits_key = is_object };
-    s->at++;
-    return JSON_SCAN_ALL;
-}
-
-static void scan_comma(scanner *s)
-{
-    level *l = innermost(s);
-
-    s->at++;
-    if (l == NULL)
-        return;
-    l->awaits_key = l->is_object;
-    l->index++;
-}
-
 static json_scan_end scan_token(scanner *s)
 {
-    char c = s->json[s->at];
+    const char c = s->json[s->at];
+    level *l = innermost(s);
 
-    if (c == '"')
+    if (c == '"') {
         scan_string(s);
-    else if (c == '{' || c == '[')
-        return open_level(s, c == '{');
-    else if (c == ',')
-        scan_comma(s);
-    else if (isalpha((unsigned char)c))
-        return scan_word(s);
-    else {
-        if ((c == '}' || c == ']') && s->depth > 0)
-            s->depth--;
-        s->at++;
+        return JSON_SCAN_ALL;
     }
+    if (isalpha((unsigned char)c))
+        return scan_word(s);
+    if (c == '{' || c == '[') {
+        if (s->depth == JSON_NESTING_MAX)
+            return JSON_SCAN_TOO_DEEP;
+        s->levels[s->depth++] = (level){ .is_object = c == '{', .awaits_key = c == '{' };
+    } else if (c == ',' && l != NULL) {
+        l->awaits_key = l->is_object;
+        l->index++;
+    } else if ((c == '}' || c == ']') && s->depth > 0) {
+        s->depth--;
+    }
+    s->at++;
     return JSON_SCAN_ALL;
 }
 

@@ -69,8 +69,10 @@ static void write_properties(json_out *w, figure_scope scope)
         end_object(w);
 }
 
-static void write_item(json_out *w, figure_scope scope)
+void openapi__write_item_figures(json_out *w, size_t tag)
 {
+    const figure_scope scope = (figure_scope)tag;
+
     json_out_key_string(w, "type", "object");
     json_out_key(w, "properties");
     json_out_object(w);
@@ -87,42 +89,7 @@ static void write_item(json_out *w, figure_scope scope)
     json_out_key_bool(w, "additionalProperties", false);
 }
 
-void openapi__write_run_figures(json_out *w)
-{
-    write_item(w, FIGURE_OF_RUN);
-}
-
-void openapi__write_feed_figures(json_out *w)
-{
-    write_item(w, FIGURE_OF_FEED);
-}
-
-void openapi__write_counter_figures(json_out *w)
-{
-    write_item(w, FIGURE_OF_COUNTER);
-}
-
-void openapi__write_eye_figures(json_out *w)
-{
-    write_item(w, FIGURE_OF_EYE);
-}
-
-void openapi__write_belt_figures(json_out *w)
-{
-    write_item(w, FIGURE_OF_BELT);
-}
-
-void openapi__write_failure_figures(json_out *w)
-{
-    write_item(w, FIGURE_OF_FAILURE);
-}
-
-void openapi__write_outlet_figures(json_out *w)
-{
-    write_item(w, FIGURE_OF_OUTLET);
-}
-
-void openapi__write_figures(json_out *w)
+void openapi__write_figures(json_out *w, size_t tag)
 {
     static const char *const of_some[FIGURE_SCOPES] = {
         [FIGURE_OF_BELT] =
@@ -135,6 +102,7 @@ void openapi__write_figures(json_out *w)
     };
     char type[MEMBER_TEXT_SIZE];
 
+    (void)tag;
     json_out_key_string(w, "type", "object");
     json_out_key(w, "properties");
     json_out_object(w);

@@ -4,10 +4,7 @@
 #include "api/json/json_layout.h"
 #include "api/openapi/openapi_priv.h"
 #include "api/results/colormap.h"
-#include "api/run_state.h"
 #include "api/scenario/examples.h"
-#include "api/studies.h"
-#include "api/study/study_document.h"
 #include "core/run/run.h"
 
 #include <stdio.h>
@@ -45,94 +42,14 @@ static const struct {
     { "Service", "State and version of the service." },
 };
 
-static void write_words(json_out *w, const char *(*word)(int index), int n)
-{
-    json_out_key_string(w, "type", "string");
-    json_out_key(w, "enum");
-    json_out_array(w);
-    for (int k = 0; k < n; k++)
-        json_out_string(w, word(k));
-    json_out_array_end(w);
-}
-
-void openapi__write_colormaps(json_out *w)
+void openapi__write_colormaps(json_out *w, size_t tag)
 {
     const char *words = colormap_words();
 
+    (void)tag;
     json_out_key_string(w, "type", "string");
     json_out_key(w, "enum");
     schema_write_words(w, words);
-}
-
-static const char *state_word(int state)
-{
-    return run_state_word((run_state)state);
-}
-
-static const char *study_state_word(int state)
-{
-    return api_study_state_word((api_study_state)state);
-}
-
-static const char *trial_state_word(int state)
-{
-    return api_trial_state_word((api_trial_state)state);
-}
-
-static const char *model_word(int model)
-{
-    return run_model_words[model];
-}
-
-// BF_OK is not a failure.
-static const char *failure_word(int index)
-{
-    return bf_status_word((bf_status)(index + 1));
-}
-
-void openapi__write_states(json_out *w)
-{
-    write_words(w, state_word, RUN_STATE_COUNT);
-}
-
-void openapi__write_study_states(json_out *w)
-{
-    write_words(w, study_state_word, API_STUDY_STATES);
-}
-
-void openapi__write_trial_states(json_out *w)
-{
-    write_words(w, trial_state_word, API_TRIAL_STATES);
-}
-
-static const char *method_word(int method)
-{
-    return study_document_methods[method];
-}
-
-void openapi__write_methods(json_out *w)
-{
-    write_words(w, method_word, STUDY_METHODS);
-}
-
-void openapi__write_models(json_out *w)
-{
-    write_words(w, model_word, RUN_MODEL_COUNT);
-}
-
-static const char *measured_word(int kind)
-{
-    return api_measured_words[kind];
-}
-
-void openapi__write_measured_kinds(json_out *w)
-{
-    write_words(w, measured_word, API_MEASURED_COUNT);
-}
-
-void openapi__write_status_words(json_out *w)
-{
-    write_words(w, failure_word, BF_STATUS_COUNT - 1);
 }
 
 const char *openapi__text(const char *name)

@@ -13,17 +13,18 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/// A schema under /components/schemas. One of table, type, one_of and write says what it is.
+/// A schema under /components/schemas. One of table, type, words, one_of and write says what it is.
 typedef struct openapi_schema {
-    const char *name;           ///< "Share"; NULL: the title of the table
-    const char *help;           ///< what it is
-    const member_table *table;  ///< an object with these members
-    size_t tag;                 ///< of a table with a tag: which one
-    const char *others;         ///< type of members of any other name, "" any; NULL: there are none
-    const char *type;           ///< a type as short text, with the limits below
-    const char *limits;         ///< JSON members that narrow type, "\"minimum\":0"; NULL: none
-    const char *one_of;         ///< names of schemas, one of which it is: words
-    void (*write)(json_out *w); ///< writes all of it but the description
+    const char *name;          ///< "Share"; NULL: the title of the table
+    const char *help;          ///< what it is
+    const member_table *table; ///< an object with these members
+    size_t tag;         ///< of a table with a tag: which one; of figures of items: their scope
+    const char *others; ///< type of members of any other name, "" any; NULL: there are none
+    const char *type;   ///< a type as short text, with the limits below
+    const char *limits; ///< JSON members that narrow type, "\"minimum\":0"; NULL: none
+    const char *const *words;               ///< one of these; NULL-terminated
+    const char *one_of;                     ///< names of schemas, one of which it is: words
+    void (*write)(json_out *w, size_t tag); ///< writes all of it but the description
 } openapi_schema;
 
 /// A header of answers.
@@ -75,21 +76,8 @@ void openapi__write_paths(json_out *w);
 void openapi__write_refusals(json_out *w);
 void openapi__write_header_components(json_out *w);
 
-/// Write what output_schemas.c has no rows for: key figures and enumerations of the code's tables.
-void openapi__write_figures(json_out *w);
-void openapi__write_run_figures(json_out *w);
-void openapi__write_feed_figures(json_out *w);
-void openapi__write_counter_figures(json_out *w);
-void openapi__write_eye_figures(json_out *w);
-void openapi__write_belt_figures(json_out *w);
-void openapi__write_failure_figures(json_out *w);
-void openapi__write_outlet_figures(json_out *w);
-void openapi__write_states(json_out *w);
-void openapi__write_study_states(json_out *w);
-void openapi__write_trial_states(json_out *w);
-void openapi__write_methods(json_out *w);
-void openapi__write_models(json_out *w);
-void openapi__write_measured_kinds(json_out *w);
-void openapi__write_colormaps(json_out *w);
-void openapi__write_status_words(json_out *w);
-void openapi__write_problem_types(json_out *w);
+/// Write what output_schemas.c has no rows for: key figures and what other tables name.
+void openapi__write_figures(json_out *w, size_t tag);
+void openapi__write_item_figures(json_out *w, size_t scope);
+void openapi__write_colormaps(json_out *w, size_t tag);
+void openapi__write_problem_types(json_out *w, size_t tag);

@@ -15,10 +15,13 @@
 #include "api/results/run_json.h"
 #include "api/results/service_json.h"
 #include "api/results/verdict.h"
+#include "api/run_state.h"
 #include "api/scenario/examples.h"
 #include "api/scenario/goods_json.h"
 #include "api/scenario/review_members.h"
 #include "api/scenario/submission.h"
+#include "api/studies.h"
+#include "api/study/study_document.h"
 #include "api/study/study_json.h"
 #include "api/study/study_trial.h"
 
@@ -33,6 +36,14 @@
 #define WRITTEN(name_, write_, help_)                                                              \
     {                                                                                              \
         .name = (name_), .help = (help_), .write = (write_)                                        \
+    }
+#define FIGURES(name_, scope, help_)                                                               \
+    {                                                                                              \
+        .name = (name_), .help = (help_), .write = openapi__write_item_figures, .tag = (scope)     \
+    }
+#define WORDS(name_, words_, help_)                                                                \
+    {                                                                                              \
+        .name = (name_), .help = (help_), .words = (words_)                                        \
     }
 #define ROW(name, type_, ...) MEMBER(name, described, 0, __VA_ARGS__, .type = (type_))
 #define ROWS(title, name)     static const member_table name = { MEMBER_TABLE(title, name##_members) }
@@ -226,6 +237,35 @@ static const member profile_members[] = {
 };
 ROWS("ParameterProfile", profile);
 
+static const char *const run_states[] = {
+#define X(state, word, next) word,
+    RUN_STATE_LIST(X)
+#undef X
+        NULL
+};
+
+static const char *const study_states[] = {
+#define X(state, word, is_end) word,
+    API_STUDY_STATE_LIST(X)
+#undef X
+        NULL
+};
+
+static const char *const trial_states[] = {
+#define X(state, word, is_end) word,
+    API_TRIAL_STATE_LIST(X)
+#undef X
+        NULL
+};
+
+// The first one, BF_OK, is no failure.
+static const char *const status_words[] = {
+#define X(code, word) word,
+    BF_STATUS_LIST(X)
+#undef X
+        NULL
+};
+
 static const openapi_schema table[] = {
     TYPE("Id", "string",
          "\"pattern\":\"^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$\","
@@ -248,15 +288,15 @@ static const openapi_schema table[] = {
          "Id of another part of the scenario"),
     TYPE("Pair", "[number 2]", NULL, "Two numbers, of x and of y"),
     TYPE("Shape2", "[#Count 2]", NULL, "Rows and columns"),
-    WRITTEN("RunStatus", openapi__write_states, "State of a run"),
-    WRITTEN("StudyStatus", openapi__write_study_states, "State of a study"),
-    WRITTEN("TrialStatus", openapi__write_trial_states, "State of a trial"),
-    WRITTEN("StudyMethodWord", openapi__write_methods, "How a study chooses its points"),
-    WRITTEN("Model", openapi__write_models, "A solver"),
-    WRITTEN("MeasuredKind", openapi__write_measured_kinds, "What a measurement is"),
+    WORDS("RunStatus", run_states, "State of a run"),
+    WORDS("StudyStatus", study_states, "State of a study"),
+    WORDS("TrialStatus", trial_states, "State of a trial"),
+    WORDS("StudyMethodWord", study_document_methods, "How a study chooses its points"),
+    WORDS("Model", run_model_words, "A solver"),
+    WORDS("MeasuredKind", api_measured_words, "What a measurement is"),
     WRITTEN("Colormap", openapi__write_colormaps,
             "Colour map of a picture; the first one is the default"),
-    WRITTEN("ErrorCode", openapi__write_status_words, "A kind of failure"),
+    WORDS("ErrorCode", status_words + 1, "A kind of failure"),
     WRITTEN("ProblemType", openapi__write_problem_types, "A kind of problem"),
     OBJECT(run_json, "A run"),
     OBJECT(run_json_error, "Why a run, a trial or a study failed"),
@@ -284,15 +324,14 @@ static const openapi_schema table[] = {
     OBJECT(left_out, "A curve that was left out"),
     OBJECT(profile, "What curves say of a parameter"),
     WRITTEN("KeyFigures", openapi__write_figures, "Key figures; what a run cannot say is missing"),
-    WRITTEN("RunFigures", openapi__write_run_figures, "Key figures of a run alone"),
-    WRITTEN("FeedFigures", openapi__write_feed_figures, "Key figures of a feed"),
-    WRITTEN("CounterFigures", openapi__write_counter_figures, "Key figures of a counter"),
-    WRITTEN("PhotoEyeFigures", openapi__write_eye_figures, "Key figures of a photo eye"),
-    WRITTEN("BeltFigures", openapi__write_belt_figures,
+    FIGURES("RunFigures", FIGURE_OF_RUN, "Key figures of a run alone"),
+    FIGURES("FeedFigures", FIGURE_OF_FEED, "Key figures of a feed"),
+    FIGURES("CounterFigures", FIGURE_OF_COUNTER, "Key figures of a counter"),
+    FIGURES("PhotoEyeFigures", FIGURE_OF_EYE, "Key figures of a photo eye"),
+    FIGURES("BeltFigures", FIGURE_OF_BELT,
             "Key figures of a belt that a schedule or a photo eye commands"),
-    WRITTEN("FailureFigures", openapi__write_failure_figures,
-            "Key figures of a kind of failure of a belt"),
-    WRITTEN("OutletFigures", openapi__write_outlet_figures,
+    FIGURES("FailureFigures", FIGURE_OF_FAILURE, "Key figures of a kind of failure of a belt"),
+    FIGURES("OutletFigures", FIGURE_OF_OUTLET,
             "Key figures of one of several belts from which cargo leaves the domain"),
     OBJECT(submission_validation_members, "A submission that is valid"),
     OBJECT(submission_part_members, "A part at the start"),

@@ -115,12 +115,13 @@ void openapi__write_refusals_of(json_out *w, const route *r)
     }
 }
 
-void openapi__write_problem_types(json_out *w)
+void openapi__write_problem_types(json_out *w, size_t tag)
 {
     size_t n;
     const problem_kind *kinds = problem_kinds(&n);
     char type[64];
 
+    (void)tag;
     json_out_key_string(w, "type", "string");
     json_out_key(w, "enum");
     json_out_array(w);

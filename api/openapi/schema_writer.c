@@ -289,10 +289,12 @@ static void write_schema(json_out *w, const openapi_schema *schema)
         write_object(w, schema->table, &f, schema->others);
     else if (schema->type != NULL)
         schema_write_members(w, schema->type);
+    else if (schema->words != NULL)
+        member_enum.write_schema(w, &(member){ .words = schema->words }, MEMBER_ANSWER);
     else if (schema->one_of != NULL)
         write_one_of(w, schema->one_of);
     else
-        schema->write(w);
+        schema->write(w, schema->tag);
     schema_write_limits(w, schema->limits);
     json_out_object_end(w);
 }
