@@ -19,7 +19,9 @@ const pictures = process.env.BELTFLOW_PICTURES === "1" ? path.join(binaries, "..
 if (pictures !== null) mkdirSync(pictures, { recursive: true });
 
 function findChromium() {
-  const names = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+  // The headless shell draws the same without a window's machinery, in two thirds of the processor time.
+  const names = [process.env.CHROMIUM, ...["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"]
+    .map((name) => `/usr/bin/${name}`)];
   const found = names.filter(Boolean).find((name) => {
     try {
       accessSync(name);
