@@ -5,7 +5,6 @@ import test from "node:test";
 
 import { badEnvelopes, badScenarios, badTexts, goodScenario } from "./bad_scenarios.mjs";
 import { daemon } from "./daemon.mjs";
-import * as prism from "./prism.mjs";
 import { beltflow } from "./processes.mjs";
 
 async function assertNothingIsStored(d) {
@@ -53,7 +52,7 @@ test("each bad scenario is a 422 that names its place, and nothing is stored", a
   await assertNothingIsStored(d);
 });
 
-test("the command line names the same places and leaves with 2", { skip: prism.isWanted }, async (t) => {
+test("the command line names the same places and leaves with 2", async (t) => {
   for (const [what, change, pointer] of badScenarios) {
     await t.test(what, async () => {
       const scenario = goodScenario();

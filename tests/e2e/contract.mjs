@@ -240,8 +240,8 @@ function note(operation, { target, headers, body }, answer, type) {
     noteSample(operation, target, "request", typeOf(headers), body.toString());
 }
 
-// An exchange; answer as Daemon.request() gives it. counts: it goes into the sum.
-export function checkExchange(exchange, answer, counts = true) {
+// An exchange; answer as Daemon.request() gives it.
+export function checkExchange(exchange, answer) {
   if (validator === null) return;
   const { method } = exchange;
   const what = `${method} ${exchange.target.slice(0, 200)} (${answer.status})`;
@@ -253,14 +253,14 @@ export function checkExchange(exchange, answer, counts = true) {
   assert.ok(String(answer.status) in operation.responses, `${what}: the document has no such status`);
   const { place: responsePlace } = at(`${place}/responses/${answer.status}`);
   checkHeaders(answer.headers, responsePlace, what);
-  if (method === "HEAD") return counts && count(exchange, template, answer.status);
+  if (method === "HEAD") return count(exchange, template, answer.status);
   if (answer.status >= 400) checkProblem(answer, what);
   const type = checkBody(answer, responsePlace, what);
   if (answer.status < 300) {
     checkRequest(found, asked, what);
     note(operation, asked, answer, type);
   }
-  if (counts) count(exchange, template, answer.status, type, digestOfAnswer(answer));
+  count(exchange, template, answer.status, type, digestOfAnswer(answer));
 }
 
 const schemaOfEvent = (kind) =>

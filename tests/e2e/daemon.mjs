@@ -10,7 +10,7 @@ import path from "node:path";
 
 import { checkExchange } from "./contract.mjs";
 import { EventStream } from "./event_stream.mjs";
-import * as prism from "./prism.mjs";
+import { noteExchange } from "./prism.mjs";
 import { childrenOf, isAlive } from "./processes.mjs";
 import { binaries, isSanitized, until, within } from "./setup.mjs";
 
@@ -32,7 +32,6 @@ class Daemon {
     this.log = "";
     this.process = null;
     this.agent = new http.Agent({ keepAlive: false });
-    this.proxy = null; // a promise of it
   }
 
   flags() {
@@ -108,7 +107,6 @@ class Daemon {
     } finally {
       this.process?.kill("SIGKILL");
       this.agent.destroy();
-      await (await this.proxy)?.close();
       rmSync(this.folder, { recursive: true, force: true });
     }
   }
@@ -116,12 +114,9 @@ class Daemon {
   // One exchange: { status, headers, body, text, json }; it must be what the document says.
   async request(method, target, { headers = {}, body } = {}) {
     const exchange = { method, target, headers, body };
-    const isProxied = prism.isWanted && prism.reasonToBypass(exchange) === null;
-    if (isProxied) this.proxy ??= prism.startProxy();
-    const answer = isProxied
-      ? await (await this.proxy).pass(exchange, () => this.send(exchange))
-      : await this.send(exchange);
-    checkExchange(exchange, answer, isProxied || !prism.isWanted);
+    const answer = await this.send(exchange);
+    checkExchange(exchange, answer);
+    noteExchange(exchange, answer);
     return answer;
   }
 

@@ -11,7 +11,6 @@ import { document } from "./contract.mjs";
 import { daemon } from "./daemon.mjs";
 import { smallJam } from "./micro.mjs";
 import { beltflow } from "./processes.mjs";
-import * as prism from "./prism.mjs";
 import { isSanitized, root, until, within } from "./setup.mjs";
 
 const kept = readFileSync(path.join(root, "api/openapi.json"), "utf8");
@@ -131,7 +130,7 @@ test("the reference page leads to the document and may load nothing from elsewhe
 });
 
 // A table of drain times over the deflector's angle, made with the document alone.
-test("the example in Python draws its table", { skip: isSanitized || prism.isWanted }, async (t) => {
+test("the example in Python draws its table", { skip: isSanitized }, async (t) => {
   const d = await daemon(t, { workers: 2 });
   const script = path.join(root, "deploy/examples/drain_times.py");
   const done = new Promise((resolve) => {

@@ -9,15 +9,12 @@ import { daemon } from "./daemon.mjs";
 import {
   assertSameMicroResults, badMicroScenarios, longJam, readDoubles, shortMix, smallJam, solveMicro,
 } from "./micro.mjs";
-import * as prism from "./prism.mjs";
 import { beltflow } from "./processes.mjs";
 import { solve } from "./results.mjs";
 import { isSanitized, temporaryFolder } from "./setup.mjs";
 
 const micro = { model: "micro" };
 
-// What asks the daemon nothing, or nothing else than other stories, is not told once more through a proxy.
-const once = { skip: prism.isWanted };
 
 test("a microscopic run gives the bytes of the command line", async (t) => {
   const d = await daemon(t);
@@ -96,7 +93,7 @@ test("there are no parts beyond the last snapshot, nor of a macroscopic run", as
   assert.equal(snapshots[0].parts_url, undefined);
 });
 
-test("kill -9 in the middle: a microscopic run ends with the bytes of an undisturbed one", once, async (t) => {
+test("kill -9 in the middle: a microscopic run ends with the bytes of an undisturbed one", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 30 });
   const run = await d.submit(longJam(), micro);
   for (const share of [0.2, 0.5]) {
@@ -108,7 +105,7 @@ test("kill -9 in the middle: a microscopic run ends with the bytes of an undistu
   await assertSameMicroResults(d, run.id, await solveMicro(t, longJam()));
 });
 
-test("threads change no bit of the parts", once, async (t) => {
+test("threads change no bit of the parts", async (t) => {
   const folders = [await solveMicro(t, smallJam()), await solveMicro(t, smallJam(), "--threads", "2")];
   const names = ["snapshots", "parts"].flatMap((kind) =>
     readdirSync(path.join(folders[0], kind)).map((name) => `${kind}/${name}`));
@@ -152,7 +149,7 @@ test("a mix of shapes moves in space, and its parts have unit quaternions", asyn
   await assertSameMicroResults(d, run.id, await solveMicro(t, shortMix()));
 });
 
-test("the implicit integrator chooses its step, and samples come at their times", once, async (t) => {
+test("the implicit integrator chooses its step, and samples come at their times", async (t) => {
   const out = await solveMicro(t, smallJam({ micro: { integrator: "implicit" } }));
   const { step_s } = JSON.parse(readFileSync(path.join(out, "summary.json")));
   assert.ok(step_s > 1e-5 && step_s <= 2e-3, `${step_s}`);
@@ -177,7 +174,7 @@ test("a run whose numbers fail says in which step, when, which part and where", 
   assert.deepEqual(t_s, [0]);
 });
 
-test("the implicit integrator moves a mix of shapes in space", once, async (t) => {
+test("the implicit integrator moves a mix of shapes in space", async (t) => {
   const out = await solveMicro(t, { ...shortMix(), micro: { integrator: "implicit", modulus_reduction: 1e6 } });
   const summary = JSON.parse(readFileSync(path.join(out, "summary.json")));
   assert.deepEqual([summary.path, summary.parts], ["spatial", 6]);
@@ -201,7 +198,7 @@ test("each bad microscopic scenario is a 422 that names its place, and nothing i
   assert.deepEqual((await d.get("/v1/runs")).json.runs, []);
 });
 
-test("the command line names the same places, before it writes anything", once, async (t) => {
+test("the command line names the same places, before it writes anything", async (t) => {
   const folder = temporaryFolder(t);
   const out = path.join(folder, "out");
   for (const { what, scenario, pointer, words } of badMicroScenarios) {
@@ -220,7 +217,7 @@ test("the command line names the same places, before it writes anything", once, 
   assert.deepEqual(readdirSync(folder), []);
 });
 
-test("a macroscopic run in the same folder leaves nothing of the parts", once, async (t) => {
+test("a macroscopic run in the same folder leaves nothing of the parts", async (t) => {
   const out = await solveMicro(t, smallJam());
   assert.ok(readdirSync(out).includes("parts"));
   const file = path.join(temporaryFolder(t), "scenario.json");
@@ -230,7 +227,7 @@ test("a macroscopic run in the same folder leaves nothing of the parts", once, a
   assert.deepEqual(readdirSync(out).sort(), ["curve.csv", "scenario.json", "snapshots", "snapshots.json", "summary.json"]);
 });
 
-test("Example 1 of both models drains alike", { skip: isSanitized || prism.isWanted }, async (t) => {
+test("Example 1 of both models drains alike", { skip: isSanitized }, async (t) => {
   const d = await daemon(t, { workers: 2 });
   const scenario = (await d.get("/v1/examples/example-1")).json;
   const runs = [await d.submit(scenario), await d.submit(scenario, micro)];

@@ -9,7 +9,6 @@ import test from "node:test";
 import { daemon } from "./daemon.mjs";
 import { digestOfFolder, goldenDigest } from "./golden.mjs";
 import { beltflow } from "./processes.mjs";
-import * as prism from "./prism.mjs";
 import { assertSameResults, solve } from "./results.mjs";
 import { fed, jam, tiny } from "./scenarios.mjs";
 import { isSanitized, temporaryFolder } from "./setup.mjs";
@@ -81,7 +80,7 @@ test("every ready example is accepted as it is", async (t) => {
 });
 
 // Of these golden.test.mjs has the digests; the archive has all files that the command line writes.
-test("every ready example is solved to the command line's bytes", { skip: isSanitized || prism.isWanted }, async (t) => {
+test("every ready example is solved to the command line's bytes", { skip: isSanitized }, async (t) => {
   const d = await daemon(t, { workers: 2 });
   const runs = [];
   for (const { name, scenario } of await readyExamples(d)) runs.push({ name, id: (await d.submit(scenario, { label: name })).id });
@@ -311,7 +310,7 @@ test("a snapshot is a NumPy file of the grid and may be cached for ever", async 
   assert.deepEqual([again.status, again.body.length], [304, 0]);
 });
 
-test("threads change no bit of a run", { skip: isSanitized || prism.isWanted }, async (t) => {
+test("threads change no bit of a run", { skip: isSanitized }, async (t) => {
   const scenario = jam(2, { curve_every_s: 0.05, snapshot_every_s: 0.5 });
   const one = await solve(t, scenario, "--threads", "1");
   const two = await solve(t, scenario, "--threads", "2");

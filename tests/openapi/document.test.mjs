@@ -9,7 +9,7 @@ import test from "node:test";
 
 import { badScenarios, goodScenario } from "../e2e/bad_scenarios.mjs";
 import { checkEvent, checkExchange, document } from "../e2e/contract.mjs";
-import { startProxy } from "../e2e/prism.mjs";
+import { startJudge } from "../e2e/prism.mjs";
 import { packages, root } from "../e2e/setup.mjs";
 import { fitsSchema, operations, readSamples } from "./sample_schemas.mjs";
 
@@ -155,12 +155,9 @@ test("our check finds an event that differs", () => {
 });
 
 test("Prism finds each of them, too", async (t) => {
-  const proxy = await startProxy();
-  t.after(() => proxy.close());
+  const { judge, close } = await startJudge();
+  t.after(close);
   const exchange = { method: "GET", target: "/version", headers: {} };
-  const kept = await proxy.pass(exchange, async () => answer(200, version));
-  assert.deepEqual(kept.json, version);
-  for (const [what, different] of differences) {
-    await assert.rejects(proxy.pass(exchange, async () => different), /Prism on the answer/, what);
-  }
+  assert.deepEqual(await judge(exchange, answer(200, version)), []);
+  for (const [what, different] of differences) assert.notDeepEqual(await judge(exchange, different), [], what);
 });

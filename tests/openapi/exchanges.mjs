@@ -17,7 +17,7 @@ const goldenFile = path.join(import.meta.dirname ?? path.dirname(new URL(import.
 
 // The lines of a folder: { n, kind, request, answer }. kind is method, template, status and media type.
 function read(folder) {
-  const files = existsSync(folder) ? readdirSync(folder) : [];
+  const files = existsSync(folder) ? readdirSync(folder).filter((file) => file.endsWith(".txt")) : [];
   return files.flatMap((file) =>
     readFileSync(path.join(folder, file), "utf8").trim().split("\n").map((line) => {
       const [n, method, template, status, type, request, answer] = line.split(" ");
