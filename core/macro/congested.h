@@ -1,9 +1,13 @@
 /// The congested closure of the macroscopic model: packing as a constraint.
 ///
-///     d(rho)/dt + div(rho v_stat + G) = 0,   rho <= rho_j
-///     p >= 0,   p (rho_j - rho) = 0,   G = F(-grad p)
+///     d(rho)/dt + div(rho v + G) = 0,   rho <= rho_j
+///     p >= 0,   p (rho_j - rho) = 0,    G = F(-grad p)
+///     v = v_stat + w (v_T - v_stat),    w = min(1, max(0, rho_j - rho_ahead)/rho)
 ///
-/// G, the correction, is what cargo moves relative to v_stat because it has no room. It is driven by a pressure that
+/// v differs from v_stat in slide zones alone: rho_ahead is the density of the next cell the way that v_T - v_stat goes,
+/// to the plate, and w the part of the cargo that finds room there. So what is loose goes on with its belt until it
+/// meets the plate or packed cargo.
+/// G, the correction, is what cargo moves relative to v because it has no room. It is driven by a pressure that
 /// acts only where cargo is packed. This is the crowd model of Maury, Roudneff-Chupin and Santambrogio (2010), in
 /// which F is the identity, with a law F of parts on a belt. With b the direction of the belt, q its left normal, v_T
 /// its speed, g = -grad p:
@@ -23,15 +27,15 @@
 ///
 /// The constants are fitted to the microscopic model; core/macro/congested/README.md has their table.
 ///
-/// Step     rho* = rho - dt div(rho v_stat), unsplit, by the scheme; then p by red-black relaxation from the last p until, as
-///          each cell had its turn, none was more than 6e-3 above max(rho_j, rho), or below it under a pressure (at most 100
+/// Step     rho* = rho - dt div(rho v), unsplit, by the scheme, w by the densities before; then p by red-black relaxation
+///          from the last p until, as each cell had its turn, none was more than 6e-3 above max(rho_j, rho), or below it under a pressure (at most 130
 ///          sweeps: in transients more may be left, and the density then exceeds rho_j by it); then
 ///          rho = rho* - dt div G with the fluxes of that p. So mass is exact whatever is left of the iteration, and
 ///          what leaves a cell is limited to what it has: rho >= 0.
-/// Schemes  roe: upwind, first order. muscl: the states of muscl.h and Heun's method; where no cargo is packed the
-///          density has the bits of the dispersive closure's with eps = 0.
-/// Bound    in dt no cell loses more than it holds by v_stat: with v the velocities at its faces, dt sum(max(v_out, 0)/dx) is at
-///          most 1 (roe), dt sum of max(|v|)/dx along both axes at most 1/2 (muscl); a longer step is refused. So rho* >= 0
+/// Schemes  roe: upwind, first order. muscl: the states of muscl.h and Heun's method; where no cargo is packed and no
+///          plate is near the density has the bits of the dispersive closure's with eps = 0.
+/// Bound    in dt no cell loses more than it holds, whatever w: with v the larger of v_stat and v_T out over each of
+///          its faces, dt sum(max(v, 0)/dx) is at most 1 (roe), dt sum of max(|v|)/dx along both axes at most 1/2 (muscl); a longer step is refused. So rho* >= 0
 ///          in any field.
 /// Source   B. Maury, A. Roudneff-Chupin, F. Santambrogio: A macroscopic crowd motion model of gradient flow type,
 ///          Math. Models Methods Appl. Sci. 20 (2010).

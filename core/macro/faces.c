@@ -309,6 +309,8 @@ void macro_set_field(macro_solver *s, const velocity_field *field)
     def.aperture2 = field->aperture2;
     def.transverse1 = field->transverse1;
     def.transverse2 = field->transverse2;
+    def.loose1 = field->loose1;
+    def.loose2 = field->loose2;
     fill_all(s, &def);
     if (s->speeds != NULL)
         scale_faces(s);

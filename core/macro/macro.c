@@ -89,6 +89,18 @@ static double largest_speed(const double *v, const uint16_t *belt, const largest
     return largest;
 }
 
+// How fast cargo goes out over face k at most, by both its velocities; sign 1: toward rising x.
+static double face_outflow(const macro_def *def, int axis, const largest_factors *f, size_t k,
+                           double sign)
+{
+    const double *v = axis == 0 ? def->v1 : def->v2;
+    const double *loose = axis == 0 ? def->loose1 : def->loose2;
+    const uint16_t *belt = axis == 0 ? def->belt1 : def->belt2;
+    const double slide = sign * face_velocity(v, belt, f, k);
+
+    return loose == NULL ? slide : fmax(slide, sign * face_velocity(loose, belt, f, k));
+}
+
 // The largest rate, 1/s, at which a cell is emptied by the scheme of the congested closure.
 static double largest_outflow(const macro_def *def, const largest_factors *f)
 {
@@ -99,17 +111,18 @@ static double largest_outflow(const macro_def *def, const largest_factors *f)
     for (size_t j = 0; j < g->n2; j++)
         for (size_t i = 0; i < g->n1; i++) {
             const size_t west = j * (g->n1 + 1) + i, south = j * g->n1 + i;
-            const double out[2][2] = { { -face_velocity(def->v1, def->belt1, f, west),
-                                         face_velocity(def->v1, def->belt1, f, west + 1) },
-                                       { -face_velocity(def->v2, def->belt2, f, south),
-                                         face_velocity(def->v2, def->belt2, f, south + g->n1) } };
+            const size_t before[2] = { west, south }, after[2] = { west + 1, south + g->n1 };
             double rate = 0.0;
             for (int axis = 0; axis < 2; axis++) {
-                const double before = out[axis][0], after = out[axis][1];
+                const double out_before = face_outflow(def, axis, f, before[axis], -1.0);
+                const double out_after = face_outflow(def, axis, f, after[axis], 1.0);
+                const double in_before = face_outflow(def, axis, f, before[axis], 1.0);
+                const double in_after = face_outflow(def, axis, f, after[axis], -1.0);
                 // By muscl each side of a cell has a state of its own.
-                rate += (is_muscl ? 2.0 * fmax(fabs(before), fabs(after))
-                                  : fmax(before, 0.0) + fmax(after, 0.0)) /
-                        (axis == 0 ? g->d1 : g->d2);
+                rate +=
+                    (is_muscl ? 2.0 * fmax(fmax(out_before, in_before), fmax(out_after, in_after))
+                              : fmax(out_before, 0.0) + fmax(out_after, 0.0)) /
+                    (axis == 0 ? g->d1 : g->d2);
             }
             largest = fmax(largest, rate);
         }

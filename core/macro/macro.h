@@ -50,7 +50,7 @@ typedef struct macro_def {
     const uint8_t *closed1;    ///< nonzero: nothing crosses this x1-face (default NULL: none)
     const uint8_t *closed2;    ///< same for the x2-faces (default NULL: none)
     scene_closure
-        closure;        ///< (default SCENE_DISPERSIVE); the next six are SCENE_CONGESTED's, which
+        closure;        ///< (default SCENE_DISPERSIVE); the next eight are SCENE_CONGESTED's, which
                         ///< needs belts, belt1 and belt2, and square cells (congested.h)
     double jam_density; ///< rho_j, in (0, 1] (default 0.93)
     double slip_rate;   ///< lambda of the belt's friction, s/m, > 0 (default 10)
@@ -58,6 +58,8 @@ typedef struct macro_def {
     const double *aperture2;   ///< same for the x2-faces
     const double *transverse1; ///< x2 velocity on the x1-faces, m/s
     const double *transverse2; ///< x1 velocity on the x2-faces, m/s
+    const double *loose1;      ///< that of loose cargo on the x1-faces, m/s (default NULL: v1)
+    const double *loose2;      ///< same on the x2-faces (default NULL: v2)
     bool one_way[4]; ///< west, east, south, north: packed cargo is not moved back over this edge
     size_t n_belts;  ///< (default 0: v1, v2 and I are constant in time)
     const scene_belt *belts; ///< with checked speed schedules, which scale v1, v2 and I

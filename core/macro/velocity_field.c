@@ -300,10 +300,18 @@ static size_t arc_of(const sampler *k, const lattice *l, vec2 at, int component,
     return belt < around->n_belts && around->belts[belt].arc.is_given ? belt : around->n_belts;
 }
 
-/// Fill a component of the velocity on all faces of a lattice and, unless NULL, the belts and the other component. Closed faces
-/// are known but for those of arcs.
+/// What is filled in for the faces of a lattice; see velocity_field.h.
+typedef struct face_arrays {
+    double *v;
+    uint16_t *belt; ///< NULL: none, and so for those below
+    double *transverse;
+    double *loose;
+} face_arrays;
+
+/// Fill a component of the velocity on all faces of a lattice and what else there is of them. Closed faces are known but for
+/// those of arcs.
 static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int component,
-                       double *ret_v, uint16_t *ret_belt, double *ret_transverse)
+                       const face_arrays *ret)
 {
     sampler *k = f->sampler;
     uint8_t *closed = component == 0 ? f->closed1 : f->closed2;
@@ -316,7 +324,7 @@ static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int 
         mark_row(k, l, y);
         for (size_t i = 0; i < l->n_columns;) {
             const vec2 at = { face_x(l, i), y };
-            const regions_velocity e = evaluate_any(k, l, at, component, ret_belt != NULL);
+            const regions_velocity e = evaluate_any(k, l, at, component, ret->belt != NULL);
             const size_t arc = k->arcs.n > 0 ? arc_of(k, l, at, component, &e) : s->n_belts;
             const bool is_arc = arc < s->n_belts;
             const double v = is_arc ? arc_faces_velocity(&k->arcs, l->grid, k->around.belts, arc,
@@ -327,12 +335,16 @@ static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int 
             const uint8_t *next =
                 k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, l->n_columns - i);
             size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;
-            for (size_t m = i; ret_belt != NULL && m < end; m++)
-                ret_belt[base + m] = (uint16_t)(is_arc ? arc : e.belt_index);
-            for (size_t m = i; ret_transverse != NULL && m < end; m++)
-                ret_transverse[base + m] = component == 0 ? e.velocity.y : e.velocity.x;
+            for (size_t m = i; ret->belt != NULL && m < end; m++)
+                ret->belt[base + m] = (uint16_t)(is_arc ? arc : e.belt_index);
+            for (size_t m = i; ret->transverse != NULL && m < end; m++)
+                ret->transverse[base + m] = component == 0 ? e.velocity.y : e.velocity.x;
+            const double loose =
+                e.region == REGIONS_SLIDE ? component == 0 ? e.belt.x : e.belt.y : v;
+            for (size_t m = i; ret->loose != NULL && m < end; m++)
+                ret->loose[base + m] = loose;
             for (; i < end; i++)
-                ret_v[base + i] = v;
+                ret->v[base + i] = v;
         }
     }
 }
@@ -492,7 +504,10 @@ static velocity_field *field_alloc(const scene *s)
         f->aperture2 = memory_alloc(n_faces2, sizeof *f->aperture2);
         f->transverse1 = memory_alloc(n_faces1, sizeof *f->transverse1);
         f->transverse2 = memory_alloc(n_faces2, sizeof *f->transverse2);
-        is_whole = f->aperture1 && f->aperture2 && f->transverse1 && f->transverse2;
+        f->loose1 = memory_alloc(n_faces1, sizeof *f->loose1);
+        f->loose2 = memory_alloc(n_faces2, sizeof *f->loose2);
+        is_whole = f->aperture1 && f->aperture2 && f->transverse1 && f->transverse2 && f->loose1 &&
+                   f->loose2;
     }
     return is_whole ? f : velocity_field_destroy(f);
 }
@@ -510,8 +525,8 @@ void velocity_field_update(velocity_field *f, const scene *s)
     (void)closed_lines_visit(s, close_line, f);
     close_edges(s, f);
     arc_faces_update(&f->sampler->arcs, f, s, &f->sampler->around);
-    fill_faces(f, s, &faces1, 0, f->v1, f->belt1, f->transverse1);
-    fill_faces(f, s, &faces2, 1, f->v2, f->belt2, f->transverse2);
+    fill_faces(f, s, &faces1, 0, &(face_arrays){ f->v1, f->belt1, f->transverse1, f->loose1 });
+    fill_faces(f, s, &faces2, 1, &(face_arrays){ f->v2, f->belt2, f->transverse2, f->loose2 });
     if (f->off != NULL && !is_congested(s))
         close_off_sides(f);
     if (is_congested(s)) {
@@ -551,6 +566,8 @@ velocity_field *velocity_field_destroy(velocity_field *f)
     memory_free(f->aperture2);
     memory_free(f->transverse1);
     memory_free(f->transverse2);
+    memory_free(f->loose1);
+    memory_free(f->loose2);
     sampler_destroy(f->sampler);
     memory_free(f);
     return NULL;

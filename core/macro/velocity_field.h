@@ -11,7 +11,7 @@
 ///     A       everywhere else: v_T of the belt that carries what is at x, zero off every belt
 ///
 /// For the congested closure, whatever the treatment, as `wall` with a slide zone of its own width, slide r with
-/// r = aperture_radius(); what partly closes faces beside the ends of plates is in aperture.h.
+/// r = aperture_radius(), in which loose cargo goes on at v_T (congested.h); what partly closes faces beside the ends of plates is in aperture.h.
 ///
 /// v_T and the segments are those of surroundings.h. Borders are taken with SCENE_TOLERANCE in favour of
 /// the band, and of C on the line itself. Velocities are evaluated at face centres. On a border of two belts
@@ -48,11 +48,14 @@ typedef struct velocity_field {
                        ///< NULL if the speeds of all belts are constant
     uint16_t *belt2;   ///< same for the x2-faces
     uint8_t *off;      ///< nonzero: what is in this cell falls; NULL: nothing can
-    double *aperture1; ///< of the x1-faces, 0 closed to 1 open; these four and the belts for the
+    double *aperture1; ///< of the x1-faces, 0 closed to 1 open; these six and the belts for the
                        ///< congested closure
     double *aperture2; ///< same for the x2-faces
-    double *transverse1;                    ///< the x2 velocity on the x1-faces, m/s
-    double *transverse2;                    ///< the x1 velocity on the x2-faces, m/s
+    double *transverse1; ///< the x2 velocity on the x1-faces, m/s
+    double *transverse2; ///< the x1 velocity on the x2-faces, m/s
+    double
+        *loose1; ///< x1 velocity of loose cargo on the x1-faces, m/s: v_T in slide zones, else v1
+    double *loose2;                         ///< same along x2 on the x2-faces
     struct velocity_field_sampler *sampler; ///< scratch of velocity_field_update()
 } velocity_field;
 

@@ -86,6 +86,8 @@ static void complete_congested(const scene *s, const velocity_field *f, macro_de
     def->aperture2 = f->aperture2;
     def->transverse1 = f->transverse1;
     def->transverse2 = f->transverse2;
+    def->loose1 = f->loose1;
+    def->loose2 = f->loose2;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         def->one_way[side] =
             s->edges[side] != SCENE_EDGE_OUTFLOW || scene_is_fed(s, (scene_side)side);

@@ -25,6 +25,28 @@ static congested_kernels kernels_of(cpu_level level)
     return *builds[level];
 }
 
+// The velocities across the faces of an axis, and where those of packed and of loose cargo differ.
+static void copy_velocities(const macro_solver *s, int axis, const double *v, const double *loose)
+{
+    const congested *c = s->congested;
+    const ptrdiff_t n_columns = s->n1 + (axis == 0), n_rows = s->n2 + axis;
+
+    for (ptrdiff_t j = 0; j < n_rows; j++) {
+        congested_range differ = { n_columns, 0 };
+        for (ptrdiff_t i = 0; i < n_columns; i++) {
+            const size_t at = (size_t)(j * n_columns + i);
+            const double open = c->aperture[axis][at];
+            c->slide[axis][at] = open * v[at];
+            c->loose[axis][at] = open * (loose != NULL ? loose : v)[at];
+            if (c->loose[axis][at] == c->slide[axis][at])
+                continue;
+            differ.first = i < differ.first ? i : differ.first;
+            differ.last = i + 1;
+        }
+        c->sliding[axis][j] = differ;
+    }
+}
+
 static void copy_faces(const macro_solver *s, const macro_def *def)
 {
     const congested *c = s->congested;
@@ -39,6 +61,8 @@ static void copy_faces(const macro_solver *s, const macro_def *def)
         memcpy(c->transverse[axis], transverse[axis], n[axis] * sizeof *c->transverse[axis]);
         memcpy(c->belt[axis], belt[axis], n[axis] * sizeof *c->belt[axis]);
     }
+    copy_velocities(s, 0, def->v1, def->loose1);
+    copy_velocities(s, 1, def->v2, def->loose2);
 }
 
 static bool init_faces(const macro_solver *s, congested *c, const macro_def *def)
@@ -50,7 +74,11 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
         c->aperture[axis] = memory_alloc(n[axis], sizeof *c->aperture[axis]);
         c->transverse[axis] = memory_alloc(n[axis], sizeof *c->transverse[axis]);
         c->belt[axis] = memory_alloc(n[axis], sizeof *c->belt[axis]);
-        if (c->aperture[axis] == NULL || c->transverse[axis] == NULL || c->belt[axis] == NULL)
+        c->slide[axis] = memory_alloc(n[axis], sizeof *c->slide[axis]);
+        c->loose[axis] = memory_alloc(n[axis], sizeof *c->loose[axis]);
+        c->sliding[axis] = memory_alloc(g->n2 + 1, sizeof *c->sliding[axis]);
+        if (c->aperture[axis] == NULL || c->transverse[axis] == NULL || c->belt[axis] == NULL ||
+            c->slide[axis] == NULL || c->loose[axis] == NULL || c->sliding[axis] == NULL)
             return false;
     }
     c->belts = memory_alloc(def->n_belts + 1, sizeof *c->belts);
@@ -197,6 +225,9 @@ congested *congested_destroy(congested *c)
         memory_free(c->aperture[axis]);
         memory_free(c->transverse[axis]);
         memory_free(c->belt[axis]);
+        memory_free(c->slide[axis]);
+        memory_free(c->loose[axis]);
+        memory_free(c->sliding[axis]);
     }
     memory_free(c->belts);
     memory_free(c->lateral);

@@ -22,7 +22,7 @@
 enum {
     CONGESTED_UNIT = 16, ///< half cells that are relaxed or skipped together: a register of floats
     CONGESTED_GROUP = 8, ///< half cells that have the law `uniform` together: half a unit
-    CONGESTED_SWEEPS = 100 ///< most sweeps of a step
+    CONGESTED_SWEEPS = 130 ///< most sweeps of a step
 };
 
 /// Part of its cargo that a cell may lose in a step.
@@ -67,10 +67,10 @@ typedef struct congested_uniform {
     float upper; ///< of x2-faces
 } congested_uniform;
 
-/// Cells first <= k < last of both half rows of a row, in whole units.
+/// Cells first <= k < last of both half rows of a row, in whole units, or faces of a row.
 typedef struct congested_range {
-    ptrdiff_t first; ///< a multiple of CONGESTED_UNIT
-    ptrdiff_t last;  ///< first where the row has no active cell
+    ptrdiff_t first; ///< of cells a multiple of CONGESTED_UNIT
+    ptrdiff_t last;  ///< first where the row has none
 } congested_range;
 
 /// A thread's result of a phase, each on a cache line of its own.
@@ -133,13 +133,17 @@ typedef struct congested_kernels {
 /// The closure's state and what it precomputes.
 struct congested {
     congested_kernels kernels; ///< of this processor
-    bool is_forward;        ///< every belt runs along +x1: the laws of both directions are separate
-    bool has_standing;      ///< a belt stands
-    bool has_moving;        ///< a belt moves
-    double jam_density;     ///< rho_j
-    double slip_rate;       ///< lambda, s/m
-    double *aperture[2];    ///< open fraction of the x1- and x2-faces, layout of grid.h
-    double *transverse[2];  ///< v_stat along these faces: its other component, m/s
+    bool is_forward;       ///< every belt runs along +x1: the laws of both directions are separate
+    bool has_standing;     ///< a belt stands
+    bool has_moving;       ///< a belt moves
+    double jam_density;    ///< rho_j
+    double slip_rate;      ///< lambda, s/m
+    double *aperture[2];   ///< open fraction of the x1- and x2-faces, layout of grid.h
+    double *transverse[2]; ///< v_stat along these faces: its other component, m/s
+    double *slide[2];      ///< v_stat across these faces times the aperture, at the factor 1, m/s
+    double *loose[2];      ///< same for loose cargo, v_T in slide zones
+    congested_range
+        *sliding[2];        ///< per row: its faces from the first to the last where they differ
     uint16_t *belt[2];      ///< belt under these faces
     size_t n_belts;         ///< belts
     scene_belt *belts;      ///< each, without corners and schedule, and one at rest off every belt

@@ -109,11 +109,9 @@ static vec2 place_of(const bf_grid *g, int axis, ptrdiff_t i, ptrdiff_t j)
 
 static void set_axis(const macro_solver *s, const congested *c, int axis)
 {
-    const macro_faces *faces = axis == 0 ? &s->faces1 : &s->faces2;
     const ptrdiff_t n_columns = s->n1 + (axis == 0), n_rows = s->n2 + axis;
 
     for (ptrdiff_t j = 0; j < n_rows; j++) {
-        const double *v = macro__row(s, faces->v, j) - (axis == 0);
         for (ptrdiff_t i = 0; i < n_columns; i++) {
             const size_t at = (size_t)(j * n_columns + i);
             const size_t belt = c->belt[axis][at];
@@ -128,8 +126,7 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
                 .belt_e = axis == 0 ? v_t.x : v_t.y,
                 .belt_t = axis == 0 ? v_t.y : -v_t.x,
                 .lateral = under->turn == 0.0 ? c->lateral[belt] : lateral_most * vec2_length(v_t),
-                // The solver's velocity is that of the flux, which has the aperture in it.
-                .stat_e = aperture > 0.0 ? v[i] / aperture : 0.0,
+                .stat_e = aperture > 0.0 ? factor * c->slide[axis][at] / aperture : 0.0,
                 .stat_t = (axis == 0 ? 1.0 : -1.0) * factor * c->transverse[axis][at]
             };
             set_face(c, &f, &x);

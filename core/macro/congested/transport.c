@@ -1,5 +1,5 @@
-// rho* = rho - dt div(rho v_stat) of a member's rows: by the scheme roe one step with upwind fluxes, both axes at
-// once; by muscl Heun's method with the states of muscl.h,
+// rho* = rho - dt div(rho v) of a member's rows, v = v_stat + w (v_T - v_stat): by the scheme roe one step with upwind
+// fluxes, both axes at once; by muscl Heun's method with the states of muscl.h,
 //
 //     rho' = rho + dt L(rho)                       stage 0, into congested.stage
 //     rho* = rho/2 + (rho' + dt L(rho'))/2         stage 1, into `next`
@@ -8,6 +8,7 @@
 
 #include "core/macro/congested/transport.h"
 
+#include <math.h>
 #include <string.h>
 
 // Blocks of a row in which a stage may leave cargo: cargo moves by a cell at most.
@@ -81,10 +82,44 @@ static void transport_stage(const macro_solver *s, const congested *c, const con
     }
 }
 
+// The velocities across the faces of a row in slide zones, for this step. What is loose goes on with its belt, and what finds no
+// room ahead slides along the plate: as much is loose as the cell ahead lacks of rho_j.
+static void loosen_row(const macro_solver *s, const congested *c, int axis, ptrdiff_t row)
+{
+    const congested_range faces = c->sliding[axis][row];
+    const ptrdiff_t n_columns = s->n1 + (axis == 0);
+    const double *nothing = s->zero_row + s->margin;
+    // Face i lies between the cells before[i] and after[i].
+    const double *after = row < s->n2 ? macro__row(s, s->now.rho, row) : nothing;
+    const double *south = row > 0 ? macro__row(s, s->now.rho, row - 1) : nothing;
+    const double *before = axis == 0 ? after - 1 : south;
+    double *v = axis == 0 ? macro__row(s, s->faces1.v, row) - 1 : macro__row(s, s->faces2.v, row);
+
+    for (ptrdiff_t i = faces.first; i < faces.last; i++) {
+        const size_t at = (size_t)(row * n_columns + i);
+        const double slide = c->slide[axis][at], more = c->loose[axis][at] - slide;
+        if (more == 0.0)
+            continue;
+        const double here = more > 0.0 ? before[i] : after[i];
+        const double ahead = more > 0.0 ? after[i] : before[i];
+        const double room = fmax(c->jam_density - ahead, 0.0);
+        const double part = room < here ? room / here : 1.0;
+        v[i] = s->factors[c->belt[axis][at]] * (slide + part * more);
+    }
+}
+
 void congested__transport(macro_solver *s, int member, ptrdiff_t first, ptrdiff_t last,
                           team_barrier *barrier)
 {
     congested *c = s->congested;
+
+    for (ptrdiff_t row = first; row < last; row++) {
+        loosen_row(s, c, 0, row);
+        loosen_row(s, c, 1, row);
+    }
+    if (first < last && last == s->n2)
+        loosen_row(s, c, 1, last);
+    team_barrier_wait(barrier);
 
     if (s->def.scheme == SCENE_SCHEME_ROE) {
         transport_upwind(s, c, first, last);

@@ -50,6 +50,8 @@ static macro_def def_of(const scene *s, const bf_world *w, const velocity_field 
     def.aperture2 = f->aperture2;
     def.transverse1 = f->transverse1;
     def.transverse2 = f->transverse2;
+    def.loose1 = f->loose1;
+    def.loose2 = f->loose2;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
         def.mirror[side] = scene_mirrors_walls(s) && s->edges[side] == SCENE_EDGE_WALL;
         def.one_way[side] = s->edges[side] != SCENE_EDGE_OUTFLOW;

@@ -307,6 +307,51 @@ static void what_is_not_on_the_belt_has_left_over_its_end(void **state)
     check_outlet(helper_congested_saturated, 90.0);
 }
 
+// A thin stream of density rho_0 = 0.05 comes against a plate at 60 degrees. As far as it comes from the wall to y, it goes along
+// the plate in a layer that is packed and moves at v_T cos(theta), h = rho_0 y/(rho_j cos(theta)) thick; beyond it there is the stream alone.
+// So what is in the way of the layer is h/2 from the plate; cells count by their centres, within a cell's diagonal.
+static void check_thin_stream(scene_scheme scheme)
+{
+    const double stream = 0.05, cosine = 0.5, sine = sqrt(0.75), cell = 0.01, top = 0.2;
+    const double layer = stream * top / (0.93 * cosine); // at y = top
+    const vec2 path[] = { { 1.0, 0.0 }, { 1.0 + 0.3 / sqrt(3.0), 0.3 } };
+    double weight = 0.0, away = 0.0, beyond = 0.0;
+    scene s;
+
+    helper_scene_belt(&s, 1.4, 0.4, cell, &somewhere, 1);
+    s.macro.closure = SCENE_CONGESTED;
+    s.macro.scheme = scheme;
+    helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, NULL, 0);
+    helper_scene_add_obstacle(&s, path, 2, SCENE_WALL);
+    helper_scene_resolve(&s);
+    macro_solver *solver = helper_macro_create(&s, 1);
+    helper_congested_fill(&s, everywhere, stream, solver);
+    while (macro_time(solver) < 1.5)
+        macro_step(solver);
+    for (size_t j = 0; grid_x2(&solver->def.grid, j) < top; j++)
+        for (size_t i = 0; i < solver->def.grid.n1; i++) {
+            const double x = grid_x1(&solver->def.grid, i), y = grid_x2(&solver->def.grid, j);
+            const double d = (1.0 - x) * sine + y * cosine, more = macro_row(solver, j)[i] - stream;
+            if (x < 0.8 || d < 0.0)
+                continue;
+            weight += more;
+            away += more * d;
+            beyond = d > layer + 2.0 * cell ? fmax(beyond, fabs(more)) : beyond;
+        }
+    // The mean over y of h/2, weighted by h.
+    assert_near(away / weight, layer / 3.0, cell);
+    assert_near(beyond, 0.0, 0.1 * stream);
+    macro_destroy(solver);
+    scene_fini(&s);
+}
+
+static void a_thin_stream_lies_against_a_plate(void **state)
+{
+    (void)state;
+    check_thin_stream(SCENE_SCHEME_ROE);
+    check_thin_stream(SCENE_SCHEME_MUSCL);
+}
+
 // Plates from wall to wall; the belt moves straight or obliquely.
 static void nothing_leaks_through_a_plate_that_closes_the_belt(void **state)
 {
@@ -463,6 +508,11 @@ static void an_unstable_step_is_refused(void **state)
     assert_int_equal(macro_create(&def, &solver, &err), BF_EINPUT);
     assert_string_equal(err.pointer, "/macro/step_s");
     assert_null(solver);
+    // Were loose cargo carried twice as fast, no more than half of that step.
+    for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++)
+        f->loose1[k] *= 2.0;
+    def.dt = 0.75 * 0.01 / 0.395;
+    assert_int_equal(macro_create(&def, &solver, &err), BF_EINPUT);
     velocity_field_destroy(f);
     scene_fini(&s);
 }
@@ -486,6 +536,7 @@ int main(void)
         cmocka_unit_test(mass_is_conserved_in_cells_that_are_not_square),
         cmocka_unit_test(a_jam_grows_alike_in_cells_that_are_not_square),
         cmocka_unit_test(what_is_not_on_the_belt_has_left_over_its_end),
+        cmocka_unit_test(a_thin_stream_lies_against_a_plate),
         cmocka_unit_test(nothing_leaks_through_a_plate_that_closes_the_belt),
         cmocka_unit_test(a_mirrored_scene_gives_the_mirrored_density),
         cmocka_unit_test(a_belt_along_the_other_axis_gives_the_transposed_density),

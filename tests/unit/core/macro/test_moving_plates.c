@@ -429,6 +429,8 @@ static void assert_same_faces(const velocity_field *a, const velocity_field *b)
     assert_memory_equal(a->aperture2, b->aperture2, n2 * sizeof *a->aperture2);
     assert_memory_equal(a->transverse1, b->transverse1, n1 * sizeof *a->transverse1);
     assert_memory_equal(a->transverse2, b->transverse2, n2 * sizeof *a->transverse2);
+    assert_memory_equal(a->loose1, b->loose1, n1 * sizeof *a->loose1);
+    assert_memory_equal(a->loose2, b->loose2, n2 * sizeof *a->loose2);
 }
 
 // After 0.25 s it rests at 45 degrees to its path, across the belt.
