@@ -105,37 +105,32 @@ static bf_status command_due(control *c, void *solver, uint64_t step, const run_
     return status;
 }
 
-static bf_status watch_drive(control *c, const plate_motion *motion, size_t k, uint64_t step,
-                             figures *to, const run_sink *sink, bf_error *err)
-{
-    const double t = (double)step * c->dt;
-    control_drive *told = &c->drives[k];
-    const plate_motion_place place = plate_motion_at(motion, k, t);
-    const frame_change change = { .type = FRAME_CHANGE_DRIVE,
-                                  .item = (uint32_t)k,
-                                  .state = plate_drive_state_of(motion, k, t),
-                                  .turn = place.angle,
-                                  .shift = place.shift };
-    const bool is_near = fabs(place.angle - told->turn) < told_turn &&
-                         vec2_length(vec2_sub(place.shift, told->shift)) < told_shift;
-
-    if (change.state == told->state && (change.state == PLATE_DRIVE_AS_TOLD || is_near))
-        return BF_OK;
-    if ((change.state == PLATE_DRIVE_STALLED) != (told->state == PLATE_DRIVE_STALLED))
-        figures_stall(to, t, change.state == PLATE_DRIVE_STALLED);
-    *told = (control_drive){ change.turn, change.shift, change.state };
-    return emit_change(c, step, &change, c->scene->obstacles[k].id, sink, err);
-}
-
 static bf_status watch_drives(control *c, uint64_t step, figures *to, const run_sink *sink,
                               bf_error *err)
 {
     const plate_motion *motion = &c->world->plates;
+    const double t = (double)step * c->dt;
     bf_status status = BF_OK;
 
-    for (size_t k = 0; k < motion->n && status == BF_OK; k++)
-        if (motion->plates[k].moves)
-            status = watch_drive(c, motion, k, step, to, sink, err);
+    for (size_t k = 0; k < motion->n && status == BF_OK; k++) {
+        if (!motion->plates[k].moves)
+            continue;
+        control_drive *told = &c->drives[k];
+        const plate_motion_place place = plate_motion_at(motion, k, t);
+        const frame_change change = { .type = FRAME_CHANGE_DRIVE,
+                                      .item = (uint32_t)k,
+                                      .state = plate_drive_state_of(motion, k, t),
+                                      .turn = place.angle,
+                                      .shift = place.shift };
+        const bool is_near = fabs(place.angle - told->turn) < told_turn &&
+                             vec2_length(vec2_sub(place.shift, told->shift)) < told_shift;
+        if (change.state == told->state && (change.state == PLATE_DRIVE_AS_TOLD || is_near))
+            continue;
+        if ((change.state == PLATE_DRIVE_STALLED) != (told->state == PLATE_DRIVE_STALLED))
+            figures_stall(to, t, change.state == PLATE_DRIVE_STALLED);
+        *told = (control_drive){ change.turn, change.shift, change.state };
+        status = emit_change(c, step, &change, c->scene->obstacles[k].id, sink, err);
+    }
     return status;
 }
 

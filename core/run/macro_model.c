@@ -190,16 +190,6 @@ static bf_status add_density(const scene *s, const macro_run *run, const scene_p
     return status;
 }
 
-static bf_status find_density(const scene *s, const macro_run *run, const scene_placement *p,
-                              double *rho, bf_error *err)
-{
-    if (!run->may_drop)
-        return density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, p->poses,
-                                  p->n, rho, err);
-    const bf_status status = add_density(s, run, p, false, rho, err);
-    return status == BF_OK ? add_density(s, run, p, true, rho, err) : status;
-}
-
 // Sets the density (18) of the parts at the start.
 static bf_status place_parts(const scene *s, macro_run *run, uint64_t *ret_n_parts, bf_error *err)
 {
@@ -210,8 +200,13 @@ static bf_status place_parts(const scene *s, macro_run *run, uint64_t *ret_n_par
 
     if (rho == NULL)
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for %zu cells", n_cells);
-    if ((status = placement_of(s, &p, err)) == BF_OK &&
-        (status = find_density(s, run, &p, rho, err)) == BF_OK)
+    status = placement_of(s, &p, err);
+    if (status == BF_OK && !run->may_drop)
+        status = density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, p.poses,
+                                    p.n, rho, err);
+    for (int is_off = 0; run->may_drop && is_off < 2 && status == BF_OK; is_off++)
+        status = add_density(s, run, &p, is_off, rho, err);
+    if (status == BF_OK)
         status = macro_set_density(run->solver, rho, n_cells, err);
     if (status == BF_OK)
         *ret_n_parts = p.n;
@@ -333,24 +328,18 @@ static void add_to_cell(void *context, size_t cell, double density, vec2 at)
     macro_flows_add(run->flows, cell, parts_of(run, density));
 }
 
-static bool is_dense(const macro_run *run, size_t eye)
-{
-    bool is_found = false;
-
-    for (size_t i = 0; i < run->beams[eye].n && !is_found; i++)
-        is_found = density_of_cell(run, run->beams[eye].cells[i]) >= run->broken_from[eye];
-    return is_found;
-}
-
 static bf_status look_run(void *solver, size_t eye, run_view *ret_view, bf_error *err)
 {
     const macro_run *run = solver;
     const crossings_field field = { run, density_of_cell, factor_of_belt };
+    const beam_cells *beam = &run->beams[eye];
+    const double dense = run->broken_from[eye];
+    bool is_broken = !(dense > 0.0) && crossings_advance(run->crossings, eye, &field);
 
     (void)err;
-    *ret_view = (run_view){ .is_broken = run->broken_from[eye] > 0.0
-                                             ? is_dense(run, eye)
-                                             : crossings_advance(run->crossings, eye, &field) };
+    for (size_t i = 0; dense > 0.0 && i < beam->n && !is_broken; i++)
+        is_broken = density_of_cell(run, beam->cells[i]) >= dense;
+    *ret_view = (run_view){ .is_broken = is_broken };
     return BF_OK;
 }
 

@@ -428,9 +428,16 @@ typedef struct look {
 } look;
 
 // Of a part that breaks the beam, when its front and back cross it.
-static void add_seen(look *l, size_t part, beam_extent extent)
+static void look_at_part(void *context, size_t part, const micro_place *place)
 {
+    look *l = context;
     micro_run *run = l->run;
+    shape_footprint room;
+    const shape_footprint *footprint = micro_footprint(place, &run->footprints[place->kind], &room);
+
+    if (!beam_meets_part(l->beam, footprint, place->pose))
+        return;
+    const beam_extent extent = beam_extent_of(l->beam[0], l->across, footprint, place->pose);
     const micro_part state = micro_part_of(run->solver, part);
     const double speed = state.v[0] * l->across.x + state.v[1] * l->across.y;
     const double slowness = speed > 0.0 ? 1.0 / speed : (double)INFINITY; // s/m
@@ -442,17 +449,6 @@ static void add_seen(look *l, size_t part, beam_extent extent)
             (passages_part){ .id = micro_id_of(run->solver, part),
                              .since = extent.most > 0.0 ? extent.most * slowness : 0.0,
                              .left = extent.least < 0.0 ? -extent.least * slowness : 0.0 };
-}
-
-static void look_at_part(void *context, size_t part, const micro_place *place)
-{
-    look *l = context;
-    shape_footprint room;
-    const shape_footprint *footprint =
-        micro_footprint(place, &l->run->footprints[place->kind], &room);
-
-    if (beam_meets_part(l->beam, footprint, place->pose))
-        add_seen(l, part, beam_extent_of(l->beam[0], l->across, footprint, place->pose));
 }
 
 static int compare_seen(const void *left, const void *right)

@@ -11,17 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-static void set_kinds(const scene *s, run__micro_setup *setup)
-{
-    for (size_t k = 0; k < s->n_cargo; k++)
-        setup->kinds[k] = (micro_kind){ .shape = s->cargo[k].shape,
-                                        .material = s->cargo[k].material,
-                                        .mass = s->cargo[k].mass,
-                                        .spin_radius = s->cargo[k].spin_friction_radius };
-    setup->def.n_kinds = s->n_cargo;
-    setup->def.kinds = setup->kinds;
-}
-
 static void set_parameters(const scene_micro *micro, micro_def *def)
 {
     static const micro_integrator integrators[] = {
@@ -49,25 +38,21 @@ static void set_parameters(const scene_micro *micro, micro_def *def)
     def->path = paths[micro->path];
 }
 
-// Moves the corners of belts that lie on a side.
-static void extend_belts(surroundings *around, scene_side side, vec2 outward)
-{
-    for (size_t k = 0; k < around->n_belts; k++) {
-        const scene_belt *belt = &around->belts[k];
-        for (size_t i = 0; i < belt->n_points; i++)
-            if (fabs(surroundings_excess(around, side, belt->polygon[i])) <= SCENE_TOLERANCE)
-                belt->polygon[i] = vec2_add(belt->polygon[i], outward);
-    }
-}
-
 // Nothing leaves over a side with a feed: the domain and its belts go on behind it, for a part and a wall.
 static void extend_side(surroundings *around, scene_side side, double by)
 {
     const double signs[SCENE_SIDE_COUNT] = { -by, by, -by, by };
     double *const ends[SCENE_SIDE_COUNT] = { &around->domain.x_min, &around->domain.x_max,
                                              &around->domain.y_min, &around->domain.y_max };
+    const vec2 outward = vec2_scale(surroundings_side(around, side).inward, -by);
 
-    extend_belts(around, side, vec2_scale(surroundings_side(around, side).inward, -by));
+    // Corners of belts that lie on the side are moved with it.
+    for (size_t k = 0; k < around->n_belts; k++) {
+        const scene_belt *belt = &around->belts[k];
+        for (size_t i = 0; i < belt->n_points; i++)
+            if (fabs(surroundings_excess(around, side, belt->polygon[i])) <= SCENE_TOLERANCE)
+                belt->polygon[i] = vec2_add(belt->polygon[i], outward);
+    }
     *ends[side] += signs[side];
     around->edges[side] = SCENE_EDGE_WALL;
 }
@@ -126,14 +111,6 @@ static bf_status set_expected(const scene *s, micro_def *def, bf_error *err)
     return status;
 }
 
-// The step that "auto" stands for: the paper's, where that is stable, or the implicit integrator's own.
-static double choose_step(const micro_def *def)
-{
-    return def->integrator == MICRO_VERLET
-               ? fmin(1e-5, fmin(micro_dt_stable(def), micro_dt_plates(def)))
-               : micro_dt_chosen(def);
-}
-
 bf_status run__micro_init_setup(const scene *s, bf_world *w, int n_threads, run__micro_setup *setup,
                                 bf_error *err)
 {
@@ -141,7 +118,13 @@ bf_status run__micro_init_setup(const scene *s, bf_world *w, int n_threads, run_
     bf_status status = placement_of(s, &setup->placement, err);
     if (status != BF_OK)
         return status;
-    set_kinds(s, setup);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        setup->kinds[k] = (micro_kind){ .shape = s->cargo[k].shape,
+                                        .material = s->cargo[k].material,
+                                        .mass = s->cargo[k].mass,
+                                        .spin_radius = s->cargo[k].spin_friction_radius };
+    setup->def.n_kinds = s->n_cargo;
+    setup->def.kinds = setup->kinds;
     set_parameters(&s->micro, &setup->def);
     setup->def.n_parts = setup->placement.n;
     setup->def.poses = setup->placement.poses;
@@ -155,8 +138,14 @@ bf_status run__micro_init_setup(const scene *s, bf_world *w, int n_threads, run_
     }
     if (setup->def.hardens)
         setup->def.modulus_reduction = hardness_reduction(&setup->def);
-    if (setup->def.dt == 0.0)
-        setup->def.dt = scene_fit_step(s, choose_step(&setup->def), false);
+    if (setup->def.dt > 0.0)
+        return BF_OK;
+    // "auto" is the paper's, where that is stable, or the implicit integrator's own.
+    const double step =
+        setup->def.integrator == MICRO_VERLET
+            ? fmin(1e-5, fmin(micro_dt_stable(&setup->def), micro_dt_plates(&setup->def)))
+            : micro_dt_chosen(&setup->def);
+    setup->def.dt = scene_fit_step(s, step, false);
     return BF_OK;
 }
 

@@ -51,13 +51,6 @@ static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
                                       [PREDICTION_PAIR_STEPS] = 2.20e-06 },
 };
 
-static prediction_kind kind_of_macro(const scene_macro *macro)
-{
-    if (macro->closure == SCENE_CONGESTED)
-        return PREDICTION_CONGESTED;
-    return macro->scheme == SCENE_SCHEME_MUSCL ? PREDICTION_MUSCL : PREDICTION_ROE;
-}
-
 static prediction_kind kind_of_micro(const micro_def *def)
 {
     const bool is_implicit = def->integrator == MICRO_IMPLICIT;
@@ -88,7 +81,9 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     const double area = grid.d1 * grid.d2 * (double)grid_cells(&grid) * load->time;
     double *amounts = work->amounts;
 
-    work->kind = kind_of_macro(&s->macro);
+    work->kind = s->macro.closure == SCENE_CONGESTED     ? PREDICTION_CONGESTED
+                 : s->macro.scheme == SCENE_SCHEME_MUSCL ? PREDICTION_MUSCL
+                                                         : PREDICTION_ROE;
     amounts[PREDICTION_STEPS] = steps;
     amounts[PREDICTION_ROW_STEPS] = (double)grid.n2 * steps;
     amounts[PREDICTION_CELL_STEPS] = (double)grid_cells(&grid) * steps;

@@ -237,7 +237,8 @@ static bf_status review_opening(const scene *s, review_warnings *ret_warnings, b
 
     const bf_status status = layout_measure(s, &of, err);
     // One of 0 is closed, not narrow: validity says so.
-    if (status != BF_OK || of.opening.value == 0.0 || layout_fits(radius, of.opening.value))
+    if (status != BF_OK || of.opening.value == 0.0 ||
+        of.opening.value >= layout_least_width(radius))
         return status;
     snprintf(pointer, sizeof pointer, "/obstacles/%zu", of.opening.index);
     review_warning *item =

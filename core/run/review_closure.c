@@ -40,26 +40,19 @@ static void review_macro(const scene *s, review_warnings *ret_warnings)
         add_unused("/macro/mollifier_per_m2", "mollifier_per_m2", "dispersive", ret_warnings);
 }
 
-/// The member of an obstacle that another closure uses; NULL: all have their defaults.
-static const char *unused_member(const scene *s, const scene_obstacle *o)
-{
-    scene_obstacle d = { .treatment = o->treatment, .band = NAN, .slide_width = NAN };
-
-    scene_resolve_obstacle(&d, s->macro.mollifier);
-    if (o->treatment != SCENE_SEALED)
-        return "treatment";
-    if (o->band != d.band)
-        return "band_m";
-    return o->slide_width != d.slide_width ? "slide_width_m" : NULL;
-}
-
-/// The first obstacle with such a member stands for all.
+/// The first obstacle with a member that another closure uses stands for all.
 static void review_obstacles(const scene *s, review_warnings *ret_warnings)
 {
     char pointer[BF_POINTER_SIZE];
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
-        const char *member = unused_member(s, &s->obstacles[k]);
+        const scene_obstacle *o = &s->obstacles[k];
+        scene_obstacle d = { .treatment = o->treatment, .band = NAN, .slide_width = NAN };
+        scene_resolve_obstacle(&d, s->macro.mollifier);
+        const char *member = o->treatment != SCENE_SEALED      ? "treatment"
+                             : o->band != d.band               ? "band_m"
+                             : o->slide_width != d.slide_width ? "slide_width_m"
+                                                               : NULL;
         if (member == NULL)
             continue;
         snprintf(pointer, sizeof pointer, "/obstacles/%zu/%s", k, member);

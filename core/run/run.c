@@ -462,17 +462,6 @@ static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
     return status;
 }
 
-// Makes the tick of the present step, where there is one.
-static bf_status make_tick(run *r, const run_sink *sink, bf_error *err)
-{
-    if (r->control.n_tick == 0 || (r->step % r->control.n_tick != 0 && r->step < r->plan.n_steps))
-        return BF_OK;
-    bf_status status = control_tick(&r->control, r->solver, r->step, r->figures, sink, err);
-    if (status == BF_OK && control_is_drained(&r->control, r->solver))
-        r->reason = FRAME_END_DRAINED;
-    return status;
-}
-
 static bool is_over(const run *r)
 {
     return r->step == r->plan.n_steps || r->reason != FRAME_END_DURATION;
@@ -481,9 +470,15 @@ static bool is_over(const run *r)
 // Takes what is due at the present step.
 static bf_status take_results(run *r, const run_sink *sink, bf_error *err)
 {
-    figures_belts(r->figures, &r->world.belts, time_now(r));
-    bf_status status = make_tick(r, sink, err);
+    const bool is_tick =
+        r->control.n_tick > 0 && (r->step % r->control.n_tick == 0 || r->step >= r->plan.n_steps);
+    bf_status status = BF_OK;
 
+    figures_belts(r->figures, &r->world.belts, time_now(r));
+    if (is_tick)
+        status = control_tick(&r->control, r->solver, r->step, r->figures, sink, err);
+    if (is_tick && status == BF_OK && control_is_drained(&r->control, r->solver))
+        r->reason = FRAME_END_DRAINED;
     if (status == BF_OK && (r->step >= r->samples.step || is_over(r)))
         status = take_sample(r, sink, err);
     if (r->scene->until == SCENE_UNTIL_STEADY && figures_is_steady(r->figures))

@@ -151,22 +151,6 @@ static double length_before(const scene *s, const scene_feed *feed, const scene_
     return least / vec2_length(belt);
 }
 
-static void note_load(findings *f, const layout *of)
-{
-    const double load = f->rate / full_rate(f, of);
-
-    if (of->opening.value == 0.0)
-        return;
-    note(f, VALIDITY_LOAD, 100.0 * load, "/feeds");
-    if (load < FULL)
-        return;
-    for (size_t k = 0; k < f->s->n_feeds; k++)
-        note(f, VALIDITY_QUEUE,
-             length_before(f->s, &f->s->feeds[k], &f->s->obstacles[of->opening.index]) /
-                 f->diameter,
-             "/feeds/%zu", k);
-}
-
 static void note_heap(findings *f, const layout *of)
 {
     const double n_parts = (double)scene_parts(f->s), width = of->opening.value / f->diameter;
@@ -187,8 +171,15 @@ static void note_heap(findings *f, const layout *of)
              "/obstacles/%zu", of->opening.index);
     if (width > 0.0 && isfinite(width))
         note(f, VALIDITY_HEAP, n_parts / width, "/initial");
-    if (f->s->n_feeds > 0)
-        note_load(f, of);
+    if (f->s->n_feeds == 0 || of->opening.value == 0.0)
+        return;
+    const double load = f->rate / full_rate(f, of);
+    note(f, VALIDITY_LOAD, 100.0 * load, "/feeds");
+    for (size_t k = 0; k < f->s->n_feeds && load >= FULL; k++)
+        note(f, VALIDITY_QUEUE,
+             length_before(f->s, &f->s->feeds[k], &f->s->obstacles[of->opening.index]) /
+                 f->diameter,
+             "/feeds/%zu", k);
 }
 
 static void note_plates(findings *f, const layout *of)
@@ -227,15 +218,6 @@ static size_t count_velocities(const scene *s)
                      vec2_length(vec2_sub(s->belts[k].velocity, s->belts[i].velocity)) > 0.0;
         n += is_new;
     }
-    return n;
-}
-
-static double count_arcs(const scene *s)
-{
-    double n = 0.0;
-
-    for (size_t k = 0; k < s->n_belts; k++)
-        n += s->belts[k].arc.is_given;
     return n;
 }
 
@@ -317,41 +299,16 @@ static double belt_capacity(const scene *s, const scene_belt *belt)
     return scene_packing_density(s) * (high - low);
 }
 
-static void note_transfers(findings *f)
-{
-    if (f->s->n_feeds == 0)
-        return;
-    for (size_t k = 0; k < f->s->n_belts; k++)
-        note(f, VALIDITY_TRANSFER, 100.0 * f->rate / belt_capacity(f->s, &f->s->belts[k]),
-             "/belts/%zu", k);
-}
-
-static bf_status note_falls(findings *f, bf_error *err)
-{
-    const bf_status status = review_belts(f->s, &f->falls, err);
-
-    if (status == BF_OK)
-        note_count(f, VALIDITY_FALLS, f->falls.n, f->falls.items[0].pointer);
-    return status;
-}
-
 // ---- feeds
-
-static double batch_of(const scene_feed *feed)
-{
-    double batch = 1.0;
-
-    if (feed->demand != SCENE_DEMAND_SCHEDULE)
-        return feed->arrivals == SCENE_ARRIVALS_BATCH ? feed->batch_size : 1.0;
-    for (size_t k = 0; k < feed->schedule.n && feed->schedule.counts != NULL; k++)
-        batch = fmax(batch, feed->schedule.counts[k]);
-    return batch;
-}
 
 static void note_batches(findings *f)
 {
     for (size_t k = 0; k < f->s->n_feeds; k++) {
-        const double batch = batch_of(&f->s->feeds[k]);
+        const scene_feed *feed = &f->s->feeds[k];
+        const bool is_list = feed->demand == SCENE_DEMAND_SCHEDULE;
+        double batch = !is_list && feed->arrivals == SCENE_ARRIVALS_BATCH ? feed->batch_size : 1.0;
+        for (size_t i = 0; is_list && i < feed->schedule.n && feed->schedule.counts != NULL; i++)
+            batch = fmax(batch, feed->schedule.counts[i]);
         if (batch > 1.0)
             note(f, VALIDITY_BATCH, batch, "/feeds/%zu", k);
     }
@@ -522,27 +479,20 @@ static void note_kind(findings *f, size_t k, const shape_footprint *footprint)
          "/cargo%s/shape", place);
 }
 
-/// How many parts are of each kind: those at the start, and those of feeds by the shares of their mix.
-static void weigh_kinds(const scene *s, double ret_weights[SCENE_KINDS_MAX])
-{
-    size_t counts[SCENE_KINDS_MAX];
-
-    mix_count(s, scene_parts(s), counts);
-    for (size_t k = 0; k < s->n_cargo; k++)
-        ret_weights[k] = (double)counts[k];
-    for (size_t k = 0; k < s->n_feeds; k++) {
-        for (size_t i = 0; i < s->feeds[k].n_cargo; i++)
-            ret_weights[s->feeds[k].cargo[i].kind] += s->feeds[k].cargo[i].share;
-    }
-}
-
 static void note_shapes(findings *f)
 {
     const scene *s = f->s;
     double weights[SCENE_KINDS_MAX], all = 0.0, others = 0.0;
-    size_t other = 0;
+    size_t counts[SCENE_KINDS_MAX], other = 0;
 
-    weigh_kinds(s, weights);
+    // Of each kind: parts at the start, and those of feeds by the shares of their mix.
+    mix_count(s, scene_parts(s), counts);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        weights[k] = (double)counts[k];
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        for (size_t i = 0; i < s->feeds[k].n_cargo; i++)
+            weights[s->feeds[k].cargo[i].kind] += s->feeds[k].cargo[i].share;
+    }
     for (size_t k = 0; k < s->n_cargo; k++) {
         const bool is_other = s->cargo[k].shape.type != SCENE_CYLINDER;
         all += weights[k];
@@ -593,42 +543,35 @@ static void note_frictions(findings *f)
          "/contacts/conveyor_cargo/tanh_linear_s_m");
 }
 
-/// A constant: whether it has another value than in the comparison.
-typedef struct constant {
-    bool is_other;
-    const char *pointer;
-} constant;
-
+/// Constants that have other values than in the comparison.
 static void note_constants(findings *f)
 {
     const scene_macro *macro = &f->s->macro;
     const scene_micro *micro = &f->s->micro;
     const double dispersion = 2.0 * scene_belt_speed(f->s);
-    const constant dispersive[] = {
-        { macro->heaviside == SCENE_HEAVISIDE_SMOOTH, "/macro/heaviside" },
-        { fabs(macro->dispersion - dispersion) > ROUNDING * dispersion, "/macro/dispersion_m_s" },
-        { macro->mollifier < 1e3 || macro->mollifier > 1e4, "/macro/mollifier_per_m2" },
-    };
-    const constant congested[] = { { macro->jam_density != 0.93, "/macro/jam_density_ratio" } };
-    const constant parts[] = {
-        { micro->tension, "/micro/tension" },
-        { micro->damping != 0.1, "/micro/damping_per_s" },
-        { micro->gravity != 9.81, "/micro/gravity_m_s2" },
-    };
     const struct {
-        const constant *list;
-        size_t n;
-    } all[VALIDITY_SUBJECT_COUNT] = {
-        [VALIDITY_DISPERSIVE] = { dispersive, sizeof dispersive / sizeof *dispersive },
-        [VALIDITY_CONGESTED] = { congested, sizeof congested / sizeof *congested },
-        [VALIDITY_PARTS_MODEL] = { parts, sizeof parts / sizeof *parts },
+        validity_subject of;
+        bool is_other;
+        const char *pointer;
+    } constants[] = {
+        { VALIDITY_DISPERSIVE, macro->heaviside == SCENE_HEAVISIDE_SMOOTH, "/macro/heaviside" },
+        { VALIDITY_DISPERSIVE, fabs(macro->dispersion - dispersion) > ROUNDING * dispersion,
+          "/macro/dispersion_m_s" },
+        { VALIDITY_DISPERSIVE, macro->mollifier < 1e3 || macro->mollifier > 1e4,
+          "/macro/mollifier_per_m2" },
+        { VALIDITY_CONGESTED, macro->jam_density != 0.93, "/macro/jam_density_ratio" },
+        { VALIDITY_PARTS_MODEL, micro->tension, "/micro/tension" },
+        { VALIDITY_PARTS_MODEL, micro->damping != 0.1, "/micro/damping_per_s" },
+        { VALIDITY_PARTS_MODEL, micro->gravity != 9.81, "/micro/gravity_m_s2" },
     };
     const char *pointer = "";
     size_t n_others = 0;
 
-    for (size_t k = 0; k < all[f->subject].n; k++) {
-        n_others += all[f->subject].list[k].is_other;
-        pointer = all[f->subject].list[k].is_other ? all[f->subject].list[k].pointer : pointer;
+    for (size_t k = 0; k < sizeof constants / sizeof *constants; k++) {
+        if (constants[k].of != f->subject || !constants[k].is_other)
+            continue;
+        n_others++;
+        pointer = constants[k].pointer;
     }
     note_count(f, VALIDITY_CONSTANTS, n_others, pointer);
 }
@@ -652,9 +595,12 @@ static void note_grid(findings *f)
 static void note_figures(findings *f, const layout *of)
 {
     const size_t n_velocities = count_velocities(f->s);
-    const double n_arcs = count_arcs(f->s);
+    size_t n_arcs = 0;
+
+    for (size_t k = 0; k < f->s->n_belts; k++)
+        n_arcs += f->s->belts[k].arc.is_given;
     const bool is_free = of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 &&
-                         n_velocities == 1 && n_arcs == 0.0 && !f->is_moving;
+                         n_velocities == 1 && n_arcs == 0 && !f->is_moving;
 
     note_motions(f);
     note_batches(f);
@@ -662,11 +608,11 @@ static void note_figures(findings *f, const layout *of)
         return;
     note_plates(f, of);
     note(f, VALIDITY_BELTS, (double)n_velocities, "/belts");
-    if (n_arcs > 0.0)
-        note(f, VALIDITY_ARCS, n_arcs, "/belts");
+    note_count(f, VALIDITY_ARCS, n_arcs, "/belts");
     note_turns(f);
-    if (n_velocities > 1)
-        note_transfers(f);
+    for (size_t k = 0; k < f->s->n_belts && n_velocities > 1 && f->s->n_feeds > 0; k++)
+        note(f, VALIDITY_TRANSFER, 100.0 * f->rate / belt_capacity(f->s, &f->s->belts[k]),
+             "/belts/%zu", k);
     note_walls(f, of);
     note_heap(f, of);
     note_speeds(f);
@@ -730,10 +676,12 @@ static bf_status find(const scene *s, validity_subject subject, findings **ret_f
     if (status == BF_OK)
         status = note_swept(f, &of, err);
     if (status == BF_OK)
-        status = note_falls(f, err);
-    if (status == BF_OK)
-        note_figures(f, &of);
-    return status;
+        status = review_belts(s, &f->falls, err);
+    if (status != BF_OK)
+        return status;
+    note_count(f, VALIDITY_FALLS, f->falls.n, f->falls.items[0].pointer);
+    note_figures(f, &of);
+    return BF_OK;
 }
 
 bf_status validity_of(const scene *s, validity *ret_validity, bf_error *err)

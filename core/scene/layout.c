@@ -35,12 +35,12 @@ typedef struct piece {
 typedef struct measuring {
     const scene *s;
     surroundings around;
-    double closed_gap;   ///< of a gap at a wall, m
-    double radius;       ///< of the largest part, m
-    double inner_radius; ///< of the narrowest part, m
-    size_t n;            ///< pieces
-    piece *pieces;       ///< n of them
-    size_t *groups;      ///< of the pieces and then the sides: another of the same body, or itself
+    double closed_gap;  ///< of a gap at a wall, m
+    double radius;      ///< of the largest part, m
+    double least_width; ///< of a gap that the narrowest part fits through, m
+    size_t n;           ///< pieces
+    piece *pieces;      ///< n of them
+    size_t *groups;     ///< of the pieces and then the sides: another of the same body, or itself
     layout_figure opening;  ///< the narrowest found so far that a part fits through
     layout_figure gap;      ///< the narrowest of the others
     double steps_of_lookup; ///< to find the belt under a point
@@ -93,14 +93,6 @@ static bool make_piece(const measuring *m, size_t obstacle, size_t index, piece 
     surroundings_piece_corners(&cut, p.corners);
     *ret_piece = p;
     return true;
-}
-
-static void collect_pieces(measuring *m)
-{
-    for (size_t k = 0; k < m->s->n_obstacles; k++) {
-        for (size_t i = 0; i + 1 < m->s->obstacles[k].n_points; i++)
-            m->n += make_piece(m, k, i, &m->pieces[m->n]);
-    }
 }
 
 // ---- bodies: what touches
@@ -289,15 +281,15 @@ static bool is_passage(measuring *m, vec2 a, vec2 b, bool are_guides)
     return false;
 }
 
-bool layout_fits(double inner_radius, double width)
+double layout_least_width(double inner_radius)
 {
-    return width >= 2.0 * inner_radius - SCENE_LENGTH_MIN;
+    return 2.0 * inner_radius - SCENE_LENGTH_MIN;
 }
 
 static void consider_opening(measuring *m, const piece *p, vec2 a, vec2 b, double width,
                              bool are_guides)
 {
-    layout_figure *narrowest = layout_fits(m->inner_radius, width) ? &m->opening : &m->gap;
+    layout_figure *narrowest = width >= m->least_width ? &m->opening : &m->gap;
 
     if (width < narrowest->value && m->steps <= STEPS_MAX && is_passage(m, a, b, are_guides))
         *narrowest = (layout_figure){ width, p->obstacle };
@@ -414,13 +406,12 @@ static void measure_bends(const measuring *m, layout *out)
     }
 }
 
-/// True if plates leave nothing but gaps between two opposite walls that no part fits through (layout_fits()).
+/// True if plates leave nothing but gaps between two opposite walls that no part fits through.
 static bool closes_but_for_gaps(measuring *m)
 {
-    const double width = 2.0 * m->inner_radius - SCENE_LENGTH_MIN;
     bool closes = false;
 
-    join_bodies(m, fmax(width, m->closed_gap), fmax(width, SCENE_LENGTH_MIN));
+    join_bodies(m, fmax(m->least_width, m->closed_gap), fmax(m->least_width, SCENE_LENGTH_MIN));
     for (size_t k = 0; k < m->n && !closes; k++)
         closes = m->pieces[k].deflects && closes_domain(m, body_of(m, k));
     return closes;
@@ -480,7 +471,7 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
 {
     measuring m = { .s = s,
                     .radius = mix_radii_of(s).largest,
-                    .inner_radius = mix_inner_radii_of(s).smallest,
+                    .least_width = layout_least_width(mix_inner_radii_of(s).smallest),
                     .around = surroundings_of(s),
                     .closed_gap = fmax(0.5 * scene_cell_edge(s), SCENE_LENGTH_MIN),
                     .opening = { INFINITY, 0 },
@@ -500,7 +491,9 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
     m.pieces = memory_alloc(out.n_pieces, sizeof *m.pieces);
     m.groups = memory_alloc(out.n_pieces + SCENE_SIDE_COUNT, sizeof *m.groups);
     if (m.pieces != NULL && m.groups != NULL) {
-        collect_pieces(&m);
+        for (size_t k = 0; k < s->n_obstacles; k++)
+            for (size_t i = 0; i + 1 < s->obstacles[k].n_points; i++)
+                m.n += make_piece(&m, k, i, &m.pieces[m.n]);
         join_bodies(&m, m.closed_gap, SCENE_LENGTH_MIN);
         measure_openings(&m);
         out.opening = m.opening;

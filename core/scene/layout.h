@@ -50,8 +50,8 @@ typedef struct layout {
                               ///< index of the side
 } layout;
 
-/// True if a part whose inner radius (mix_inner_radii_of()) is this one, m, fits through a gap of a width, m.
-bool layout_fits(double inner_radius, double width);
+/// The least width of a gap that a part whose inner radius (mix_inner_radii_of()) is this one fits through, m.
+double layout_least_width(double inner_radius);
 
 /// Measure a resolved scene whose numbers and geometry were checked. BF_ENOMEM.
 BF_MUST_CHECK bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err);
