@@ -140,16 +140,6 @@ void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w)
     }
 }
 
-// What follows from an origin is made again.
-static bool load_origin(belt_speeds_curve *c, checkpoint_reader *r)
-{
-    if (!checkpoint_read(r, &c->origin, sizeof c->origin) ||
-        c->origin.next > c->belt->speed_schedule.n_times)
-        return false;
-    fill(c->belt, c);
-    return true;
-}
-
 bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r)
 {
     saved_curve saved;
@@ -162,9 +152,14 @@ bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r)
             (c->belt == NULL && saved.n > COMMAND_KNOTS))
             return false;
         c->was_commanded = saved.n > 0;
-        if (c->belt != NULL && !load_origin(c, r))
-            return false;
-        if (c->belt != NULL || !c->was_commanded)
+        if (c->belt != NULL) {
+            if (!checkpoint_read(r, &c->origin, sizeof c->origin) ||
+                c->origin.next > c->belt->speed_schedule.n_times)
+                return false;
+            fill(c->belt, c); // what follows from the origin
+            continue;
+        }
+        if (!c->was_commanded)
             continue;
         memcpy(c->knots, saved.knots, sizeof saved.knots);
         c->n = saved.n;

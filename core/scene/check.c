@@ -124,7 +124,7 @@ static void check_interval(double low, double high, size_t k, const char *member
 {
     char pointer[BF_POINTER_SIZE];
 
-    if (fabs(low) <= SCENE_LENGTH_MAX && fabs(high) <= SCENE_LENGTH_MAX && low < high)
+    if (is_interval(low, high))
         return;
     snprintf(pointer, sizeof pointer, "/counters/%zu/%s", k, member);
     faults_add(faults, pointer, "must be [from, to] with from < to, within %g m", SCENE_LENGTH_MAX);
@@ -216,14 +216,6 @@ static const char *point_at(const scene *s, size_t k, char *room, size_t size)
     return room;
 }
 
-static void check_kind_id(const scene *s, size_t k, bf_faults *faults)
-{
-    if (s->is_mix)
-        scene__check_id(s->cargo, sizeof *s->cargo, "cargo", k, faults);
-    else if (!scene_is_id(s->cargo[k].id))
-        faults_add(faults, "/cargo/id", ID_TEXT, SCENE_ID_SIZE - 1);
-}
-
 static void check_cargo(const scene *s, bf_faults *faults)
 {
     char room[BF_POINTER_SIZE];
@@ -231,8 +223,10 @@ static void check_cargo(const scene *s, bf_faults *faults)
     for (size_t k = 0; k < s->n_cargo; k++) {
         const scene_cargo *kind = &s->cargo[k];
         const char *pointer = point_at(s, k, room, sizeof room);
-        if (kind->id[0] != '\0')
-            check_kind_id(s, k, faults);
+        if (kind->id[0] != '\0' && s->is_mix)
+            scene__check_id(s->cargo, sizeof *s->cargo, "cargo", k, faults);
+        else if (kind->id[0] != '\0' && !scene_is_id(kind->id))
+            faults_add(faults, "/cargo/id", ID_TEXT, SCENE_ID_SIZE - 1);
         scene__check_numbers(kind, pointer, kind_rules, sizeof kind_rules / sizeof *kind_rules,
                              faults);
         if (s->is_mix)
@@ -280,49 +274,31 @@ static void check_limit(double figure, double limit, const char *what, const cha
         faults_add_limit(faults, pointer, "%.10g %s, the limit is %.10g", figure, what, limit);
 }
 
-static void check_density_work(const scene *s, const cells *c, bf_faults *faults)
-{
-    // A part counts to where its Gaussian has fallen to 2^-53, see density.h.
-    const double n_cells = c->n1 * c->n2;
-    const double reached = 2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * c->d1 * c->d2);
-
-    // Too many parts are reported at their source.
-    double n_parts = fmin((double)scene_parts(s), SCENE_PARTS_MAX);
-
-    check_limit(n_parts * fmin(reached, n_cells), SCENE_INITIAL_WORK_MAX,
-                "values to sum up for the density at the start", "/macro/initial_mollifier_per_m2",
-                faults);
-}
-
-/// Note a grid that is too large. Returns true if it is not.
-static bool check_grid(const scene *s, const cells *c, bf_faults *faults)
-{
-    size_t n_before = faults->n;
-
-    if (s->macro.closure == SCENE_CONGESTED)
-        check_limit(c->n1 * c->n2, SCENE_CONGESTED_CELLS_MAX, "cells with the congested closure",
-                    "/macro/cell_m", faults);
-    else
-        check_limit(c->n1 * c->n2, SCENE_CELLS_MAX, "cells", "/macro/cell_m", faults);
-    check_limit(fmax(c->n1, c->n2), SCENE_CELLS_SIDE_MAX, "cells in a row", "/macro/cell_m",
-                faults);
-    return faults->n == n_before;
-}
-
 static void check_sizes(const scene *s, bf_faults *faults)
 {
     const cells c = cells_of(s);
-    double n_snapshots = scene_snapshots(s);
+    const double n_snapshots = scene_snapshots(s);
+    const bool is_congested = s->macro.closure == SCENE_CONGESTED;
 
     check_limit(scene_samples(s), SCENE_SAMPLES_MAX, "samples of the curve",
                 "/output/curve_every_s", faults);
     check_limit(n_snapshots, SCENE_SNAPSHOTS_MAX, "snapshots", "/output/snapshot_every_s", faults);
     // Faults that follow from an invalid cell size are not reported again.
-    if (!check_grid(s, &c, faults))
+    const size_t n_before = faults->n;
+    check_limit(c.n1 * c.n2, is_congested ? SCENE_CONGESTED_CELLS_MAX : SCENE_CELLS_MAX,
+                is_congested ? "cells with the congested closure" : "cells", "/macro/cell_m",
+                faults);
+    check_limit(fmax(c.n1, c.n2), SCENE_CELLS_SIDE_MAX, "cells in a row", "/macro/cell_m", faults);
+    if (faults->n > n_before)
         return;
     check_limit(n_snapshots * c.n1 * c.n2 * (double)sizeof(float), SCENE_SNAPSHOT_BYTES_MAX,
                 "bytes of snapshots", "/output/snapshot_every_s", faults);
-    check_density_work(s, &c, faults);
+    // A part counts to where its Gaussian has fallen to 2^-53, see density.h. Too many parts are reported at their source.
+    const double reached = 2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * c.d1 * c.d2);
+    const double n_parts = fmin((double)scene_parts(s), SCENE_PARTS_MAX);
+    check_limit(n_parts * fmin(reached, c.n1 * c.n2), SCENE_INITIAL_WORK_MAX,
+                "values to sum up for the density at the start", "/macro/initial_mollifier_per_m2",
+                faults);
 }
 
 static void check_count(double n, const char *pointer, bf_faults *faults)
@@ -428,19 +404,10 @@ static void check_placement(scene *s, bf_faults *faults)
     }
 }
 
-static void check_feed_lines(const scene *s, bf_faults *faults)
-{
-    bf_error err;
-
-    if (scene__check_feed_lines(s, faults) == BF_OK)
-        return;
-    (void)bf_fail(&err, BF_ENOMEM, "/feeds", "no memory for the check of %zu feeds", s->n_feeds);
-    faults_add_error(faults, &err);
-}
-
 void scene_check(scene *s, bf_faults *faults)
 {
     size_t n_before = faults->n;
+    bf_error err;
 
     placement_fini(&s->placement);
     if (!check_work(s, faults))
@@ -461,6 +428,9 @@ void scene_check(scene *s, bf_faults *faults)
     const bool is_sound = faults->n == n_before;
     if (n_domain == n_before && faults->n == n_others)
         check_placement(s, faults);
-    if (is_sound)
-        check_feed_lines(s, faults);
+    if (is_sound && scene__check_feed_lines(s, faults) != BF_OK) {
+        (void)bf_fail(&err, BF_ENOMEM, "/feeds", "no memory for the check of %zu feeds",
+                      s->n_feeds);
+        faults_add_error(faults, &err);
+    }
 }

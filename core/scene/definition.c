@@ -73,16 +73,6 @@ static uint64_t add_belts(uint64_t digest, size_t n, const scene_belt *belts)
     return digest;
 }
 
-static uint64_t add_obstacles(uint64_t digest, size_t n, const scene_obstacle *obstacles)
-{
-    for (size_t k = 0; k < n; k++) {
-        const scene_obstacle *o = &obstacles[k];
-        digest = ADD_NUMBERS(digest, o->thickness, o->treatment, o->band, o->slide_width);
-        digest = ADD_ITEMS(digest, o->path, o->n_points);
-    }
-    return digest;
-}
-
 static uint64_t add_cargo(uint64_t digest, const scene *s)
 {
     const scene_initial *i = &s->initial;
@@ -145,21 +135,15 @@ static uint64_t add_feed(uint64_t digest, const scene_feed *f)
     return add_array(digest, l->headings, l->n, sizeof *l->headings);
 }
 
-// Nothing where there are no feeds.
-static uint64_t add_feeds(uint64_t digest, const scene *s)
+// Nothing where there are no feeds, nothing moves and there are no photo eyes.
+static uint64_t add_equipment(uint64_t digest, const scene *s)
 {
-    if (s->n_feeds == 0)
-        return digest;
-    digest = ADD_NUMBERS(digest, (double)s->n_feeds, (double)s->substream);
+    if (s->n_feeds > 0)
+        digest = ADD_NUMBERS(digest, (double)s->n_feeds, (double)s->substream);
     for (size_t k = 0; k < s->n_feeds; k++)
         digest = add_feed(digest, &s->feeds[k]);
-    return digest;
-}
-
-static uint64_t add_motions(uint64_t digest, size_t n, const scene_obstacle *obstacles)
-{
-    for (size_t k = 0; k < n; k++) {
-        const scene_obstacle *o = &obstacles[k];
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *o = &s->obstacles[k];
         if (!scene_obstacle_moves(o))
             continue;
         digest = ADD_NUMBERS(digest, (double)k, o->pivot.x, o->pivot.y);
@@ -169,13 +153,6 @@ static uint64_t add_motions(uint64_t digest, size_t n, const scene_obstacle *obs
         if (o->force_limit > 0.0)
             digest = ADD_NUMBERS(digest, o->force_limit);
     }
-    return digest;
-}
-
-// Nothing where nothing moves and there are no photo eyes.
-static uint64_t add_equipment(uint64_t digest, const scene *s)
-{
-    digest = add_motions(digest, s->n_obstacles, s->obstacles);
     for (size_t k = 0; k < s->n_eyes; k++) {
         const scene_photo_eye *e = &s->eyes[k];
         digest = ADD_NUMBERS(digest, e->line[0].x, e->line[0].y, e->line[1].x, e->line[1].y,
@@ -216,7 +193,11 @@ uint64_t definition_digest(const scene *s)
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         digest = ADD_NUMBERS(digest, s->edges[side]);
     digest = add_belts(digest, s->n_belts, s->belts);
-    digest = add_obstacles(digest, s->n_obstacles, s->obstacles);
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *o = &s->obstacles[k];
+        digest = ADD_NUMBERS(digest, o->thickness, o->treatment, o->band, o->slide_width);
+        digest = ADD_ITEMS(digest, o->path, o->n_points);
+    }
     digest = add_cargo(digest, s);
     for (size_t k = 0; k < s->n_counters; k++)
         digest = ADD_ITEMS(digest, &s->counters[k].rect, 1);
@@ -226,7 +207,7 @@ uint64_t definition_digest(const scene *s)
                          macro->initial_mollifier, macro->packing);
     if (macro->closure != SCENE_DISPERSIVE)
         digest = ADD_NUMBERS(digest, macro->closure, macro->jam_density);
-    digest = add_schedule(add_equipment(add_feeds(digest, s), s), s);
+    digest = add_schedule(add_equipment(digest, s), s);
     digest = ADD_NUMBERS(digest, micro->integrator, micro->path, micro->step,
                          micro->modulus_reduction, micro->overlap_limit, micro->tension,
                          micro->damping, micro->gravity, micro->spin_friction_radius);

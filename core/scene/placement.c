@@ -70,23 +70,13 @@ static bool is_inside(const surroundings *around, const shape_footprint *footpri
     return true;
 }
 
-static scene_pose draw_pose(const scene_rect *region, bool is_turned, bf_random *random)
-{
-    scene_pose pose = { .heading = 0.0 };
-
-    pose.x = region->x_min + random_unit(random) * (region->x_max - region->x_min);
-    pose.y = region->y_min + random_unit(random) * (region->y_max - region->y_min);
-    if (is_turned)
-        pose.heading = random_unit(random) * (2.0 * M_PI);
-    return pose;
-}
-
 /// Place parts at random until all fit, too many places were tried, that took more than so many steps or was cancelled.
 /// Returns how many.
 static size_t fill_region(const scene *s, uint64_t steps_max, const bf_faults *check,
                           overlap_grid *c, scene_pose *ret_poses)
 {
     const surroundings around = surroundings_of(s);
+    const scene_rect *region = &s->initial.region;
     size_t n = 0, other;
     bf_random random;
 
@@ -96,20 +86,17 @@ static size_t fill_region(const scene *s, uint64_t steps_max, const bf_faults *c
          !faults_are_cancelled(check);
          left--) {
         const shape_footprint *footprint = footprint_of(c, n);
-        scene_pose pose = draw_pose(&s->initial.region, footprint->n_corners > 0, &random);
+        scene_pose pose = { .heading = 0.0 };
+        pose.x = region->x_min + random_unit(&random) * (region->x_max - region->x_min);
+        pose.y = region->y_min + random_unit(&random) * (region->y_max - region->y_min);
+        if (footprint->n_corners > 0)
+            pose.heading = random_unit(&random) * (2.0 * M_PI);
         if (is_inside(&around, footprint, pose) && !overlap_grid_overlaps(c, n, pose, &other)) {
             ret_poses[n] = pose;
             overlap_grid_add(c, n++);
         }
     }
     return n;
-}
-
-/// Largest fraction of a region that is worth a try. Random places jam near 0.55; a few parts that extend
-/// over a small region's border may exceed it.
-static double limit_cover(size_t n)
-{
-    return n < 10000 ? 1.0 : 0.6;
 }
 
 /// What random parts would do to their region, by means over their kinds.
@@ -159,7 +146,8 @@ static crowding predict_crowding(const scene *s, const shape_footprint *footprin
 
 static bf_status check_crowding(size_t n, const crowding *of, bf_error *err)
 {
-    if (of->cover > limit_cover(n))
+    // Random places jam near 0.55; a few parts that extend over a small region's border may exceed it.
+    if (of->cover > (n < 10000 ? 1.0 : 0.6))
         return bf_fail(err, BF_EINPUT, "/initial/random",
                        "%zu parts would cover %.0f %% of the region, and random places without "
                        "overlap fill about half of it",

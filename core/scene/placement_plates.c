@@ -144,15 +144,6 @@ static void check_strip(plate_findings *f, const scene_obstacle *obstacle, const
     }
 }
 
-static void check_piece(plate_findings *f, const scene_obstacle *obstacle, const vec2 plate[4])
-{
-    const scene_rect box = box_of(plate, -INFINITY, INFINITY);
-    const size_t last = strip_at(f, box.y_max + f->radius);
-
-    for (size_t strip = strip_at(f, box.y_min - f->radius); strip <= last && !has_ended(f); strip++)
-        check_strip(f, obstacle, plate, strip);
-}
-
 static void check_pieces(plate_findings *f, const plate_pieces *pieces)
 {
     const scene *s = f->s;
@@ -160,8 +151,12 @@ static void check_pieces(plate_findings *f, const plate_pieces *pieces)
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points && !has_ended(f); m++) {
-            if (plate_pieces_get(pieces, k, m, plate))
-                check_piece(f, &s->obstacles[k], plate);
+            if (!plate_pieces_get(pieces, k, m, plate))
+                continue;
+            const scene_rect box = box_of(plate, -INFINITY, INFINITY);
+            const size_t last = strip_at(f, box.y_max + f->radius);
+            for (size_t i = strip_at(f, box.y_min - f->radius); i <= last && !has_ended(f); i++)
+                check_strip(f, &s->obstacles[k], plate, i);
         }
     }
     if (f->steps > SCENE_PLACEMENT_STEPS_MAX)

@@ -46,24 +46,16 @@ uint32_t scene_gap_shape(const scene *s)
     return s->n_feeds > 0 ? 0 : 1;
 }
 
-// Whether an eye commands something that draws the gaps between a density's parts.
-static bool commands_by_draws(const scene *s)
-{
-    bool is_drawing = false;
-
-    for (size_t k = 0; k < s->n_actions; k++)
-        is_drawing = is_drawing || s->eyes[s->actions[k].eye].density_ratio == 0.0;
-    return is_drawing && scene_gap_shape(s) > 0;
-}
-
 bool scene_has_chance(const scene *s, bool is_density)
 {
     for (size_t k = 0; k < s->n_belts; k++)
         if (belt_stops_are_drawn(&s->belts[k].stops))
             return true;
-    if (is_density)
-        return commands_by_draws(s);
-    for (size_t k = 0; k < s->n_feeds; k++)
+    // An eye may command something that draws the gaps between a density's parts.
+    for (size_t k = 0; k < s->n_actions && is_density; k++)
+        if (s->eyes[s->actions[k].eye].density_ratio == 0.0)
+            return scene_gap_shape(s) > 0;
+    for (size_t k = 0; k < s->n_feeds && !is_density; k++)
         if (has_draws(&s->feeds[k]))
             return true;
     return false;

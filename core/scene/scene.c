@@ -177,14 +177,6 @@ void scene_resolve_obstacle(scene_obstacle *o, double mollifier)
     fill_in(&o->slide_width, is_sealed ? SCENE_SLIDE_FACTOR / sqrt(mollifier) : SCENE_SLIDE_WIDTH);
 }
 
-static void resolve_counter(scene_counter *c, const scene_rect *domain)
-{
-    fill_in(&c->rect.x_min, domain->x_min);
-    fill_in(&c->rect.x_max, domain->x_max);
-    fill_in(&c->rect.y_min, domain->y_min);
-    fill_in(&c->rect.y_max, domain->y_max);
-}
-
 // See scene_packing_density(). Rounding errors must not turn 1000 into 999.9.
 static double cut_to_four_digits(double value)
 {
@@ -257,14 +249,13 @@ static void resolve_cargo(scene *s)
     fill_in(&s->macro.initial_mollifier, are_sound ? derived_initial_mollifier(s) : 1.0);
 }
 
-// The line of a feed on a side: what is not given of its extent along the side is the whole side.
-static void resolve_feed_line(scene_feed *f, const scene_rect *domain)
+static void resolve_feed(const scene *s, scene_feed *f)
 {
     const bool is_along_y = f->edge == SCENE_WEST || f->edge == SCENE_EAST;
+    const scene_rect *domain = &s->domain;
 
-    if (!f->is_edge)
-        return;
-    for (int end = 0; end < 2; end++) {
+    // On a side what is not given of the line's extent along it is the whole side.
+    for (int end = 0; f->is_edge && end < 2; end++) {
         fill_in(&f->line[end].x, end == 0 ? domain->x_min : domain->x_max);
         fill_in(&f->line[end].y, end == 0 ? domain->y_min : domain->y_max);
         if (is_along_y)
@@ -272,11 +263,6 @@ static void resolve_feed_line(scene_feed *f, const scene_rect *domain)
         else
             f->line[end].y = f->edge == SCENE_SOUTH ? domain->y_min : domain->y_max;
     }
-}
-
-static void resolve_feed(scene *s, scene_feed *f)
-{
-    resolve_feed_line(f, &s->domain);
     if (f->n_cargo > 0)
         return;
     f->n_cargo = s->n_cargo;
@@ -361,8 +347,12 @@ static void resolve_derived(scene *s)
         scene_resolve_obstacle(&s->obstacles[k], mollifier);
     }
     for (size_t k = 0; k < s->n_counters; k++) {
-        fill_in_id(s->counters[k].id, "upstream", k);
-        resolve_counter(&s->counters[k], &s->domain);
+        scene_counter *c = &s->counters[k];
+        fill_in_id(c->id, "upstream", k);
+        fill_in(&c->rect.x_min, s->domain.x_min);
+        fill_in(&c->rect.x_max, s->domain.x_max);
+        fill_in(&c->rect.y_min, s->domain.y_min);
+        fill_in(&c->rect.y_max, s->domain.y_max);
     }
     resolve_feeds_and_eyes(s);
 }

@@ -8,22 +8,14 @@
 #include <math.h>
 #include <string.h>
 
-// Radii matter where a belt has a border.
-static double smallest_bridge(const scene *s)
+surroundings surroundings_of(const scene *s)
 {
-    bool has_border = false;
+    surroundings around = { .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts };
+    bool has_border = false; // else radii do not matter
 
     for (size_t k = 0; k < s->n_belts; k++)
         has_border = has_border || s->belts[k].n_points > 0;
-    return has_border ? mix_inner_radii_of(s).smallest : 0.0;
-}
-
-surroundings surroundings_of(const scene *s)
-{
-    surroundings around = {
-        .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts, .bridge = smallest_bridge(s)
-    };
-
+    around.bridge = has_border ? mix_inner_radii_of(s).smallest : 0.0;
     memcpy(around.edges, s->edges, sizeof around.edges);
     return around;
 }

@@ -80,12 +80,6 @@ static void leave_held(const double *point, size_t d, int held, double *ret_poin
             ret_point[k++] = point[i];
 }
 
-static void put_held(const double *point, size_t d, const calibration_fit *fit, double *ret_point)
-{
-    for (size_t i = 0, k = 0; i < d; i++)
-        ret_point[i] = (int)i == fit->held ? fit->start[i] : point[k++];
-}
-
 // What a search knows, in its own parameters: points at the value that is held.
 static void gather_known(const study *s, const calibration_fit *fit, double *points, double *values,
                          search_known *ret_known)
@@ -128,7 +122,8 @@ static bf_status ask(const study *s, const calibration_fit *fit, double *scratch
                    .tolerance = fit->held == NONE ? s->definition.tolerance : profile_tolerance },
         &known, fit->n_asked, ROUND_MAX, own, ret_n, err);
     for (size_t k = 0; status == BF_OK && k < *ret_n; k++)
-        put_held(own + k * d_own, d, fit, ret_points + k * d);
+        for (size_t i = 0, from = k * d_own; i < d; i++)
+            ret_points[k * d + i] = (int)i == fit->held ? fit->start[i] : own[from++];
     return status;
 }
 
@@ -213,15 +208,6 @@ static void begin_fits(study *s, size_t n_max)
         s->costs[point] = study_cost(s, point);
 }
 
-static void begin_left_out(study *s, size_t n_max)
-{
-    const size_t n_values = s->definition.n_values, d = s->definition.d;
-    const double *answer = s->at + s->calibration->answer * d;
-
-    for (size_t j = 0; n_values > 1 && j < n_values; j++)
-        begin_fit(s->calibration, answer, d, near_step, n_max / n_values)->left_out = (int)j;
-}
-
 // A place of the profile of a parameter; side 0 is below the answer, 1 above.
 static double place_of(const study *s, size_t parameter, int side, size_t place)
 {
@@ -296,9 +282,10 @@ static void begin_stage(study *s)
         c->answer = best_without(s, NONE);
     if (c->answer == SIZE_MAX)
         return;
-    if (c->stage == 3)
-        begin_left_out(s, n_fits / 4);
-    else
+    const size_t n_values = s->definition.n_values, d = s->definition.d;
+    for (size_t j = 0; c->stage == 3 && n_values > 1 && j < n_values; j++)
+        begin_fit(c, s->at + c->answer * d, d, near_step, n_fits / 4 / n_values)->left_out = (int)j;
+    if (c->stage == STAGES)
         begin_profiles(s, n_left);
 }
 

@@ -23,13 +23,9 @@ static double least_value(const pruning_state *now)
     }
 }
 
-// The largest one.
-static double largest_value(const pruning_state *now)
-{
-    return now->figure == FIGURE_GAP_MIN ? now->value : (double)INFINITY;
-}
-
 bool pruning_is_hopeless(const pruning_state *now, double best)
 {
-    return now->is_maximized ? largest_value(now) < best : least_value(now) > best;
+    if (!now->is_maximized)
+        return least_value(now) > best;
+    return now->figure == FIGURE_GAP_MIN && now->value < best; // others may still grow
 }

@@ -32,20 +32,14 @@ static const struct {
     { 131, { 1, 3, 7, 11, 23, 15, 103 } },
 };
 
-static unsigned degree_of(unsigned polynomial)
+// m_1, m_2, ... by the recurrence m_k = 2 a_1 m_(k-1) ^ ... ^ 2^s m_(k-s) ^ m_(k-s); all 1 in the first dimension.
+static void extend(unsigned dimension, uint32_t m[SOBOL_BITS])
 {
+    const unsigned polynomial = table[dimension].polynomial;
     unsigned degree = 0;
 
     while (polynomial >> (degree + 1) != 0)
         degree++;
-    return degree;
-}
-
-// m_1, m_2, ... by the recurrence m_k = 2 a_1 m_(k-1) ^ ... ^ 2^s m_(k-s) ^ m_(k-s); all 1 in the first dimension.
-static void extend(unsigned dimension, uint32_t m[SOBOL_BITS])
-{
-    const unsigned polynomial = table[dimension].polynomial, degree = degree_of(polynomial);
-
     for (unsigned k = 0; k < SOBOL_BITS; k++) {
         if (k < degree || degree == 0) {
             m[k] = degree == 0 ? 1 : table[dimension].m[k];
