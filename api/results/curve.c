@@ -200,13 +200,6 @@ bf_status results_read_curve_column(const char *text, size_t n, char *ret_name, 
     return BF_OK;
 }
 
-static bf_status note_line(bf_buffer *lines, size_t line, bf_error *err)
-{
-    if (lines == NULL || buffer_append(lines, &line, sizeof line) == BF_OK)
-        return BF_OK;
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
-}
-
 bf_status results_read_curve_csv(const char *text, size_t n, const char *id, bf_buffer *t,
                                  bf_buffer *parts, bf_buffer *lines, bf_error *err)
 {
@@ -226,8 +219,8 @@ bf_status results_read_curve_csv(const char *text, size_t n, const char *id, bf_
         if (row.n == 0)
             continue;
         status = read_row(row, column, n_columns, line, t, parts, err);
-        if (status == BF_OK)
-            status = note_line(lines, line, err);
+        if (status == BF_OK && lines != NULL && buffer_append(lines, &line, sizeof line) != BF_OK)
+            status = bf_fail(err, BF_ENOMEM, "", "out of memory");
     }
     if (status != BF_OK) {
         buffer_truncate(t, n_t);

@@ -180,19 +180,6 @@ bf_status lease_json_read_worker(const char *json, size_t n, api_worker *ret_wor
     return status;
 }
 
-// Numbers of jobs are places in lists of this size.
-static void check_numbers(json_in *in, const api_renewal *renewal)
-{
-    bool is_good = true;
-
-    for (size_t k = 0; k < renewal->n_jobs; k++)
-        is_good = is_good && renewal->jobs[k].job < API_LEASE_JOBS_MAX;
-    for (size_t k = 0; k < renewal->n_ended; k++)
-        is_good = is_good && renewal->ended[k].report.job < API_LEASE_JOBS_MAX;
-    if (!is_good)
-        fault_at(in, "jobs", "no lease has a job of this number");
-}
-
 bf_status lease_json_read_renewal(const char *json, size_t n, api_renewal *ret_renewal,
                                   bf_faults *faults, bf_error *err)
 {
@@ -201,8 +188,14 @@ bf_status lease_json_read_renewal(const char *json, size_t n, api_renewal *ret_r
 
     bf_status status = read_document(json, n, &lease_json_renewal_members, &renewal, &in, err);
     if (status == BF_OK) {
+        bool are_good = true; // numbers of jobs are places in lists of this size
+        for (size_t k = 0; k < renewal.n_jobs; k++)
+            are_good = are_good && renewal.jobs[k].job < API_LEASE_JOBS_MAX;
+        for (size_t k = 0; k < renewal.n_ended; k++)
+            are_good = are_good && renewal.ended[k].report.job < API_LEASE_JOBS_MAX;
         check_name(&in, renewal.worker);
-        check_numbers(&in, &renewal);
+        if (!are_good)
+            fault_at(&in, "jobs", "no lease has a job of this number");
         status = json_in_status(&in, err);
     }
     if (status == BF_OK)

@@ -28,21 +28,15 @@ bf_status results__npy_head(const char *type, size_t n1, size_t n2, bf_buffer *o
     return status;
 }
 
-static void reverse_each(char *bytes, size_t n, size_t size)
+void results__order_bytes(char *bytes, size_t n, size_t size)
 {
-    for (size_t k = 0; k < n; k++, bytes += size) {
+    for (size_t k = 0; BYTE_ORDER == BIG_ENDIAN && k < n; k++, bytes += size) {
         for (size_t from = 0, to = size - 1; from < to; from++, to--) {
             char byte = bytes[from];
             bytes[from] = bytes[to];
             bytes[to] = byte;
         }
     }
-}
-
-void results__order_bytes(char *bytes, size_t n, size_t size)
-{
-    if (BYTE_ORDER == BIG_ENDIAN)
-        reverse_each(bytes, n, size);
 }
 
 bf_status results__append_values(const void *values, size_t n, size_t size, bf_buffer *out)

@@ -3,6 +3,7 @@
 #include "api/results/results.h"
 
 #include "api/json/number.h"
+#include "api/json/text.h"
 #include "api/results/results_priv.h"
 #include "core/scene/belt_stops.h"
 #include "core/scene/plate_drive.h"
@@ -72,9 +73,7 @@ static bool read_drive(json_t *json, results_drive *ret_drive)
                     &state, "turn_deg", &drive.turn_deg, "shift_m", &drive.shift.x,
                     &drive.shift.y) != 0)
         return false;
-    while (results__drive_states[drive.state] != NULL &&
-           strcmp(results__drive_states[drive.state], state) != 0)
-        drive.state++;
+    drive.state = (uint32_t)text_find_word(results__drive_states, PLATE_DRIVE_STATE_COUNT, state);
     snprintf(drive.id, sizeof drive.id, "%s", id);
     *ret_drive = drive;
     return drive.state < PLATE_DRIVE_STATE_COUNT;
@@ -87,9 +86,7 @@ static bool read_stop(json_t *json, results_stop *ret_stop)
 
     if (json_unpack(json, "{s:F, s:s, s:s}", "t_s", &stop.t, "belt", &id, "state", &state) != 0)
         return false;
-    while (results__belt_states[stop.state] != NULL &&
-           strcmp(results__belt_states[stop.state], state) != 0)
-        stop.state++;
+    stop.state = (uint32_t)text_find_word(results__belt_states, BELT_STOPS_CAUSE_COUNT, state);
     snprintf(stop.id, sizeof stop.id, "%s", id);
     *ret_stop = stop;
     return stop.state < BELT_STOPS_CAUSE_COUNT;

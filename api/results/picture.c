@@ -87,15 +87,6 @@ typedef struct drawing {
     double *line; // n1 means over rows of cells
 } drawing;
 
-static bf_status go_to(drawing *d, size_t j, bf_error *err)
-{
-    bf_status status = BF_OK;
-
-    while (status == BF_OK && d->n_read <= j)
-        status = d->read(d->context, d->n_read++, &d->cells, err);
-    return status;
-}
-
 // Mean over the rows of cells below a row of pixels.
 static bf_status add_rows(drawing *d, const span *rows, bf_error *err)
 {
@@ -105,7 +96,9 @@ static bf_status add_rows(drawing *d, const span *rows, bf_error *err)
     memset(d->line, 0, n1 * sizeof *d->line);
     for (size_t j = rows->from; j < rows->to; j++) {
         double weight = overlap_of(rows, j);
-        bf_status status = go_to(d, j, err);
+        bf_status status = BF_OK;
+        while (status == BF_OK && d->n_read <= j)
+            status = d->read(d->context, d->n_read++, &d->cells, err);
         if (status != BF_OK)
             return status;
         sum += weight;

@@ -117,15 +117,6 @@ static const member snapshots_members[] = {
 const member_table results_snapshots_members = { MEMBER_TABLE("SnapshotList", snapshots_members) };
 #undef AT
 
-static void write_kinds(json_out *w, const part_kinds *kinds)
-{
-    json_out_key(w, "kinds");
-    json_out_array(w);
-    for (size_t k = 0; k < kinds->n; k++)
-        json_out_integer(w, kinds->of[k]);
-    json_out_array_end(w);
-}
-
 bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_id,
                                  const part_kinds *kinds, bf_buffer *out, bf_error *err)
 {
@@ -137,8 +128,13 @@ bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_
     snprintf(item.run, sizeof item.run, "%s", run_id == NULL ? "" : run_id);
     json_out_object(&w);
     members_write_into(&w, &results_snapshots_members, list);
-    if (kinds != NULL && kinds->n > 0)
-        write_kinds(&w, kinds);
+    if (kinds != NULL && kinds->n > 0) {
+        json_out_key(&w, "kinds");
+        json_out_array(&w);
+        for (size_t k = 0; k < kinds->n; k++)
+            json_out_integer(&w, kinds->of[k]);
+        json_out_array_end(&w);
+    }
     json_out_key(&w, "snapshots");
     json_out_array(&w);
     for (size_t k = 0; k < list->n; k++) {

@@ -42,70 +42,50 @@ typedef struct summary_view {
     size_t n_scenario;
 } summary_view;
 
-static void warn_of_stop(summary_view *of)
-{
-    review_warning *item = review_add(&of->warnings, "", "The run was stopped before its end");
-
-    snprintf(item->meaning, sizeof item->meaning, "The results are those of %.6g s of %.6g s.",
-             of->end.t, of->begin.duration);
-}
-
-static void warn_of_density(summary_view *of)
-{
-    review_warning *item =
-        review_add(&of->warnings, "/macro", "The jam is denser than real parts can be");
-
-    snprintf(item->meaning, sizeof item->meaning, "It looks shorter than it will be.%s",
-             of->review.validity.is_compared
-                 ? " The outflow is as for moving parts all the same: for scenarios like this one "
-                   "they differed by at most 5 % of the parts."
-                 : "");
-    snprintf(item->detail, sizeof item->detail,
-             "The largest density, %.4g, is above %.4g of close packing.", of->end.peak,
-             run_density_trusted);
-}
-
-static void warn_of_overlap(summary_view *of)
-{
-    review_warning *item = review_add(&of->warnings, "/micro/modulus_reduction",
-                                      "The parts were computed softer than they are");
-
-    snprintf(item->meaning, sizeof item->meaning,
-             "They were pressed into each other in the jam, so that the outflow may differ "
-             "somewhat from that of hard parts.");
-    snprintf(item->detail, sizeof item->detail,
-             "Parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a smaller "
-             "modulus_reduction makes them harder.",
-             of->end.largest_overlap, 100.0 * of->end.overlap_share, 100.0 * run_overlap_trusted);
-}
-
-static void warn_of_fall(summary_view *of)
-{
-    const bool is_macro = of->model == RUN_MACRO;
-    review_warning *item = review_add(&of->warnings, "/belts", "Parts fell off the belts");
-
-    snprintf(item->meaning, sizeof item->meaning,
-             is_macro
-                 ? "%.4g parts came to where no belt is. They are gone, and count as fallen, not "
-                   "as throughput."
-                 : "%.0f parts came to where no belt is. They are gone, and count as fallen, not "
-                   "as throughput.",
-             of->end.parts_fallen);
-}
-
 static void collect_warnings(summary_view *of)
 {
     const unsigned doubts = run_doubts(of->model, &of->end);
+    review_warning *item;
 
-    if (of->is_stopped)
-        warn_of_stop(of);
-    if (of->end.parts_fallen >= FALLEN_TOLD)
-        warn_of_fall(of);
-    if ((doubts & RUN_DOUBT_DENSITY) != 0)
-        warn_of_density(of);
+    if (of->is_stopped) {
+        item = review_add(&of->warnings, "", "The run was stopped before its end");
+        snprintf(item->meaning, sizeof item->meaning, "The results are those of %.6g s of %.6g s.",
+                 of->end.t, of->begin.duration);
+    }
+    if (of->end.parts_fallen >= FALLEN_TOLD) {
+        item = review_add(&of->warnings, "/belts", "Parts fell off the belts");
+        snprintf(item->meaning, sizeof item->meaning,
+                 of->model == RUN_MACRO
+                     ? "%.4g parts came to where no belt is. They are gone, and count as fallen, "
+                       "not as throughput."
+                     : "%.0f parts came to where no belt is. They are gone, and count as fallen, "
+                       "not as throughput.",
+                 of->end.parts_fallen);
+    }
+    if ((doubts & RUN_DOUBT_DENSITY) != 0) {
+        item = review_add(&of->warnings, "/macro", "The jam is denser than real parts can be");
+        snprintf(item->meaning, sizeof item->meaning, "It looks shorter than it will be.%s",
+                 of->review.validity.is_compared
+                     ? " The outflow is as for moving parts all the same: for scenarios like this "
+                       "one they differed by at most 5 % of the parts."
+                     : "");
+        snprintf(item->detail, sizeof item->detail,
+                 "The largest density, %.4g, is above %.4g of close packing.", of->end.peak,
+                 run_density_trusted);
+    }
     review_append(&of->warnings, &of->review.warnings);
-    if ((doubts & RUN_DOUBT_OVERLAP) != 0)
-        warn_of_overlap(of);
+    if ((doubts & RUN_DOUBT_OVERLAP) != 0) {
+        item = review_add(&of->warnings, "/micro/modulus_reduction",
+                          "The parts were computed softer than they are");
+        snprintf(item->meaning, sizeof item->meaning,
+                 "They were pressed into each other in the jam, so that the outflow may differ "
+                 "somewhat from that of hard parts.");
+        snprintf(item->detail, sizeof item->detail,
+                 "Parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a "
+                 "smaller modulus_reduction makes them harder.",
+                 of->end.largest_overlap, 100.0 * of->end.overlap_share,
+                 100.0 * run_overlap_trusted);
+    }
 }
 
 static void write_warnings(json_out *w, const member *m, const void *item)

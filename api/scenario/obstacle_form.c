@@ -27,15 +27,6 @@ static bool has_any(const json_t *object, const char *const *names)
     return false;
 }
 
-static void read_value(json_in *in, const json_t *value, const char *name, obstacle_form *form)
-{
-    const member *m = scenario_members_obstacle.members;
-
-    while (strcmp(m->name, name) != 0)
-        m++;
-    m->kind->read(in, value, m, form);
-}
-
 // False: a fault was noted.
 static bool read_form(json_in *in, const json_t *object, const char *const *names,
                       obstacle_form *form)
@@ -45,8 +36,11 @@ static bool read_form(json_in *in, const json_t *object, const char *const *name
     for (const char *const *name = names; *name != NULL; name++) {
         const json_t *value = json_object_get(object, *name);
         size_t mark = json_pointer_enter(&in->pointer, *name, strlen(*name));
+        const member *m = scenario_members_obstacle.members;
+        while (strcmp(m->name, *name) != 0)
+            m++;
         if (value != NULL)
-            read_value(in, value, *name, form);
+            m->kind->read(in, value, m, form);
         else
             json_in_fault(in, "is missing beside %s", name == names ? names[1] : names[0]);
         json_pointer_leave(&in->pointer, mark);

@@ -51,22 +51,11 @@ static id_list eyes_of(const scene *s)
     return (id_list)ID_LIST("a photo eye", s->eyes, s->n_eyes);
 }
 
-static void list_known(const id_list *list, char *ret_text)
-{
-    size_t n = 0;
-
-    ret_text[0] = '\0';
-    for (size_t k = 0; k < list->n && n < KNOWN_SIZE; k++)
-        n += (size_t)snprintf(ret_text + n, KNOWN_SIZE - n, "%s%s", k == 0 ? "" : ", ",
-                              list->first + k * list->stride);
-    if (n >= KNOWN_SIZE)
-        snprintf(ret_text + KNOWN_SIZE - 4, 4, "...");
-}
-
 // Finds the item of an id, or notes, after `where`, that there is none.
 static bool find(json_in *in, id_list list, const char *where, const char *id, size_t *ret_index)
 {
-    char known[KNOWN_SIZE];
+    char known[KNOWN_SIZE] = "";
+    size_t n = 0;
 
     for (size_t k = 0; k < list.n; k++) {
         if (strcmp(list.first + k * list.stride, id) != 0)
@@ -74,7 +63,11 @@ static bool find(json_in *in, id_list list, const char *where, const char *id, s
         *ret_index = k;
         return true;
     }
-    list_known(&list, known);
+    for (size_t k = 0; k < list.n && n < KNOWN_SIZE; k++)
+        n += (size_t)snprintf(known + n, KNOWN_SIZE - n, "%s%s", k == 0 ? "" : ", ",
+                              list.first + k * list.stride);
+    if (n >= KNOWN_SIZE)
+        snprintf(known + KNOWN_SIZE - 4, 4, "...");
     if (list.n > 0)
         json_in_fault(in, "%s\"%.*s\" is not the id of %s; there are: %s", where, SCENE_ID_SIZE - 1,
                       id, list.what, known);
@@ -235,20 +228,6 @@ static void look_up_member(json_in *in, const json_t *object, const char *name, 
     json_pointer_leave(&in->pointer, mark);
 }
 
-static void look_up_mix(json_in *in, const json_t *list, const scene *s, scene_feed *feed)
-{
-    size_t mark = json_pointer_enter(&in->pointer, "cargo", strlen("cargo"));
-
-    for (size_t k = 0; k < json_array_size(list); k++) {
-        size_t kind = 0;
-        size_t mark_item = json_pointer_enter_index(&in->pointer, k);
-        look_up_member(in, json_array_get(list, k), "kind", kinds_of(s), &kind);
-        feed->cargo[k].kind = (uint32_t)kind;
-        json_pointer_leave(&in->pointer, mark_item);
-    }
-    json_pointer_leave(&in->pointer, mark);
-}
-
 static void look_up_kinds(json_in *in, const json_t *list, const scene *s,
                           scene_arrival_list *schedule)
 {
@@ -309,9 +288,18 @@ static void read_arrivals(json_in *in, const json_t *schedule, const scene *s, s
 static void look_up_feed(json_in *in, const json_t *object, scene *s, size_t k)
 {
     scene_feed *feed = &s->feeds[k];
+    const json_t *mix = json_object_get(object, "cargo");
 
-    look_up_mix(in, json_object_get(object, "cargo"), s, feed);
-    const size_t mark = json_pointer_enter(&in->pointer, "schedule", strlen("schedule"));
+    size_t mark = json_pointer_enter(&in->pointer, "cargo", strlen("cargo"));
+    for (size_t i = 0; i < json_array_size(mix); i++) {
+        size_t kind = 0;
+        const size_t mark_item = json_pointer_enter_index(&in->pointer, i);
+        look_up_member(in, json_array_get(mix, i), "kind", kinds_of(s), &kind);
+        feed->cargo[i].kind = (uint32_t)kind;
+        json_pointer_leave(&in->pointer, mark_item);
+    }
+    json_pointer_leave(&in->pointer, mark);
+    mark = json_pointer_enter(&in->pointer, "schedule", strlen("schedule"));
     read_arrivals(in, json_object_get(object, "schedule"), s, feed);
     json_pointer_leave(&in->pointer, mark);
 }

@@ -10,19 +10,17 @@
 #include <string.h>
 
 // Faults of core point into the scenario, which may be a member of a larger document.
-static void prefix_pointer(bf_error *fault, const char *prefix)
+static void prefix_pointers(json_in *in, size_t n_kept)
 {
     char pointer[BF_POINTER_SIZE];
 
-    memcpy(pointer, fault->pointer, sizeof pointer);
-    size_t n = (size_t)snprintf(fault->pointer, sizeof fault->pointer, "%s", prefix);
-    snprintf(fault->pointer + n, sizeof fault->pointer - n, "%s", pointer);
-}
-
-static void prefix_pointers(json_in *in, size_t n_kept)
-{
-    for (size_t k = n_kept; k < faults_kept(in->faults); k++)
-        prefix_pointer(&in->faults->items[k], in->pointer.text);
+    for (size_t k = n_kept; k < faults_kept(in->faults); k++) {
+        bf_error *fault = &in->faults->items[k];
+        memcpy(pointer, fault->pointer, sizeof pointer);
+        const size_t n =
+            (size_t)snprintf(fault->pointer, sizeof fault->pointer, "%s", in->pointer.text);
+        snprintf(fault->pointer + n, sizeof fault->pointer - n, "%s", pointer);
+    }
 }
 
 // Ids must be there before they are looked up; other derived values follow from what they name.

@@ -60,15 +60,6 @@ static void init_body(void *item, size_t place)
 const member_table submission_members = { MEMBER_TABLE("submission", members), .size = sizeof(body),
                                           .init = init_body };
 
-// Those of a document's own members are nobody else's to check.
-static void check_replications(json_in *in, const body *b)
-{
-    range_check(&replications_range, (double)b->replications, "/replications", in->faults);
-    if (b->replications > 1 && b->is_fresh)
-        faults_add(in->faults, "/fresh",
-                   "belongs to one run; of replications, those that are known are taken");
-}
-
 static bool check_model(json_in *in, run_model model)
 {
     if (run_model_is_available(model))
@@ -82,7 +73,11 @@ static bool check_model(json_in *in, run_model model)
 static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_error *err)
 {
     members_read(in, root, &submission_members, b);
-    check_replications(in, b);
+    // Those of a document's own members are nobody else's to check.
+    range_check(&replications_range, (double)b->replications, "/replications", in->faults);
+    if (b->replications > 1 && b->is_fresh)
+        faults_add(in->faults, "/fresh",
+                   "belongs to one run; of replications, those that are known are taken");
     if (in->has_failed || in->faults->n > 0)
         return json_in_status(in, err);
     bool has_model = check_model(in, b->model);
@@ -93,20 +88,13 @@ static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_e
     return json_in_status(in, err);
 }
 
-// Scenarios that differ in their names only have the same results.
-static bf_status write_identity(const scene *s, bf_buffer *out, bf_error *err)
-{
-    scene nameless = *s;
-
-    nameless.name[0] = '\0';
-    return scenario_write(&nameless, out, err);
-}
-
 bf_status submission_make(const scene *s, run_model model, api_submission *ret_submission,
                           bf_error *err)
 {
     api_submission made = { .model = model };
+    scene nameless = *s; // scenarios that differ in their names only have the same results
 
+    nameless.name[0] = '\0';
     snprintf(made.name, sizeof made.name, "%s", s->name);
     if (model == RUN_MACRO)
         snprintf(made.closure, sizeof made.closure, "%s", scenario_closure_words[s->macro.closure]);
@@ -114,7 +102,7 @@ bf_status submission_make(const scene *s, run_model model, api_submission *ret_s
     if (status == BF_OK)
         status = scenario_columns(s, &made.columns, err);
     if (status == BF_OK)
-        status = write_identity(s, &made.identity, err);
+        status = scenario_write(&nameless, &made.identity, err);
     if (status == BF_OK)
         *ret_submission = made;
     else

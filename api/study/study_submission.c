@@ -62,18 +62,6 @@ static void fill_feed(json_in *in, json_t *feed, const char *kind)
     buffer_fini(&text);
 }
 
-static void fill_feeds(json_in *in, json_t *scenario)
-{
-    json_t *feed;
-    size_t k;
-
-    json_array_foreach(json_object_get(scenario, "feeds"), k, feed)
-    {
-        fill_feed(in, feed, "profile");
-        fill_feed(in, feed, "schedule");
-    }
-}
-
 static void write_tree(json_out *w, json_t *value)
 {
     json_t *item;
@@ -148,7 +136,11 @@ bf_status study_submission_read(const char *json, size_t n, json_in_texts *texts
     fill_curves(&in, root);
     bf_status status = study__read_tree(&in, root, &d, err);
     if (status == BF_OK) {
-        fill_feeds(&in, d.scenario);
+        const json_t *feeds = json_object_get(d.scenario, "feeds");
+        for (size_t k = 0; k < json_array_size(feeds); k++) {
+            fill_feed(&in, json_array_get(feeds, k), "profile");
+            fill_feed(&in, json_array_get(feeds, k), "schedule");
+        }
         status = json_in_status(&in, err);
         if (status == BF_OK)
             status = make_submission(&d, root, ret_submission, err);

@@ -253,22 +253,10 @@ static void say_demand(const about *a, bool *are_meant)
         verdict_advise(v, "Vary another parameter, too, or demand less.");
 }
 
-// How many replications the points have.
-static void find_runs(const about *a, size_t *ret_least, size_t *ret_most)
-{
-    *ret_least = SIZE_MAX;
-    *ret_most = 0;
-    for (size_t p = a->choice->first; p < a->choice->end; p++) {
-        const size_t n = study_point_at(a->study, p).n_trials;
-        *ret_least = n < *ret_least ? n : *ret_least;
-        *ret_most = n > *ret_most ? n : *ret_most;
-    }
-}
-
 static void say_confirmed(const about *a, bool *are_meant)
 {
     double least = (double)INFINITY, largest = -(double)INFINITY;
-    size_t n_least, n_most;
+    size_t n_least = SIZE_MAX, n_most = 0; // replications of the points
 
     if (a->choice->first == 0) {
         verdict_say(verdict_add(a->verdicts, "unconfirmed"),
@@ -280,13 +268,15 @@ static void say_confirmed(const about *a, bool *are_meant)
     for (size_t p = a->choice->first; p < a->choice->end; p++) {
         const double micro = study_sample(a->study, p, 0).mean;
         const double macro = study_sample(a->study, study_point_at(a->study, p).confirmed, 0).mean;
+        const size_t n = study_point_at(a->study, p).n_trials;
+        n_least = n < n_least ? n : n_least;
+        n_most = n > n_most ? n : n_most;
         are_meant[p] = has_value(a->study, p);
         if (are_meant[p] && micro != 0.0) {
             least = fmin(least, macro / micro - 1.0);
             largest = fmax(largest, macro / micro - 1.0);
         }
     }
-    find_runs(a, &n_least, &n_most);
     verdict_say(v, "The microscopic model compared ");
     say_points(v, a, are_meant);
     verdict_say(v, " with each other, by %zu", n_least);

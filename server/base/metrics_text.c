@@ -131,24 +131,19 @@ static bf_status write_series(const metrics__metric *m, size_t series, bf_buffer
     return write_sample(m, labels, slots[0], out);
 }
 
-static bf_status write_metric(const metrics__metric *m, bf_buffer *out)
-{
-    bf_status status = buffer_printf(out, "# HELP %s %s\n# TYPE %s %s\n", m->name, m->help, m->name,
-                                     metrics__type_word(m->type));
-
-    for (size_t series = 0; series < m->n_series && status == BF_OK; series++)
-        status = write_series(m, series, out);
-    return status;
-}
-
 bf_status metrics_write(bf_buffer *out, bf_error *err)
 {
     size_t before = out->n;
     bf_status status = BF_OK;
 
     metrics_set(METRICS_BUILD, 0, 1);
-    for (size_t i = 0; i < METRICS_COUNT && status == BF_OK; i++)
-        status = write_metric(&metrics__table[i], out);
+    for (size_t i = 0; i < METRICS_COUNT && status == BF_OK; i++) {
+        const metrics__metric *m = &metrics__table[i];
+        status = buffer_printf(out, "# HELP %s %s\n# TYPE %s %s\n", m->name, m->help, m->name,
+                               metrics__type_word(m->type));
+        for (size_t series = 0; series < m->n_series && status == BF_OK; series++)
+            status = write_series(m, series, out);
+    }
     if (status == BF_OK)
         return BF_OK;
     buffer_truncate(out, before);

@@ -128,27 +128,22 @@ static void find_verdicts(const compare_result *a, const compare_result *b, verd
     compare_verdict_flows(&of_a, &of_b, &a->flows, &b->flows, ret_all);
 }
 
-static void print_verdicts(const compare_arguments *a, const compare_result *results)
+static void print_table(const compare_arguments *a, const compare_result *results)
 {
     static verdicts all;
 
-    for (size_t i = 1; i < a->n; i++) {
-        find_verdicts(&results[0], &results[i], &all);
-        for (size_t k = 0; k < all.n; k++)
-            printf("\n%s: %s", a->paths[i], all.items[k].text);
-    }
-    putchar('\n');
-}
-
-static void print_table(const compare_arguments *a, const compare_result *results)
-{
     print_head(titles);
     printf("  curve\n");
     print_head(units);
     printf("\n");
     for (size_t i = 0; i < a->n; i++)
         print_row(&results[i], a->paths[i]);
-    print_verdicts(a, results);
+    for (size_t i = 1; i < a->n; i++) {
+        find_verdicts(&results[0], &results[i], &all);
+        for (size_t k = 0; k < all.n; k++)
+            printf("\n%s: %s", a->paths[i], all.items[k].text);
+    }
+    putchar('\n');
 }
 
 static bf_status print_json(const compare_arguments *a, const compare_result *results,

@@ -38,16 +38,6 @@ static bf_status read_file(const study_files *f, const char *name, bf_buffer *ou
     return status;
 }
 
-// Two that write to the same files would undo each other's lines. The lock ends with the descriptor.
-static bf_status lock_directory(const study_files *f, const char *path, bf_error *err)
-{
-    if (flock(f->directory, LOCK_EX | LOCK_NB) == 0)
-        return BF_OK;
-    return errno == EWOULDBLOCK
-               ? bf_fail(err, BF_EBUSY, "", "%.400s is used by another study that goes on", path)
-               : fail_at(path, err);
-}
-
 static bf_status check_document(study_files *f, const char *json, size_t n, bf_error *err)
 {
     bf_buffer stored = { 0 };
@@ -73,7 +63,13 @@ bf_status study_files_open(const char *path, const char *json, size_t n, study_f
     f->directory = -1;
     if (file_io_make_directories(path, 0777, FILE_IO_LATER))
         f->directory = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    bf_status status = f->directory < 0 ? fail_at(path, err) : lock_directory(f, path, err);
+    // Two that write to the same files would undo each other's lines. The lock ends with the descriptor.
+    bf_status status = BF_OK;
+    if (f->directory < 0 || flock(f->directory, LOCK_EX | LOCK_NB) != 0)
+        status =
+            f->directory >= 0 && errno == EWOULDBLOCK
+                ? bf_fail(err, BF_EBUSY, "", "%.400s is used by another study that goes on", path)
+                : fail_at(path, err);
     if (status == BF_OK)
         status = check_document(f, json, n, err);
     if (status == BF_OK)

@@ -321,19 +321,6 @@ static void put_legend(plot *p, const terminal_chart_curve *curves, size_t n)
     }
 }
 
-static void put_all(plot *p, const terminal_chart_curve *curves, size_t n)
-{
-    for (size_t c = 0; c < n; c++)
-        draw_curve(p, &curves[c], c);
-    put(p, p->options->y_title);
-    put(p, "\n");
-    for (int row = 0; row < p->rows; row++)
-        put_row(p, row);
-    put_x_axis(p);
-    put_x_labels(p);
-    put_legend(p, curves, n);
-}
-
 bf_status terminal_chart_draw(const terminal_chart_options *options,
                               const terminal_chart_curve *curves, size_t n_curves, bf_buffer *out,
                               bf_error *err)
@@ -356,8 +343,17 @@ bf_status terminal_chart_draw(const terminal_chart_options *options,
     p.n2 = p.rows * p.dots_y;
     p.dots = memory_alloc((size_t)p.n1 * (size_t)p.n2, 1);
     p.has_failed = p.dots == NULL;
-    if (!p.has_failed)
-        put_all(&p, curves, n_curves);
+    if (!p.has_failed) {
+        for (size_t c = 0; c < n_curves; c++)
+            draw_curve(&p, &curves[c], c);
+        put(&p, options->y_title);
+        put(&p, "\n");
+        for (int row = 0; row < p.rows; row++)
+            put_row(&p, row);
+        put_x_axis(&p);
+        put_x_labels(&p);
+        put_legend(&p, curves, n_curves);
+    }
     if (p.has_failed || buffer_append(out, p.text.bytes, p.text.n) != BF_OK)
         status = bf_fail(err, BF_ENOMEM, "", "no memory for the chart");
     memory_free(p.dots);
