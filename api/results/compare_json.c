@@ -1,6 +1,9 @@
 #include "api/results/compare_json.h"
 
-#define AT(place) offsetof(compare_figures, place)
+#define NEVER      "never, or cargo enters while it leaves"
+#define NO_OUTFLOW "nothing left, or cargo enters while it leaves"
+
+#define AT(place)  offsetof(compare_figures, place)
 static const member figures_members[] = {
     MEMBER("t_start_s", number, AT(t_start), "Time of the first sample", .unit = "s",
            .null = "not known"),
@@ -10,13 +13,13 @@ static const member figures_members[] = {
            .null = "not known"),
     MEMBER("parts_end", number, AT(parts_end), "Last value", .unit = "parts", .null = "not known"),
     MEMBER("drain_time_s", measure, AT(drain_time),
-           "First time with at most 1 % of the first value", .unit = "s", .null = "never"),
+           "First time with at most 1 % of the first value", .unit = "s", .null = NEVER),
     MEMBER("t10_s", measure, AT(t10), "When 10 % of what leaves has left", .unit = "s",
-           .null = "nothing left"),
+           .null = NO_OUTFLOW),
     MEMBER("t90_s", measure, AT(t90), "When 90 % of what leaves has left", .unit = "s",
-           .null = "nothing left"),
+           .null = NO_OUTFLOW),
     MEMBER("throughput_per_s", measure, AT(throughput), "Mean outflow from t10_s to t90_s",
-           .unit = "parts/s", .null = "nothing left"),
+           .unit = "parts/s", .null = NO_OUTFLOW),
 };
 const member_table compare_json_figures = { MEMBER_TABLE("CompareFigures", figures_members) };
 #undef AT
@@ -48,23 +51,23 @@ static const member measures_members[] = {
     MEMBER("largest_at_s", measure, AT(largest_at), "When it is reached first", .unit = "s",
            .null = "not known"),
     MEMBER("drain_time_a_s", measure, AT(drain_time_a),
-           "First time with at most 1 % of a's first value", .unit = "s", .null = "never"),
+           "First time with at most 1 % of a's first value", .unit = "s", .null = NEVER),
     MEMBER("drain_time_b_s", measure, AT(drain_time_b),
-           "First time with at most 1 % of b's first value", .unit = "s", .null = "never"),
+           "First time with at most 1 % of b's first value", .unit = "s", .null = NEVER),
     MEMBER("drain_time_gap_s", measure, AT(drain_gap), "That of b minus that of a", .unit = "s",
-           .null = "one of them never drains"),
+           .null = "one of them is null"),
     MEMBER("rate_a_per_s", measure, AT(rate_a), "Mean outflow of a", .unit = "parts/s",
-           .null = "not known"),
+           .null = NO_OUTFLOW),
     MEMBER("rate_b_per_s", measure, AT(rate_b), "Mean outflow of b", .unit = "parts/s",
-           .null = "not known"),
+           .null = NO_OUTFLOW),
     MEMBER("throughput_a_per_s", measure, AT(throughput_a),
            "Mean outflow of a between 10 and 90 % of what leaves", .unit = "parts/s",
-           .null = "nothing left"),
+           .null = NO_OUTFLOW),
     MEMBER("throughput_b_per_s", measure, AT(throughput_b),
            "Mean outflow of b between 10 and 90 % of what leaves", .unit = "parts/s",
-           .null = "nothing left"),
+           .null = NO_OUTFLOW),
     MEMBER("throughput_gap_per_s", measure, AT(throughput_gap), "That of b minus that of a",
-           .unit = "parts/s", .null = "nothing left of one of them"),
+           .unit = "parts/s", .null = "one of them is null"),
 };
 const member_table compare_json_measures = { MEMBER_TABLE("CurveMeasures", measures_members) };
 #undef AT

@@ -6,6 +6,7 @@
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
+#include "core/run/columns.h"
 #include "core/scene/regime.h"
 
 #include <jansson.h>
@@ -75,6 +76,7 @@ static bf_status make_side(run_model model, scene *s, const json_t *figures, com
     *ret_side = (compare_side){ .is_run = true,
                                 .model = model,
                                 .has_chance = scene_has_chance(s, model == RUN_MACRO),
+                                .is_fed = s->n_feeds > 0,
                                 .offered_per_h = (double)NAN,
                                 .arrived = 1.0,
                                 .throughput_per_h = values[FIGURE_SUSTAINED],
@@ -142,6 +144,11 @@ bf_status compare_verdict_side_of_summary(const char *summary, size_t n, compare
     return status;
 }
 
+bool compare_verdict_is_content(const compare_side *side, const char *column)
+{
+    return side->is_fed && (column == NULL || !columns_is_count(column));
+}
+
 // Half the width of the interval of the difference; NAN: not known.
 static double half_width_of(const compare_side *a, const compare_side *b)
 {
@@ -198,6 +205,8 @@ static void say_models(const compare_side *a, const compare_side *b, double half
     }
     if (do_agree)
         return;
+    if (!is_early && isnan(half))
+        verdict_say(v, " How much of that is chance is not known.");
     if (!macro->is_compared)
         verdict_say(v, " The macroscopic one was not compared for such lines.");
     if (!micro->is_compared)
@@ -244,7 +253,9 @@ static void say_difference(const compare_side *a, const compare_side *b, double 
     if (strcmp(kind, "uncertain") == 0) {
         const double needs =
             fmax(isnan(a->needs_s) ? 0.0 : a->needs_s, isnan(b->needs_s) ? 0.0 : b->needs_s);
-        verdict_say(v, ". Parts arrive by chance, and how much of it is chance is not known.");
+        verdict_say(
+            v, ". What arrives when and where is left to chance, and how much of it is chance is "
+               "not known.");
         if (needs > 0.0)
             verdict_advise(v, "Let both runs be about %s s long.",
                            verdict_number(needs, (double)NAN, number));
@@ -266,7 +277,8 @@ void compare_verdict_find(const compare_side *a, const compare_side *b, verdicts
 
     if (isnan(a->throughput_per_h) || isnan(b->throughput_per_h)) {
         verdict_say(verdict_add(ret_verdicts, "no_throughput"),
-                    "Nothing has left of one of them, so there is no throughput to compare.");
+                    "There is no throughput to compare: nothing has left of one of them, or its "
+                    "curve is of what is inside while cargo enters and leaves.");
         return;
     }
     if (a->is_run && b->is_run && a->model != b->model && a->line == b->line)

@@ -9,7 +9,7 @@
 ///     uncertain        parts arrive by chance, and how much of the difference is chance is not known
 ///     too_early        both models of one line, not within that, and the belt of one was still filling while its throughput was
 ///                      counted
-///     no_throughput    nothing has left of one of them
+///     no_throughput    nothing has left of one of them, or its curve is of what is inside while cargo enters and leaves
 ///     flows_differ     flows of counters or outlets differ by more than chance leaves open, and by more than the throughputs do
 
 #pragma once
@@ -31,6 +31,7 @@ typedef struct compare_side {
     bool has_chance;         ///< runs at other substreams may differ
     bool is_compared;        ///< the model was compared for such lines
     bool is_filling;         ///< its summary says belt_fills
+    bool is_fed;             ///< its scenario has feeds: cargo enters while it leaves
     uint64_t line;           ///< digest of the scenario without how it is solved
     double offered_per_h;    ///< mean of what arrives after the warm-up; NAN: nothing, or not known
     double arrived;          ///< of that mean, what was drawn; 1 without chance
@@ -50,6 +51,10 @@ BF_MUST_CHECK bf_status compare_verdict_side(run_model model, const char *scenar
 BF_MUST_CHECK bf_status compare_verdict_side_of_summary(const char *summary, size_t n,
                                                         compare_side *ret_side,
                                                         compare_flows *ret_flows, bf_error *err);
+
+/// True if a column of the curve of a side is what is inside while cargo enters and leaves (compare_figures_of_content()).
+/// NULL: the first column, a counter.
+bool compare_verdict_is_content(const compare_side *side, const char *column);
 
 /// Add what b's throughput is to that of the reference a.
 void compare_verdict_find(const compare_side *a, const compare_side *b, verdicts *ret_verdicts);

@@ -12,6 +12,12 @@ static const double s_per_h = 3600.0;
 // Of what was offered: what is missing is on the belt, or rounded.
 static const double whole_feed = 0.99;
 
+// Of it, the least that is the whole feed where chance leaves more open.
+static const double whole_feed_least = 0.9;
+
+// Times that parts stay, after which a belt has filled.
+static const double filled_after = 2.0;
+
 // Parts that find the place taken by one that is just entering wait, too: fewer than both are no limit.
 static const double waiting_least = 3.0, waiting_of_offered = 0.02;
 
@@ -99,7 +105,7 @@ static void say_missing(const run_verdict_subject *of, double offered_per_h, dou
 {
     const scene *s = of->scene;
     const double stay = value_of(of, FIGURE_RESIDENCE_MEAN, 0);
-    const bool is_filling = s->warmup < stay;
+    const bool is_filling = s->warmup < filled_after * stay;
     char number[VERDICT_NUMBER_SIZE];
 
     verdict *v = verdict_add(all, is_filling ? RUN_VERDICT_BELT_FILLS : "queue_grows");
@@ -117,7 +123,7 @@ static void say_missing(const run_verdict_subject *of, double offered_per_h, dou
     if (is_filling) {
         verdict_say(v, "the belt was still filling while this was counted.");
         verdict_advise(v, "Let warmup_s be at least %s, twice as long as parts stay.",
-                       verdict_number(2.0 * stay, (double)NAN, number));
+                       verdict_number(filled_after * stay, (double)NAN, number));
     } else {
         verdict_say(v, "the rest stays on the belt, so the run is too short to say what the line "
                        "takes.");
@@ -195,7 +201,8 @@ static bf_status say_fed(const run_verdict_subject *of, verdicts *all, bf_error 
     offered *= s_per_h / (of->end->t - s->warmup);
     if (limited != SIZE_MAX)
         return say_limited(of, limited, offered, all, err);
-    if (through + (isfinite(error) ? error : 0.0) >= whole_feed * offered) {
+    if (through >= whole_feed_least * offered &&
+        through + (isfinite(error) ? error : 0.0) >= whole_feed * offered) {
         verdict *v = verdict_add(all, "everything_through");
         verdict_say(v, "Everything that is offered gets through: ");
         say_rate(v, of);
@@ -320,10 +327,8 @@ static void say_chance(const run_verdict_subject *of, verdicts *all)
     for (size_t k = 0; k < of->scene->n_belts; k++)
         fail = fail || belt_stops_are_drawn(&of->scene->belts[k].stops);
     verdict *v = verdict_add(all, "too_short");
-    verdict_say(v,
-                "%s by chance, and the run is too short to say how far that moved its "
-                "throughput.",
-                fail ? "Belts fail" : "Parts arrive");
+    verdict_say(v, "%s, and the run is too short to say how far that moved its throughput.",
+                fail ? "Belts fail by chance" : "What arrives when and where is left to chance");
     verdict_advise(v, "Let duration_s be about %s, or make several runs of other substreams.",
                    verdict_number(needs, (double)NAN, number));
     verdict_rests_on(v, "throughput_needs_s", "", needs);

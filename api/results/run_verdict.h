@@ -5,7 +5,7 @@
 ///     queue_at_inlet      parts wait at a feed since the queue comes up to it: the throughput is what the line takes
 ///     inlet_limit         parts wait at a feed though no queue comes up to it: its line does not take what is offered
 ///     queue_grows         less gets through than is offered, and most of the rest is on the belt: the run is too short to say what the line takes
-///     belt_fills          the same, where the warm-up is shorter than parts stay: the belt was still filling
+///     belt_fills          the same, where the warm-up is shorter than twice as long as parts stay: the belt was still filling
 ///     throughput          what gets through, where none of these is so
 ///     drained             without feeds: since when the belt has been empty, and how fast parts came through
 ///     not_drained         without feeds: what is left on the belt

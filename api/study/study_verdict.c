@@ -221,6 +221,7 @@ static void say_demand(const about *a, bool *are_meant)
     const study_choice *c = a->choice;
     const statistics_sample sample = study_sample(a->study, c->best, 0);
     const double half = statistics_half_width(&sample, confidence_of_means);
+    const bool is_open = !c->is_met && sample.mean + half >= d->objectives[0].demand;
 
     for (size_t p = 0; p < study_points(a->study); p++)
         are_meant[p] = has_value(a->study, p);
@@ -228,7 +229,7 @@ static void say_demand(const about *a, bool *are_meant)
     if (!c->is_met) {
         verdict_say(v, "None of ");
         say_points(v, a, are_meant);
-        verdict_say(v, " does; the nearest is ");
+        verdict_say(v, is_open ? " is sure to; the nearest is " : " does; the nearest is ");
     } else {
         verdict_say(v, "The least is ");
     }
@@ -247,7 +248,7 @@ static void say_demand(const about *a, bool *are_meant)
         say_points(v, a, a->is_in);
         verdict_say(v, ".");
     }
-    if (!c->is_met && sample.mean + half >= d->objectives[0].demand)
+    if (is_open)
         verdict_advise(v, "%" PRIu64 " more runs of each may decide it.", 3 * sample.n);
     else if (!c->is_met)
         verdict_advise(v, "Vary another parameter, too, or demand less.");
@@ -294,7 +295,7 @@ static void say_confirmed(const about *a, bool *are_meant)
 
 // ---- what is offered
 
-// Parts/h that all feeds offer; NAN where it is no question of this study.
+// Parts/h that all feeds offer; NAN where it is no question of this study, or its demand says it.
 static bf_status find_offered(const about *a, double *ret_per_h, bf_error *err)
 {
     study_document *d = a->document;
@@ -304,7 +305,8 @@ static bf_status find_offered(const about *a, double *ret_per_h, bf_error *err)
     scene s;
 
     *ret_per_h = (double)NAN;
-    if (!o->is_maximized || (o->figure != FIGURE_THROUGHPUT && o->figure != FIGURE_SUSTAINED))
+    if (!o->is_maximized || o->is_offered ||
+        (o->figure != FIGURE_THROUGHPUT && o->figure != FIGURE_SUSTAINED))
         return BF_OK;
     for (size_t k = 0; k < d->n_parameters; k++)
         if (strncmp(d->parameters[k].pointer, "/feeds", strlen("/feeds")) == 0)
@@ -356,8 +358,9 @@ static void say_one_run(const about *a)
 {
     verdict *v = verdict_add(a->verdicts, "one_run_each");
 
-    verdict_say(v, "Parts arrive by chance and each point was solved once: which is best may be "
-                   "luck.");
+    verdict_say(
+        v, "What arrives when and where is left to chance, and each point was solved once: which "
+           "is best may be luck.");
     verdict_advise(v, "Ask for at least 5 replications.");
 }
 

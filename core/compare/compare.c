@@ -60,7 +60,9 @@ static double next_time(const cursor *a, const cursor *b, double t, double t_end
 
 static double drain_time(const compare_curve *c)
 {
-    for (size_t k = 0; k < c->n; k++)
+    const bool rises = c->parts[c->n - 1] > c->parts[0];
+
+    for (size_t k = 0; k < c->n && !rises; k++)
         if (c->parts[k] <= drained_fraction * c->parts[0])
             return c->t[k];
     return NAN;
@@ -201,6 +203,21 @@ bf_status compare_curves(const compare_curve *a, const compare_curve *b,
     measure_sides(a, b, &m);
     *ret_measures = m;
     return BF_OK;
+}
+
+void compare_figures_of_content(compare_figures *figures)
+{
+    figures->drain_time = figures->t10 = figures->t90 = figures->throughput = NAN;
+}
+
+void compare_measures_of_content(compare_measures *measures, bool is_a, bool is_b)
+{
+    if (is_a)
+        measures->drain_time_a = measures->rate_a = measures->throughput_a = NAN;
+    if (is_b)
+        measures->drain_time_b = measures->rate_b = measures->throughput_b = NAN;
+    if (is_a || is_b)
+        measures->drain_gap = measures->throughput_gap = NAN;
 }
 
 // Where the mass of a density lies along the axes, in units of cells.

@@ -9,6 +9,7 @@
 ///
 ///             t10 and t90 being the first times at which the curve has gone 10 % and 90 % of the
 ///             way from U(t0) to U(t1): the ramp at the start and the slow tail at the end are excluded.
+/// Contents    U of a place that cargo enters while it leaves is no outflow: compare_figures_of_content().
 /// Gaps        of figures are b minus a.
 
 #pragma once
@@ -32,27 +33,30 @@ typedef struct compare_figures {
     double t_end;       ///< last time, s
     double parts_start; ///< first value
     double parts_end;   ///< last value
-    double drain_time;  ///< first t at which it is <= 1 % of its first value; NAN: never, s
-    double t10;         ///< see above; NAN: nothing left, s
-    double t90;         ///< see above; NAN: nothing left, s
-    double throughput;  ///< see above; NAN: nothing left, parts/s
+    double
+        drain_time; ///< first t at which it is <= 1 % of its first value; NAN: never, or it rises, s
+    double t10;     ///< see above; NAN: nothing left, s
+    double t90;     ///< see above; NAN: nothing left, s
+    double throughput; ///< see above; NAN: nothing left, parts/s
 } compare_figures;
 
 /// Measures between two curves a and b.
 typedef struct compare_measures {
-    double t_start;      ///< start of the common interval, s
-    double t_end;        ///< its end, s
-    double l1;           ///< mean |a - b| over the common interval, parts
-    double l2;           ///< root of the mean of (a - b)^2, parts
-    double largest;      ///< largest |a - b|, parts
-    double largest_at;   ///< first time at which it is reached, s
-    double drain_time_a; ///< first t at which a <= 1 % of its first value; NAN: never, s
+    double t_start;    ///< start of the common interval, s
+    double t_end;      ///< its end, s
+    double l1;         ///< mean |a - b| over the common interval, parts
+    double l2;         ///< root of the mean of (a - b)^2, parts
+    double largest;    ///< largest |a - b|, parts
+    double largest_at; ///< first time at which it is reached, s
+    double
+        drain_time_a; ///< first t at which a <= 1 % of its first value; NAN: never, or it rises, s
     double drain_time_b; ///< same of b
     double drain_gap;    ///< drain_time_b - drain_time_a, s; NAN where one is
-    double rate_a;       ///< mean outflow (first - last)/duration over the common interval, parts/s
-    double rate_b;       ///< same of b
-    double throughput_a; ///< over the common interval, parts/s; NAN: nothing left
-    double throughput_b; ///< same of b
+    double
+        rate_a; ///< mean outflow (first - last)/duration over the common interval, parts/s; NAN: a content
+    double rate_b;         ///< same of b
+    double throughput_a;   ///< over the common interval, parts/s; NAN: nothing left
+    double throughput_b;   ///< same of b
     double throughput_gap; ///< throughput_b - throughput_a, parts/s; NAN where one is
 } compare_measures;
 
@@ -65,6 +69,12 @@ BF_MUST_CHECK bf_status compare_figures_of(const compare_curve *curve, compare_f
 /// finite, or they have no common interval; err->pointer is "/a" or "/b".
 BF_MUST_CHECK bf_status compare_curves(const compare_curve *a, const compare_curve *b,
                                        compare_measures *ret_measures, bf_error *err);
+
+/// Take away what a curve does not have that is a content: drain_time, t10, t90 and throughput become NAN.
+void compare_figures_of_content(compare_figures *figures);
+
+/// The same of measures: the drain time, rate and throughput of those of a and b that are contents, and the gaps of them.
+void compare_measures_of_content(compare_measures *measures, bool is_a, bool is_b);
 
 /// The difference of two densities.
 typedef struct compare_distance {

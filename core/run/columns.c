@@ -58,6 +58,21 @@ void columns_name(const scene *s, size_t k, char *ret_name)
                  figure_item_id(s, FIGURE_OF_OUTLET, k - n_before_outlets));
 }
 
+bool columns_is_count(const char *name)
+{
+    static const char *const counts[] = { "left_domain", "fallen",     ".offered",
+                                          ".admitted",   ".discarded", ".left" };
+    const size_t n = strlen(name);
+
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        const size_t n_word = strlen(counts[k]);
+        const bool is_whole = counts[k][0] != '.';
+        if (n >= n_word && (n == n_word) == is_whole && strcmp(name + n - n_word, counts[k]) == 0)
+            return true;
+    }
+    return false;
+}
+
 void columns_put_feed(const feed_balance *balance, double *ret_values)
 {
     for (size_t k = 0; k < COLUMNS_OF_FEED; k++)

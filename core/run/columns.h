@@ -31,6 +31,10 @@ size_t columns_count(const scene *s);
 /// The name of column k into ret_name, which has COLUMN_NAME_SIZE bytes.
 void columns_name(const scene *s, size_t k, char *ret_name);
 
+/// True if the column counts parts since t = 0, so that it only rises: what is offered, admitted and discarded, and what left.
+/// Other columns of a scene with feeds rise and fall.
+bool columns_is_count(const char *name);
+
 /// Write the columns of a feed's balance.
 void columns_put_feed(const feed_balance *balance, double *ret_values);
 

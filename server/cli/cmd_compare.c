@@ -217,6 +217,19 @@ static bf_status measure(const char *path, const char *column, const compare_cur
     return status == BF_OK ? BF_OK : fail_curve(status, &why, path, err);
 }
 
+// Where cargo enters while it leaves, what is inside tells no outflow.
+static void leave_out_contents(const compare_arguments *a, compare_result *results)
+{
+    const bool is_reference = compare_verdict_is_content(&results[0].side, a->column);
+
+    for (size_t i = 0; i < a->n; i++) {
+        const bool is = compare_verdict_is_content(&results[i].side, a->column);
+        compare_measures_of_content(&results[i].measures, is_reference, is);
+        if (is)
+            compare_figures_of_content(&results[i].figures);
+    }
+}
+
 static bf_status measure_all(const compare_arguments *a, compare_result *results, bf_error *err)
 {
     const compare_measures none = {
@@ -243,6 +256,8 @@ static bf_status measure_all(const compare_arguments *a, compare_result *results
     for (size_t i = 0; i < a->n && status == BF_OK; i++)
         status = find_side(a->paths[i], &results[i], err);
     cmd_curve_fini(&curve);
+    if (status == BF_OK)
+        leave_out_contents(a, results);
     return status;
 }
 
@@ -269,13 +284,14 @@ int cmd_compare(int argc, char **argv)
         .options = options,
         .parser = take_option,
         .args_doc = "DIR-OR-CSV DIR-OR-CSV...",
-        .doc =
-            "Print how far two to eight outflow curves are apart from the first, one a line.\v"
-            "A curve has drained when 1 % of its parts are left; throughput counts from 10 % to "
-            "90 % of what left. l1 is the mean, l2 the root mean square, largest the largest "
-            "distance over the common interval; gaps are of the curve minus the first one. "
-            "What does not exist is '-'. Sentences for each but the first say what its throughput "
-            "is to that of the first one, and which flows of counters and outlets differ.",
+        .doc = "Print how far two to eight outflow curves are apart from the first, one a line.\v"
+               "A curve has drained when 1 % of its parts are left; throughput counts from 10 % to "
+               "90 % of what left. l1 is the mean, l2 the root mean square, largest the largest "
+               "distance over the common interval; gaps are of the curve minus the first one. "
+               "What does not exist is '-', as drain and throughput of what is inside while cargo "
+               "enters "
+               "and leaves. Sentences for each but the first say what its throughput "
+               "is to that of the first one, and which flows of counters and outlets differ.",
     };
     compare_arguments arguments = { .column = NULL };
     bf_error err = { 0 };

@@ -201,7 +201,15 @@ test("a comparison has the flows of the counters that both runs have", async (t)
   }
   const [a, b] = runs;
   assert.ok(b.flow > a.flow);
-  const { flows } = (await d.get(`/v1/compare?a=${a.id}&b=${b.id}&densities=0`)).json;
+  const compared = async (column) => (await d.get(`/v1/compare?a=${a.id}&b=${b.id}&column=${column}&densities=0`)).json;
+  const { flows, curve: inside, b: entry } = await compared("upstream");
+  // What is inside enters while it leaves; what left only rises.
+  for (const figure of ["drain_time_a_s", "drain_time_gap_s", "rate_a_per_s", "throughput_a_per_s", "throughput_b_per_s", "throughput_gap_per_s"])
+    assert.equal(inside[figure], null, figure);
+  assert.deepEqual([entry.drain_time_s, entry.t10_s, entry.throughput_per_s], [null, null, null]);
+  assert.ok(inside.l1 > 0);
+  const { curve: left } = await compared("left_domain");
+  assert.ok(left.throughput_b_per_s > left.throughput_a_per_s && left.drain_time_a_s === null);
   const { flow_gap_per_h: gap, ...others } = flows[0];
   assert.equal(flows.length, 1);
   assert.deepEqual(others, { of: "counter", id: "upstream", flow_a_per_h: a.flow, flow_error_a_per_h: null, flow_b_per_h: b.flow, flow_error_b_per_h: null });

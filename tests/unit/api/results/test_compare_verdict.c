@@ -51,6 +51,7 @@ static void models_of_one_line_agree_or_not(void **unused)
     assert_string_equal(v->kind, "models_disagree");
     assert_non_null(strstr(v->text, "1,090 against 1,000 ± 10 parts/h"));
     assert_non_null(strstr(v->text, "+9.0 %"));
+    assert_null(strstr(v->text, "chance"));
     assert_string_equal(v->advice, "Trust the microscopic model.");
     micro.is_compared = false;
     assert_non_null(strstr(say(&micro, &macro)->advice, "counts"));
@@ -58,6 +59,24 @@ static void models_of_one_line_agree_or_not(void **unused)
     assert_string_equal(say(&micro, &macro)->kind, "models_agree");
     macro.line = 2;
     assert_string_equal(say(&micro, &macro)->kind, "equal");
+    macro.line = 1;
+    micro.error_per_h = (double)NAN;
+    assert_non_null(strstr(say(&micro, &macro)->text, "How much of that is chance is not known."));
+}
+
+// In a run with feeds a counter holds what enters and leaves; counts since the start only rise.
+static void what_is_inside_is_no_outflow_where_cargo_enters(void **unused)
+{
+    const compare_side heap = run_of(RUN_MACRO, 1, 1000.0, (double)NAN), counted = { 0 };
+    compare_side fed = heap;
+
+    (void)unused;
+    fed.is_fed = true;
+    assert_true(compare_verdict_is_content(&fed, "upstream"));
+    assert_true(compare_verdict_is_content(&fed, NULL));
+    assert_false(compare_verdict_is_content(&fed, "left_domain"));
+    assert_false(compare_verdict_is_content(&heap, "upstream"));
+    assert_false(compare_verdict_is_content(&counted, "upstream"));
 }
 
 // The density has the mean of what arrives. Of 1,093 parts for 1,000, 6 % and 9.3 % of 1,093 are 167. It does not matter where the
@@ -246,6 +265,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(models_of_one_line_agree_or_not),
+        cmocka_unit_test(what_is_inside_is_no_outflow_where_cargo_enters),
         cmocka_unit_test(models_agree_where_more_parts_than_the_mean_arrived),
         cmocka_unit_test(a_difference_is_held_against_chance),
         cmocka_unit_test(flows_that_differ_more_than_the_throughputs_are_told),

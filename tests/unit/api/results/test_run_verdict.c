@@ -105,9 +105,35 @@ static void everything_gets_through_up_to_what_chance_leaves_open(void **unused)
     set(t, FIGURE_THROUGHPUT_ERROR, 1.0);
     v = say(t, "queue_grows");
     assert_non_null(strstr(v->text, "nothing waits"));
-    set(t, FIGURE_RESIDENCE_MEAN, 11.0);
-    v = say(t, "belt_fills");
-    assert_string_equal(v->advice, "Let warmup_s be at least 22, twice as long as parts stay.");
+    finish(t);
+}
+
+// The warm-up is 10 s.
+static void a_belt_fills_until_twice_as_long_as_parts_stay(void **unused)
+{
+    told *t = begin(FED, RUN_MICRO);
+
+    (void)unused;
+    feed(t, 7100.0, 200.0, 199.0);
+    set(t, FIGURE_RESIDENCE_MEAN, 4.9);
+    (void)say(t, "queue_grows");
+    set(t, FIGURE_RESIDENCE_MEAN, 5.1);
+    assert_string_equal(say(t, "belt_fills")->advice,
+                        "Let warmup_s be at least 10.2, twice as long as parts stay.");
+    finish(t);
+}
+
+// Of 7,200 parts/h that are offered 6,480 are 90 %: an interval that is wider does not make them all.
+static void a_wide_interval_does_not_make_up_for_what_is_missing(void **unused)
+{
+    told *t = begin(FED, RUN_MICRO);
+
+    (void)unused;
+    feed(t, 6500.0, 200.0, 199.0);
+    set(t, FIGURE_THROUGHPUT_ERROR, 2000.0);
+    (void)say(t, "everything_through");
+    set(t, FIGURE_THROUGHPUT, 6400.0);
+    (void)say(t, "queue_grows");
     finish(t);
 }
 
@@ -243,6 +269,9 @@ static void a_run_that_is_too_short_says_how_long_it_has_to_be(void **unused)
     (void)unused;
     feed(t, 7200.0, 200.0, 200.0);
     set(t, FIGURE_THROUGHPUT_NEEDS, 655.2);
+    // Places on the line are drawn, though arrivals are regular.
+    assert_non_null(
+        strstr(say(t, "too_short")->text, "What arrives when and where is left to chance"));
     assert_non_null(strstr(say(t, "too_short")->advice, "duration_s be about 655,"));
     t->review.validity.is_compared = false;
     assert_ptr_equal(say(t, "not_compared"), &t->verdicts.items[2]);
@@ -275,6 +304,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(everything_gets_through_up_to_what_chance_leaves_open),
+        cmocka_unit_test(a_belt_fills_until_twice_as_long_as_parts_stay),
+        cmocka_unit_test(a_wide_interval_does_not_make_up_for_what_is_missing),
         cmocka_unit_test(parts_that_wait_are_held_by_the_queue_or_by_the_inlet),
         cmocka_unit_test(the_queue_at_the_inlet_is_that_of_the_next_plate),
         cmocka_unit_test(a_density_has_a_queue_where_the_inlet_could_take_more),

@@ -135,6 +135,47 @@ static void gaps_of_figures_are_b_minus_a(void **state)
     assert_near(m.throughput_gap, -5.0, 1e-12);
 }
 
+// What rises from nothing was empty at its start, which is no drain.
+static void a_curve_that_rises_never_drains(void **state)
+{
+    (void)state;
+    static const double rising[] = { 0.0, 5.0, 9.0 }, falling[] = { 9.0, 5.0, 0.0 };
+    const compare_curve a = { 3, t_coarse, rising }, b = { 3, t_coarse, falling };
+    compare_figures f;
+    compare_measures m;
+    assert_int_equal(compare_figures_of(&a, &f, NULL), BF_OK);
+    assert_true(isnan(f.drain_time));
+    assert_int_equal(compare_curves(&a, &b, &m, NULL), BF_OK);
+    assert_true(isnan(m.drain_time_a) && isnan(m.drain_gap));
+    assert_near(m.drain_time_b, 2.0, 0.0);
+}
+
+static void a_content_has_gaps_but_no_outflow(void **state)
+{
+    (void)state;
+    static const double parts[] = { 10.0, 5.0, 0.0 }, fewer[] = { 8.0, 5.0, 0.0 };
+    const compare_curve a = { 3, t_coarse, parts }, b = { 3, t_coarse, fewer };
+    compare_figures f;
+    compare_measures m, same;
+    assert_int_equal(compare_figures_of(&a, &f, NULL), BF_OK);
+    compare_figures_of_content(&f);
+    assert_true(isnan(f.drain_time) && isnan(f.t10) && isnan(f.t90) && isnan(f.throughput));
+    assert_near(f.parts_start, 10.0, 0.0);
+    assert_int_equal(compare_curves(&a, &b, &m, NULL), BF_OK);
+    same = m;
+    compare_measures_of_content(&same, false, false);
+    assert_near(same.drain_gap, m.drain_gap, 0.0);
+    assert_near(same.throughput_gap, m.throughput_gap, 0.0);
+    compare_measures_of_content(&m, false, true);
+    assert_near(m.throughput_a, 5.0, 1e-12);
+    assert_near(m.rate_a, 5.0, 1e-12);
+    assert_true(isnan(m.drain_time_b) && isnan(m.rate_b) && isnan(m.throughput_b));
+    assert_true(isnan(m.drain_gap) && isnan(m.throughput_gap));
+    assert_near(m.largest, 2.0, 0.0);
+    compare_measures_of_content(&m, true, false);
+    assert_true(isnan(m.drain_time_a) && isnan(m.rate_a) && isnan(m.throughput_a));
+}
+
 static void a_single_sample_has_figures_but_no_throughput(void **state)
 {
     (void)state;
@@ -181,6 +222,8 @@ int main(void)
         cmocka_unit_test(throughput_is_taken_from_ten_to_ninety_percent_of_what_left),
         cmocka_unit_test(the_ramp_and_the_tail_do_not_count),
         cmocka_unit_test(gaps_of_figures_are_b_minus_a),
+        cmocka_unit_test(a_curve_that_rises_never_drains),
+        cmocka_unit_test(a_content_has_gaps_but_no_outflow),
         cmocka_unit_test(a_single_sample_has_figures_but_no_throughput),
         cmocka_unit_test(curves_that_are_none_are_refused_by_name),
     };

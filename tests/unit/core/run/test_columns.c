@@ -84,6 +84,21 @@ static void what_fell_has_a_column_where_parts_may_fall(void **state)
     assert_string_equal(faults.items[0].pointer, "/counters/0/id");
 }
 
+static void counts_since_the_start_are_told_from_what_rises_and_falls(void **state)
+{
+    static const char *const counts[] = { "left_domain",   "fallen",         "west.offered",
+                                          "west.admitted", "west.discarded", "infeed.left" };
+    static const char *const others[] = {
+        "up", "west.waiting", "a.blocked", "ramp.speed_m_s", "up.fallen", ".leftover", "left", ""
+    };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++)
+        assert_true(columns_is_count(counts[k]));
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        assert_false(columns_is_count(others[k]));
+}
+
 static void a_balance_fills_the_columns_of_its_feed(void **state)
 {
     const feed_balance balance = {
@@ -162,6 +177,7 @@ int main(void)
         cmocka_unit_test(columns_stand_in_the_order_of_the_table),
         cmocka_unit_test(a_scene_without_feeds_has_counters_and_left_domain),
         cmocka_unit_test(what_fell_has_a_column_where_parts_may_fall),
+        cmocka_unit_test(counts_since_the_start_are_told_from_what_rises_and_falls),
         cmocka_unit_test(a_balance_fills_the_columns_of_its_feed),
         cmocka_unit_test(a_counter_with_the_name_of_another_column_is_a_fault),
         cmocka_unit_test(results_are_due_at_the_first_step_at_or_past_each_multiple),
