@@ -7,6 +7,7 @@
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/run/prediction_learn.h"
+#include "server/base/clock.h"
 #include "server/base/lock.h"
 #include "server/base/log.h"
 #include "server/base/thread.h"
@@ -22,6 +23,8 @@
 enum {
     LOWER_PRIORITY = 10,
     LEARNED_MAX = 16, // trials that the mean of a study goes back to
+    UNASKED_MS =
+        5000, // after so long all kinds are measured, so that who asks then need not ask twice
 };
 
 // For each kind; the fastest of the runs within it counts.
@@ -44,17 +47,18 @@ struct predictor {
     store *store;
     pthread_t thread;
     atomic_bool is_stopping;
-    lock lock;            // guards what follows
-    lock_condition asked; // for a run, or to stop
-    bool has_speed;
-    prediction_speed speed;
-    bool has_news;                        // somebody wants what ended runs say
+    lock lock;                    // guards what follows
+    lock_condition asked;         // for a run, or to stop
+    bool has_speed;               // of every kind
+    prediction_speed known_speed; // a copy of `speed`
+    bool is_speed_asked;
     size_t n_waiting;                     // runs that were asked for and not predicted
     question waiting[PREDICTOR_RUNS_MAX]; // a ring
     size_t first;                         // of them
     entry entries
         [PREDICTOR_RUNS_MAX]; // each at the place of its id; a newer one takes an older one's
     // The thread's own:
+    prediction_speed speed; // factors of kinds that were not needed yet are 0
     prediction_learned learned;
     int64_t learned_ms;              // when the newest run that was learned from ended
     char learned_study[API_ID_SIZE]; // whose trial it was
@@ -148,28 +152,32 @@ bool predictor_speed(predictor *p, prediction_speed *ret_speed)
     lock_acquire(&p->lock);
     const bool has_speed = p->has_speed;
     if (has_speed)
-        *ret_speed = p->speed;
-    p->has_news = true;
+        *ret_speed = p->known_speed;
+    p->is_speed_asked = true;
     lock_wake_one(&p->asked);
     lock_release(&p->lock);
     return has_speed;
 }
 
-static bf_status measure_speed(predictor *p, bf_error *err)
+static bf_status measure_kind(predictor *p, prediction_kind kind, bf_error *err)
 {
-    prediction_speed speed = { 0 };
-    bf_status status = BF_OK;
+    if (p->speed.factors[kind] > 0.0)
+        return BF_OK;
+    return prediction_measure(kind, read_cpu_s, measured_s, &p->speed.factors[kind], err);
+}
 
-    for (int kind = 0; kind < PREDICTION_KIND_COUNT && status == BF_OK; kind++) {
+// The speed of every kind, which is asked for.
+static bf_status find_speed(predictor *p, bf_error *err)
+{
+    for (int kind = 0; kind < PREDICTION_KIND_COUNT; kind++) {
         if (atomic_load(&p->is_stopping))
             return BF_OK;
-        status = prediction_measure((prediction_kind)kind, read_cpu_s, measured_s,
-                                    &speed.factors[kind], err);
+        const bf_status status = measure_kind(p, (prediction_kind)kind, err);
+        if (status != BF_OK)
+            return status;
     }
-    if (status != BF_OK)
-        return status;
     lock_acquire(&p->lock);
-    p->speed = speed;
+    p->known_speed = p->speed;
     p->has_speed = true;
     lock_release(&p->lock);
     return BF_OK;
@@ -197,7 +205,7 @@ static bf_status find_work(predictor *p, const char *run_id, prediction_work *re
     return status;
 }
 
-static void learn_from(predictor *p, const store_measured *ended, prediction_speed *speed)
+static bf_status learn_from(predictor *p, const store_measured *ended, bf_error *err)
 {
     prediction_work work;
     bool is_ended;
@@ -205,33 +213,39 @@ static void learn_from(predictor *p, const store_measured *ended, prediction_spe
     const bool is_alike = ended->study[0] != '\0' && strcmp(ended->study, p->learned_study) == 0;
     memcpy(p->learned_study, ended->study, API_ID_SIZE);
     p->learned_ms = ended->finished_ms;
-    if (!is_alike && find_work(p, ended->id, &work, &is_ended, NULL) == BF_OK)
-        prediction_learn(&p->learned, &work, ended->cpu_s, speed);
+    if (is_alike || find_work(p, ended->id, &work, &is_ended, NULL) != BF_OK)
+        return BF_OK;
+    const bf_status status = measure_kind(p, work.kind, err);
+    if (status == BF_OK)
+        prediction_learn(&p->learned, &work, ended->cpu_s, &p->speed);
+    return status;
 }
 
 // Learn from the runs that have ended since the last time, the oldest first.
-static void learn_news(predictor *p)
+static bf_status learn_news(predictor *p, bf_error *err)
 {
     store_measured runs[PREDICTOR_LEARNED];
-    prediction_speed speed = p->speed; // nobody else writes it
+    bf_status status = BF_OK;
     size_t n;
 
     if (store_list_measured(p->store, p->learned_ms, runs, PREDICTOR_LEARNED, &n, NULL) != BF_OK)
-        return;
-    while (n-- > 0 && !atomic_load(&p->is_stopping))
-        learn_from(p, &runs[n], &speed);
-    lock_acquire(&p->lock);
-    p->speed = speed;
-    lock_release(&p->lock);
+        return BF_OK;
+    while (n-- > 0 && status == BF_OK && !atomic_load(&p->is_stopping))
+        status = learn_from(p, &runs[n], err);
+    return status;
 }
 
+// NAN: a run that has ended, or that cannot be predicted.
 static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, bf_error *err)
 {
     prediction_work work;
     bool is_ended;
 
-    const bf_status status = find_work(p, run_id, &work, &is_ended, err);
-    if (status == BF_OK && !is_ended)
+    *ret_seconds = (double)NAN;
+    if (find_work(p, run_id, &work, &is_ended, NULL) != BF_OK || is_ended)
+        return BF_OK;
+    const bf_status status = measure_kind(p, work.kind, err);
+    if (status == BF_OK)
         *ret_seconds = prediction_seconds(&work, &p->speed);
     return status;
 }
@@ -247,13 +261,18 @@ static void remember(predictor *p, const char *id, double seconds)
     lock_release(&p->lock);
 }
 
-// Wait until somebody asks; false: to be stopped. *ret_question is the next run, its run_id "" where there is none.
-static bool take_next(predictor *p, question *ret_question)
+// Wait until somebody asks, or for the deadline to measure unasked; false: to be stopped. *ret_question is the next run, its
+// run_id "" where there is none.
+static bool take_next(predictor *p, int64_t unasked_ms, bool *ret_is_speed_asked,
+                      question *ret_question)
 {
     lock_acquire(&p->lock);
-    while (p->n_waiting == 0 && !p->has_news && !atomic_load(&p->is_stopping))
-        (void)lock_wait(&p->asked, &p->lock, -1);
-    p->has_news = false;
+    while (p->n_waiting == 0 && !p->is_speed_asked && !atomic_load(&p->is_stopping)) {
+        if (!lock_wait(&p->asked, &p->lock, p->has_speed ? -1 : unasked_ms))
+            p->is_speed_asked = true;
+    }
+    *ret_is_speed_asked = p->is_speed_asked;
+    p->is_speed_asked = false;
     *ret_question = (question){ .run_id = "" };
     if (p->n_waiting > 0) {
         *ret_question = p->waiting[p->first];
@@ -267,26 +286,27 @@ static bool take_next(predictor *p, question *ret_question)
 static void *run_loop(void *context)
 {
     predictor *p = context;
+    const int64_t unasked_ms = clock_monotonic_ms() + UNASKED_MS;
     char quoted[LOG_QUOTED_SIZE];
+    bf_status status = BF_OK;
     question next;
+    bool is_speed_asked;
     bf_error err = { 0 };
 
     (void)setpriority(PRIO_PROCESS, (id_t)gettid(), LOWER_PRIORITY);
-    bf_status status = measure_speed(p, &err);
-    if (status != BF_OK) {
-        log_event(LOG_LEVEL_WARN, "runs_not_predicted", "error=%s", log_quote(err.text, quoted));
-        return NULL;
-    }
     prediction_learn_begin(&p->learned);
-    learn_news(p);
-    while (take_next(p, &next)) {
+    while (status == BF_OK && take_next(p, unasked_ms, &is_speed_asked, &next)) {
         double seconds = (double)NAN;
-        learn_news(p);
-        // A run that cannot be predicted is one of which nothing is said.
-        if (next.run_id[0] != '\0' && predict(p, next.run_id, &seconds, &err) == BF_OK &&
-            isfinite(seconds))
+        status = learn_news(p, &err);
+        if (status == BF_OK && next.run_id[0] != '\0')
+            status = predict(p, next.run_id, &seconds, &err);
+        if (isfinite(seconds))
             remember(p, next.id, seconds);
+        if (status == BF_OK && is_speed_asked)
+            status = find_speed(p, &err);
     }
+    if (status != BF_OK)
+        log_event(LOG_LEVEL_WARN, "runs_not_predicted", "error=%s", log_quote(err.text, quoted));
     return NULL;
 }
 

@@ -1,7 +1,8 @@
 /// The predictor: says of runs that have not ended how long they will take (core/run/prediction.h).
 ///
-/// It first measures how fast this machine is, a fifth of a second, and then learns from what the newest runs in the store took
-/// (core/run/prediction_learn.h), PREDICTOR_LEARNED at most; whenever it is asked, from those that have ended since. Of the trials of a
+/// It measures how fast this machine is with each kind of solver when it is first needed, some 30 ms, and with all of them when
+/// it is first asked for the speed, or after five seconds. Whenever it is asked, it learns from what the runs that have ended
+/// since then took (core/run/prediction_learn.h), at first from the newest PREDICTOR_LEARNED in the store. Of the trials of a
 /// study it learns from one that ended after a run that was not of it. A run is predicted when somebody asks for the first
 /// time, which takes some milliseconds; so one that nobody looks at costs nothing. What was found is kept in memory, of
 /// the PREDICTOR_RUNS_MAX runs and studies that were asked for last.
@@ -41,7 +42,7 @@ void predictor_learn(predictor *p, const char *study_id, double seconds);
 /// known of any of these yet, or the store cannot be read. Does not wait for predictions.
 double predictor_queue_seconds(predictor *p, uint64_t n);
 
-/// How fast this machine is. False: not known yet.
+/// How fast this machine is. False: not known yet, but will be in a fifth of a second.
 bool predictor_speed(predictor *p, prediction_speed *ret_speed);
 
 /// Stop the thread and free. NULL is fine. Always returns NULL.

@@ -49,7 +49,7 @@ static void test_runs_that_wait_are_predicted_when_asked_for(void **state)
     assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
     const double seconds = await_seconds(p, first.id);
     assert_true(seconds > 0.0 && seconds < 60.0);
-    assert_true(predictor_speed(p, &speed));
+    HELPER_AWAIT(predictor_speed(p, &speed));
     for (size_t k = 0; k < PREDICTION_KIND_COUNT; k++)
         assert_true(speed.factors[k] > 0.0);
     assert_true(await_seconds(p, second.id) == seconds);
