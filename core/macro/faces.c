@@ -108,19 +108,14 @@ static void fill_block(macro_solver *s, macro_faces *faces, const face_source *f
         block_set_add(macro__set(s, faces->closed_blocks, row), b);
 }
 
-static void clear_sets(const macro_solver *s, macro_faces *faces, ptrdiff_t n_rows)
+static void fill_faces(macro_solver *s, macro_faces *faces, const face_source *from,
+                       const uniform_faces *uniform)
 {
-    const size_t n_bytes = (size_t)n_rows * s->n_words * sizeof *faces->mixed;
+    const size_t n_bytes = (size_t)from->n_rows * s->n_words * sizeof *faces->mixed;
 
     memset(faces->mixed, 0, n_bytes);
     memset(faces->closable, 0, n_bytes);
     memset(faces->closed_blocks, 0, n_bytes);
-}
-
-static void fill_faces(macro_solver *s, macro_faces *faces, const face_source *from,
-                       const uniform_faces *uniform)
-{
-    clear_sets(s, faces, from->n_rows);
     for (ptrdiff_t row = 0; row < from->n_rows; row++)
         for (ptrdiff_t b = -1; b < s->n_blocks; b++)
             fill_block(s, faces, from, uniform, row, b);

@@ -133,24 +133,6 @@ int implicit_step_effort(const micro_def *def, bool is_planar)
                                     e.damping, e.mass);
 }
 
-static double step_of_iterations(const micro_def *def, const extremes *x)
-{
-    effort e =
-        make_effort(stiffness_weight, micro__n_expected(def), x->stiffness, x->damping, x->mass);
-    double square = iterations_chosen * iterations_chosen;
-
-    return 2.0 * square / (e.linear + sqrt(e.linear * e.linear + 4.0 * e.quadratic * square));
-}
-
-static double step_of_belt(const micro_def *def, const extremes *e)
-{
-    const scene_contact *belt = &def->contact[SCENE_CONVEYOR_CARGO];
-    double deceleration = belt_largest_friction(def->n_belts, def->belts, belt) * def->gravity;
-
-    return deceleration > 0.0 ? fmax(0.2 / belt->tanh_linear, 0.05 * e->speed) / deceleration
-                              : HUGE_VAL;
-}
-
 double implicit_step_stable(const micro_def *def)
 {
     extremes e = extremes_of(def);
@@ -160,6 +142,7 @@ double implicit_step_stable(const micro_def *def)
 
 double implicit_step_chosen(const micro_def *def, bool is_planar)
 {
+    const scene_contact *belt = &def->contact[SCENE_CONVEYOR_CARGO];
     extremes e = extremes_of(def);
     size_t fastest;
 
@@ -168,5 +151,14 @@ double implicit_step_chosen(const micro_def *def, bool is_planar)
 
     if (!is_planar)
         dt = fmin(dt, spatial_periods * sqrt(e.mass / e.stiffness));
-    return fmin(fmin(dt, step_of_iterations(def, &e)), step_of_belt(def, &e));
+    const effort x =
+        make_effort(stiffness_weight, micro__n_expected(def), e.stiffness, e.damping, e.mass);
+    const double square = iterations_chosen * iterations_chosen;
+    dt = fmin(dt,
+              2.0 * square / (x.linear + sqrt(x.linear * x.linear + 4.0 * x.quadratic * square)));
+    const double deceleration =
+        belt_largest_friction(def->n_belts, def->belts, belt) * def->gravity;
+    return deceleration > 0.0
+               ? fmin(dt, fmax(0.2 / belt->tanh_linear, 0.05 * e.speed) / deceleration)
+               : dt;
 }

@@ -270,35 +270,9 @@ static void set_reduction(micro_solver *s, double reduction)
     s->reduction = reduction;
 }
 
-// Steps up to where the run may become harder, which depends on the number of the step alone.
-static uint64_t steps_until_harder(const micro_solver *s, uint64_t n)
-{
-    const uint64_t left = HARDNESS_STEPS - micro_steps(s) % HARDNESS_STEPS;
-
-    return s->hardens && left < n ? left : n;
-}
-
-static void harden_if_pressed(micro_solver *s)
-{
-    if (!s->hardens || micro_steps(s) % HARDNESS_STEPS != 0)
-        return;
-    if (s->state->recent_overlap > hardness_goal)
-        set_reduction(s, hardness_harder(s->reduction));
-    s->state->recent_overlap = 0.0;
-}
-
 static double time_now(const micro_solver *s)
 {
     return (double)micro_steps(s) * s->dt;
-}
-
-static bf_status fail_pressed(const micro_solver *s, const micro_press *press, bf_error *err)
-{
-    return bf_fail(err, BF_ENUMERIC, "/micro/modulus_reduction",
-                   "part %llu overlaps by %.3g %% of a radius at (%.4g, %.4g) m after %.6g s, more "
-                   "than overlap_limit, %.3g %%",
-                   (unsigned long long)press->part, 100.0 * press->overlap, press->at.x,
-                   press->at.y, time_now(s), 100.0 * s->overlap_limit);
 }
 
 bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
@@ -308,15 +282,26 @@ bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
 
     s->places.is_sorted = false;
     while (n > 0 && status == BF_OK) {
+        // Where the run may become harder depends on the number of the step alone.
+        const uint64_t left = HARDNESS_STEPS - micro_steps(s) % HARDNESS_STEPS;
         const uint64_t n_now =
-            drives_steps_until(&s->drives, micro_steps(s), steps_until_harder(s, n));
+            drives_steps_until(&s->drives, micro_steps(s), s->hardens && left < n ? left : n);
         status = s->backend->advance(s->state, n_now, err);
         n -= n_now;
-        harden_if_pressed(s);
+        if (s->hardens && micro_steps(s) % HARDNESS_STEPS == 0) {
+            if (s->state->recent_overlap > hardness_goal)
+                set_reduction(s, hardness_harder(s->reduction));
+            s->state->recent_overlap = 0.0;
+        }
         drives_follow(&s->drives, s->backend, s->state);
     }
-    return status == BF_ENUMERIC && micro_press_now(s, &press) ? fail_pressed(s, &press, err)
-                                                               : status;
+    if (status != BF_ENUMERIC || !micro_press_now(s, &press))
+        return status;
+    return bf_fail(err, BF_ENUMERIC, "/micro/modulus_reduction",
+                   "part %llu overlaps by %.3g %% of a radius at (%.4g, %.4g) m after %.6g s, more "
+                   "than overlap_limit, %.3g %%",
+                   (unsigned long long)press.part, 100.0 * press.overlap, press.at.x, press.at.y,
+                   time_now(s), 100.0 * s->overlap_limit);
 }
 
 bool micro_press_now(const micro_solver *s, micro_press *ret_press)

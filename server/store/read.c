@@ -135,22 +135,6 @@ static api_snapshot read_snapshot_row(const store__query *q)
     };
 }
 
-static bf_status read_items(store__connection *reader, int64_t results, api_snapshot_list *list,
-                            bf_error *err)
-{
-    bf_status status = BF_OK;
-
-    store__query q = store__start(reader, STORE__SQL_LIST_SNAPSHOTS, INTEGER(results));
-    while (store__next(&q, &status, err)) {
-        api_snapshot snapshot = read_snapshot_row(&q);
-        if (buffer_append(&list->items, &snapshot, sizeof snapshot) != BF_OK)
-            status = bf_fail(err, BF_ENOMEM, "", "out of memory");
-        else
-            list->n++;
-    }
-    return status;
-}
-
 static bf_status read_snapshot_list(store__connection *reader, const char *id,
                                     api_snapshot_list *list, bf_error *err)
 {
@@ -161,7 +145,15 @@ static bf_status read_snapshot_list(store__connection *reader, const char *id,
         return status;
     list->grid = row.run.grid;
     list->parts = row.run.parts;
-    return read_items(reader, row.results, list, err);
+    store__query q = store__start(reader, STORE__SQL_LIST_SNAPSHOTS, INTEGER(row.results));
+    while (store__next(&q, &status, err)) {
+        api_snapshot snapshot = read_snapshot_row(&q);
+        if (buffer_append(&list->items, &snapshot, sizeof snapshot) != BF_OK)
+            status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+        else
+            list->n++;
+    }
+    return status;
 }
 
 bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_list, bf_error *err)
@@ -241,28 +233,20 @@ static bf_status unpack(reading *r, bf_buffer *out, bf_error *err)
     return status;
 }
 
-// Reads a blob and appends it unpacked; the reader is given back before that.
-static bf_status read_blob(store *s, const char *id, reading *r, bf_buffer *out, bf_error *err)
+bf_status store_read_array(store *s, const char *id, uint64_t index, api_array_kind kind,
+                           api_array *ret_array, bf_buffer *out, bf_error *err)
 {
+    reading r = { .kind = store__blob_of(kind), .index = index };
     store__connection *reader = NULL;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_compressed(reader, id, r, err);
-    store__release_reader(&s->pool, reader);
+    status = read_compressed(reader, id, &r, err);
+    store__release_reader(&s->pool, reader); // before what takes a while
     if (status == BF_OK)
-        status = unpack(r, out, err);
-    buffer_fini(&r->compressed);
-    return status;
-}
-
-bf_status store_read_array(store *s, const char *id, uint64_t index, api_array_kind kind,
-                           api_array *ret_array, bf_buffer *out, bf_error *err)
-{
-    reading r = { .kind = store__blob_of(kind), .index = index };
-
-    bf_status status = read_blob(s, id, &r, out, err);
+        status = unpack(&r, out, err);
+    buffer_fini(&r.compressed);
     if (status == BF_OK)
         *ret_array = (api_array){ r.snapshot, r.row.run.grid, r.row.run.parts };
     return status;

@@ -341,23 +341,25 @@ static inline void couple_half_row(const macro_solver *s, const congested *c, pt
     const congested_row_faces here = congested__faces(c, row, colour);
     const congested_row_faces next = congested__faces(c, axis == 0 ? row : row - 1, 1 - colour);
     const ptrdiff_t shift = axis == 0 ? odd - 1 : 0;
-    const congested_side near = axis == 0 ? CONGESTED_SOUTH : CONGESTED_WEST;
-    const congested_side far = axis == 0 ? CONGESTED_NORTH : CONGESTED_EAST;
+    const congested_side lower = axis == 0 ? CONGESTED_SOUTH : CONGESTED_WEST;
+    const congested_side upper = axis == 0 ? CONGESTED_NORTH : CONGESTED_EAST;
     const congested_side own = axis == 0 ? CONGESTED_WEST : CONGESTED_SOUTH;
     crossing_faces crossings[CROSSINGS];
 
     for (int n = 0; n < CROSSINGS; n++) {
         // Of two faces of a cell: those before both cells, then those behind them, or both of one cell and then of the other.
         const bool is_here = axis == 0 ? (n & 1) != 0 : (n >> 1) != 0;
-        const bool is_far = axis == 0 ? (n >> 1) != 0 : (n & 1) != 0;
+        const bool is_upper = axis == 0 ? (n >> 1) != 0 : (n & 1) != 0;
         const ptrdiff_t cell_row = axis == 0 || is_here ? row : row - 1;
         const row_pressures p = pressures_of(c, cell_row, is_here ? colour : 1 - colour);
         const ptrdiff_t by = is_here ? 0 : shift;
-        const float *beside = axis == 0 ? (is_far ? p.north : p.south) : is_far ? p.east : p.west;
-        crossings[n].faces = (is_here ? here : next).side[is_far ? far : near];
+        const float *beside = axis == 0  ? (is_upper ? p.north : p.south)
+                              : is_upper ? p.east
+                                         : p.west;
+        crossings[n].faces = (is_here ? here : next).side[is_upper ? upper : lower];
         crossings[n].faces.at += by;
-        crossings[n].before = (is_far ? p.own : beside) + by;
-        crossings[n].after = (is_far ? beside : p.own) + by;
+        crossings[n].before = (is_upper ? p.own : beside) + by;
+        crossings[n].after = (is_upper ? beside : p.own) + by;
     }
     const congested_side_faces faces = here.side[own];
     for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_LANES) {

@@ -251,23 +251,17 @@ typedef struct visitor {
     uint32_t n_before; // constraints of the part
 } visitor;
 
-static const body_warm_start *find_warm_start(const body_warm_start *warm_starts, uint32_t key)
-{
-    for (size_t k = 0; k < BODY_WARM_STARTS; k++)
-        if (warm_starts[k].key == key)
-            return &warm_starts[k];
-    return NULL;
-}
-
 /// Returns the constraint; NULL if the contact has no point.
 static body_constraint *add_boundary(visitor *v, size_t k, const micro_law *law, uint32_t key,
                                      const body_kind *belt_kind, const body_moving *moving,
                                      const body_contact *contact)
 {
-    const constraint_source source = { BODY_STATIC, (uint32_t)k, law,
-                                       belt_kind,   moving,      find_warm_start(v->before, key) };
+    constraint_source source = { BODY_STATIC, (uint32_t)k, law, belt_kind, moving, NULL };
     body_constraint *constraint = next_constraint(v->s->implicit, v->buffer);
 
+    for (size_t i = 0; i < BODY_WARM_STARTS && source.before == NULL; i++)
+        if (v->before[i].key == key)
+            source.before = &v->before[i];
     if (!make_constraint(v->s, &source, contact, constraint))
         return NULL;
     if (v->n_after < BODY_WARM_STARTS)

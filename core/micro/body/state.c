@@ -344,22 +344,19 @@ static bool load_plate_memories(body_state *s, uint64_t n_memories, checkpoint_r
     return true;
 }
 
-/// The next free warm start of a part; NULL if there is none.
-static body_warm_start *find_free_warm_start(body_warm_start *warm_starts)
-{
-    for (size_t k = 0; k < BODY_WARM_STARTS; k++)
-        if (warm_starts[k].key == 0)
-            return &warm_starts[k];
-    return NULL;
-}
-
-/// Where a saved warm start is loaded to; *cursor advances along the pairs. NULL: the pair is unknown.
+/// Where a saved warm start is loaded to; *cursor advances along the pairs. NULL: the pair is unknown, or the part has no
+/// free one.
 static body_warm_start *locate(const body_state *s, const saved_warm_start *saved, size_t *cursor)
 {
     if (saved->key == 0 || saved->a >= s->n)
         return NULL;
-    if (saved->b == BODY_STATIC)
-        return find_free_warm_start(s->implicit->warm_starts[saved->a]);
+    if (saved->b == BODY_STATIC) {
+        body_warm_start *own = s->implicit->warm_starts[saved->a];
+        size_t k = 0;
+        while (k < BODY_WARM_STARTS && own[k].key != 0)
+            k++;
+        return k < BODY_WARM_STARTS ? &own[k] : NULL;
+    }
     while (*cursor < s->n_pairs &&
            (s->pairs[*cursor].a != saved->a || s->pairs[*cursor].b != saved->b))
         (*cursor)++;

@@ -171,22 +171,17 @@ static void start_parts(disk_state *s, const micro_def *def)
     }
 }
 
-// All steps of a tile have one boundary, so plates must stand.
-static bool is_tiled(const micro_def *def)
-{
-    bool plates_move = false;
-
-    for (size_t k = 0; k < def->n_obstacles; k++)
-        plates_move = plates_move || scene_obstacle_moves(&def->obstacles[k]);
-    return def->integrator == MICRO_VERLET && def->n_parts >= TILED_PARTS && !plates_move;
-}
-
 static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
 {
+    bool is_tiled = def->integrator == MICRO_VERLET && def->n_parts >= TILED_PARTS;
+
+    // All steps of a tile have one boundary, so plates must stand.
+    for (size_t k = 0; k < def->n_obstacles; k++)
+        is_tiled = is_tiled && !scene_obstacle_moves(&def->obstacles[k]);
     s->common.world = micro__world(def);
     set_constants(s, def);
     if (copy_kinds(s, def) != BF_OK || make_arrays(s, def) != BF_OK ||
-        (is_tiled(def) && disk__tiling_init(s) != BF_OK))
+        (is_tiled && disk__tiling_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
     for (size_t k = 0; k < def->n_belts; k++) {
         const vec2 v = belt_velocity(&def->belts[k], (vec2){ 0.0, 0.0 });

@@ -126,34 +126,24 @@ bf_status disk__find_candidates(disk_state *s)
     return BF_OK;
 }
 
-static bool is_near_open_edge(const disk_state *s, const disk *part, double margin)
-{
-    return surroundings_is_outside(&s->common.around,
-                                   (vec2){ part->x - margin, part->y - margin }) ||
-           surroundings_is_outside(&s->common.around, (vec2){ part->x + margin, part->y + margin });
-}
-
-// True if the belt that carries a part may change while it moves by margin. Beyond all belts it may anywhere.
-static bool is_near_border(const disk_state *s, const disk *part, double margin)
-{
-    const surroundings *around = &s->common.around;
-    const vec2 at = { part->x, part->y };
-
-    return surroundings_falls(around, surroundings_belt_below(around, at)) ||
-           surroundings_border_distance(around, at) <= margin + SCENE_TOLERANCE;
-}
-
 bf_status disk__find_border_parts(disk_state *s)
 {
     const double margin = 0.5 * s->skin;
+    const surroundings *around = &s->common.around;
 
     s->n_border_parts = 0;
     for (size_t slot = 0; slot < s->n_live; slot++) {
         const disk *part = &s->now[slot];
+        const vec2 at = { part->x, part->y };
         if (!s->is_uniform)
             s->belt_under[slot] = disk__belt_under(s, part);
-        if (!is_near_open_edge(s, part, margin) &&
-            (s->is_uniform || !is_near_border(s, part, margin)))
+        bool is_near = surroundings_is_outside(around, (vec2){ at.x - margin, at.y - margin }) ||
+                       surroundings_is_outside(around, (vec2){ at.x + margin, at.y + margin });
+        // The belt that carries a part may change while it moves by the margin; beyond all belts it may anywhere.
+        if (!is_near && !s->is_uniform)
+            is_near = surroundings_falls(around, surroundings_belt_below(around, at)) ||
+                      surroundings_border_distance(around, at) <= margin + SCENE_TOLERANCE;
+        if (!is_near)
             continue;
         if (memory_reserve(&s->border_parts, &s->border_parts_capacity, s->n_border_parts + 1,
                            sizeof *s->border_parts) != 0)
