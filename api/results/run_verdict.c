@@ -127,7 +127,8 @@ static void say_missing(const run_verdict_subject *of, double offered_per_h, dou
     } else {
         verdict_say(v, "the rest stays on the belt, so the run is too short to say what the line "
                        "takes.");
-        verdict_advise(v, "Simulate until the queue comes up to the inlet, or offer less.");
+        verdict_advise(v, "Simulate longer, until the queue comes up to the inlet or everything "
+                          "gets through; or offer less.");
     }
 }
 

@@ -126,7 +126,8 @@ static void say_equal(const about *a)
         say_figure(v, d, 1);
         verdict_say(v, ", then as the middle.");
     }
-    if (c->n_set > 1 && has_chance)
+    if (c->n_set > 1 && has_chance &&
+        !(d->method.type == STUDY_SCREEN && study_is_decided(a->study)))
         verdict_advise(v, "%zu more runs of each would halve what chance leaves open.", 3 * n_runs);
     verdict_rests_on(v, word, "", study_sample(a->study, c->best, 0).mean);
     verdict_rests_on(v, "indifference", "", c->indifference);
@@ -326,11 +327,13 @@ static bf_status find_offered(const about *a, double *ret_per_h, bf_error *err)
     return status;
 }
 
-static bf_status say_through(const about *a, bool *are_meant, bf_error *err)
+// *ret_is_whole: the best point lets everything through, and nothing can be better.
+static bf_status say_through(const about *a, bool *are_meant, bool *ret_is_whole, bf_error *err)
 {
     double offered;
     size_t n = 0;
 
+    *ret_is_whole = false;
     const bf_status status = find_offered(a, &offered, err);
     if (status != BF_OK || isnan(offered))
         return status;
@@ -344,6 +347,7 @@ static bf_status say_through(const about *a, bool *are_meant, bf_error *err)
     }
     if (n == 0)
         return BF_OK;
+    *ret_is_whole = are_meant[a->choice->best];
     char number[VERDICT_NUMBER_SIZE];
     verdict *v = verdict_add(a->verdicts, "everything_through");
     verdict_say(v, "Everything that is offered, %s parts/h, gets through at ",
@@ -422,6 +426,7 @@ static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
 {
     const study_document *d = a->document;
     const bool is_search = d->method.type == STUDY_DIRECT || d->method.type == STUDY_CMAES;
+    bool is_whole;
 
     if (!isnan(d->objectives[0].demand))
         say_demand(a, are_meant);
@@ -429,12 +434,14 @@ static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
         say_equal(a);
     if (!is_search && !a->choice->is_known)
         say_one_run(a);
-    const bf_status status = say_through(a, are_meant, err);
+    const bf_status status = say_through(a, are_meant, &is_whole, err);
     if (status != BF_OK)
         return status;
     if (d->has_own_second)
         say_front(a, are_meant);
-    say_edges(a);
+    // Beyond the range no point is better where one lets everything through, but in a second objective.
+    if (!is_whole || d->has_own_second)
+        say_edges(a);
     if (d->method.type != STUDY_SCREEN)
         say_no_chance(a);
     memset(are_meant, 0, study_points(a->study) * sizeof *are_meant);

@@ -541,6 +541,38 @@ static void a_demand_that_chance_leaves_open_is_not_told_as_met(void **state)
     study_document_fini(&d);
 }
 
+// Two points that differ by 1 with a spread of 1 that both have: a screening of 50 is decided after its first round, and more
+// runs are no advice.
+static void a_screening_that_is_decided_asks_for_no_more_runs(void **state)
+{
+    (void)state;
+    study_document d = read_good(FED("",
+                                     "{'pointer': '/obstacles/0/angle_deg', 'range': [60, 80], "
+                                     "'steps': 3}",
+                                     THROUGHPUT,
+                                     "'type': 'screen', 'sweep': 'grid', 'confirm': 2, "
+                                     "'indifference': 50",
+                                     ""));
+    study *s = begin_study(&d);
+    bf_buffer out = { 0 };
+    for (size_t k = 0; k < 3; k++)
+        study_tell(s, k, (const double[]){ 1100.0 - (double)k, 3.0 });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    for (size_t k = 3; k < study_trials(s); k++) {
+        const double value = study_trial_at(s, k).point == 3 ? 1000.0 : 1001.0;
+        study_tell(s, k, (const double[]){ value + (double)(k % 2), 3.0 });
+    }
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    assert_true(study_is_decided(s));
+    assert_int_equal(study_best_write(&d, s, &out, NULL), BF_OK);
+    assert_non_null(
+        strstr(out.bytes, "\"text\":\"Equally good in throughput_per_h: angle_deg 60, 70."));
+    assert_null(strstr(out.bytes, "would halve"));
+    buffer_fini(&out);
+    study_destroy(s);
+    study_document_fini(&d);
+}
+
 // More parts take longer at 54 degrees; 72 is worse in both.
 static void two_objectives_leave_a_front(void **state)
 {
@@ -584,6 +616,34 @@ static void a_best_point_at_the_edge_is_told(void **state)
     assert_says(&d, s, texts);
     study_destroy(s);
     study_document_fini(&d);
+}
+
+// 2 parts/s are 7,200 parts/h, and all get through at 40 degrees: no angle is better, but in the time that parts take.
+static void beyond_a_range_nothing_is_better_where_everything_gets_through(void **state)
+{
+    (void)state;
+    static const char *const objectives[] = { THROUGHPUT,
+                                              THROUGHPUT ", {'figure': 'residence_s.mean'}" };
+    for (size_t k = 0; k < 2; k++) {
+        char text[2000];
+        snprintf(text, sizeof text,
+                 FED("", "{'pointer': '/obstacles/0/angle_deg', 'range': [40, 80], 'steps': 5}",
+                     "%s", "'type': 'grid'", ""),
+                 objectives[k]);
+        study_document d = read_good(text);
+        study *s = begin_study(&d);
+        bf_buffer out = { 0 };
+        for (size_t point = 0; point < 5; point++)
+            study_tell(s, point, (const double[]){ 7200.0, 3.0 + (double)point });
+        assert_int_equal(study_advance(s, NULL), BF_OK);
+        assert_int_equal(study_best_write(&d, s, &out, NULL), BF_OK);
+        assert_non_null(strstr(out.bytes, "\"best\":{\"point\":0,"));
+        assert_non_null(strstr(out.bytes, "\"kind\":\"everything_through\""));
+        assert_int_equal(strstr(out.bytes, "\"kind\":\"edge\"") != NULL, k == 1);
+        buffer_fini(&out);
+        study_destroy(s);
+        study_document_fini(&d);
+    }
 }
 
 // 0.2 less two steps of 0.1 is 0 but for rounding, which is no number to try where all are positive.
@@ -690,8 +750,10 @@ int main(void)
         cmocka_unit_test(a_deterministic_study_is_solved_once_and_names_what_is_equal),
         cmocka_unit_test(a_demand_says_where_it_is_met_or_what_is_nearest),
         cmocka_unit_test(a_demand_that_chance_leaves_open_is_not_told_as_met),
+        cmocka_unit_test(a_screening_that_is_decided_asks_for_no_more_runs),
         cmocka_unit_test(two_objectives_leave_a_front),
         cmocka_unit_test(a_best_point_at_the_edge_is_told),
+        cmocka_unit_test(beyond_a_range_nothing_is_better_where_everything_gets_through),
         cmocka_unit_test(a_range_to_try_stays_positive),
         cmocka_unit_test(one_run_each_says_nothing_of_chance),
         cmocka_unit_test(a_screening_says_what_was_compared),

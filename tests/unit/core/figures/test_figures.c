@@ -491,6 +491,20 @@ static void drained_is_since_when_the_belt_is_empty(void **state)
     end(&x);
 }
 
+// The feed begins after 2 s.
+static void a_belt_that_nothing_has_entered_is_not_drained(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    sample(&x, 0.0, 0.0, 0.0);
+    assert_true(isnan(value(&x, FIGURE_DRAINED_AT, 0)));
+    sample(&x, 3.0, 1.0, 0.0);
+    sample(&x, 5.0, 0.0, 1.0);
+    assert_near(value(&x, FIGURE_DRAINED_AT, 0), 5.0, 0.0);
+    end(&x);
+}
+
 static void a_feed_has_its_balance_and_the_waits_of_its_parts(void **state)
 {
     (void)state;
@@ -770,6 +784,7 @@ int main(void)
         cmocka_unit_test(a_queue_reaches_from_the_next_plate_to_its_last_slow_part),
         cmocka_unit_test(the_peak_leaves_out_the_warm_up),
         cmocka_unit_test(drained_is_since_when_the_belt_is_empty),
+        cmocka_unit_test(a_belt_that_nothing_has_entered_is_not_drained),
         cmocka_unit_test(a_feed_has_its_balance_and_the_waits_of_its_parts),
         cmocka_unit_test(waits_of_a_density_leave_out_what_is_dropped),
         cmocka_unit_test(an_eye_sees_gaps_and_doubles),

@@ -228,6 +228,34 @@ static void screening_has_a_best_point_between_its_rounds(void **state)
     study_destroy(s);
 }
 
+// All three points that are confirmed let the same through, within 0.5 %; the one with the largest value takes longest.
+static void of_confirmed_points_that_are_equal_the_second_value_chooses(void **state)
+{
+    (void)state;
+    static const double confirmed[][2] = { { 99.9, 3.8 }, { 99.8, 3.5 }, { 100.0, 6.1 } };
+    bool is_in[POINTS + 3];
+    study_definition d = grid;
+    d.method = STUDY_SCREEN;
+    d.sweep = STUDY_GRID;
+    d.n_confirmed = 3;
+    d.indifference = 0.5;
+    study *s = NULL;
+    assert_int_equal(study_create(&d, &s, NULL), BF_OK);
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    for (size_t k = 0; k < POINTS; k++)
+        study_tell(s, k, (const double[]){ (double)k, 1.0 });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    for (size_t k = 0; k < 3; k++)
+        study_tell(s, POINTS + k, confirmed[k]);
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    assert_true(study_is_ended(s) && study_is_decided(s));
+    const study_choice c = choose(s, is_in);
+    assert_true(is_in[POINTS] && is_in[POINTS + 1] && is_in[POINTS + 2]);
+    assert_int_equal(c.n_set, 3);
+    assert_int_equal(c.best, POINTS + 1);
+    study_destroy(s);
+}
+
 static void without_memory_nothing_is_chosen(void **state)
 {
     (void)state;
@@ -255,6 +283,7 @@ int main(void)
         cmocka_unit_test(chance_leaves_points_equal),
         cmocka_unit_test(a_study_without_values_chooses_nothing),
         cmocka_unit_test(screening_has_a_best_point_between_its_rounds),
+        cmocka_unit_test(of_confirmed_points_that_are_equal_the_second_value_chooses),
         cmocka_unit_test(without_memory_nothing_is_chosen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
