@@ -101,18 +101,6 @@ bf_status handlers__submit_run(exchange *x, api_submission *submission, const ch
     return status == BF_OK ? submit(x, submission, err) : status;
 }
 
-// A study in place of the run.
-static bf_status submit_replications(exchange *x, const api_submission *base, bf_error *err)
-{
-    api_study_submission submission = { .name = "" };
-
-    bf_status status = study_replications_make(base, &submission, err);
-    if (status == BF_OK)
-        status = handlers__submit_study(x, &submission, err);
-    study_submission_fini(&submission);
-    return status;
-}
-
 bf_status handlers_runs_submit(exchange *x, bf_error *err)
 {
     api_submission submission = { 0 };
@@ -120,10 +108,15 @@ bf_status handlers_runs_submit(exchange *x, bf_error *err)
     if (x->request->polled != NULL)
         return handlers__answer_polled(x, err);
     bf_status status = read_submission(x, &submission, err);
-    if (status == BF_OK && submission.replications > 1)
-        status = submit_replications(x, &submission, err);
-    else if (status == BF_OK)
+    if (status == BF_OK && submission.replications > 1) { // a study in place of the run
+        api_study_submission replicated = { .name = "" };
+        status = study_replications_make(&submission, &replicated, err);
+        if (status == BF_OK)
+            status = handlers__submit_study(x, &replicated, err);
+        study_submission_fini(&replicated);
+    } else if (status == BF_OK) {
         status = handlers__submit_run(x, &submission, x->request->body, x->request->n_body, err);
+    }
     submission_fini(&submission);
     return status;
 }

@@ -101,15 +101,6 @@ static bf_status write_picture(exchange *x, const api_run *of, uint64_t index,
     return status;
 }
 
-static bf_status send_snapshot(exchange *x, const char *id, uint64_t index, bf_error *err)
-{
-    array_file file = { .item_size = 0 };
-    const array_file_form form = x->media->format == MEDIA_NPY ? ARRAY_FILE_NPY : ARRAY_FILE_VTI;
-
-    bf_status status = array_file_open(x->services, id, index, form, &file, err);
-    return status == BF_OK ? exchange__send_array(x, &file, err) : status;
-}
-
 // Reads the grid and writes it in the format that was chosen.
 static bf_status write_snapshot(exchange *x, const char *id, uint64_t index, bf_error *err)
 {
@@ -172,8 +163,13 @@ bf_status handlers_results_snapshot(exchange *x, bf_error *err)
     const size_t n_cells = grid_cells(&record.grid);
     if (is_picture)
         return write_picture(x, &record, index, &wanted, err);
-    if (is_sent_in_pieces(x, n_cells))
-        return send_snapshot(x, record.id, index, err);
+    if (is_sent_in_pieces(x, n_cells)) {
+        array_file file = { .item_size = 0 };
+        status = array_file_open(x->services, record.id, index,
+                                 x->media->format == MEDIA_NPY ? ARRAY_FILE_NPY : ARRAY_FILE_VTI,
+                                 &file, err);
+        return status == BF_OK ? exchange__send_array(x, &file, err) : status;
+    }
     status = exchange__reserve_whole(x, n_cells, sizeof(float), "npy or vti", err);
     return status == BF_OK ? write_snapshot(x, record.id, index, err) : status;
 }

@@ -183,18 +183,6 @@ static void write_security_scheme(json_out *w, api_scope scope)
     json_out_object_end(w);
 }
 
-static void write_ticket_scheme(json_out *w)
-{
-    json_out_key(w, "ticket");
-    json_out_object(w);
-    json_out_key_string(w, "type", "apiKey");
-    json_out_key_string(w, "in", "query");
-    json_out_key_string(w, "name", "ticket");
-    json_out_key_string(w, "description",
-                        "What POST /v1/tickets answers, where no header can be sent.");
-    json_out_object_end(w);
-}
-
 // One for each scope that an operation needs: HTTP schemes have no scopes of their own.
 static void write_security_schemes(json_out *w)
 {
@@ -204,7 +192,14 @@ static void write_security_schemes(json_out *w)
     API_SCOPE_LIST(X)
 #undef X
     write_security_scheme(w, API_SCOPE_ANY);
-    write_ticket_scheme(w);
+    json_out_key(w, "ticket");
+    json_out_object(w);
+    json_out_key_string(w, "type", "apiKey");
+    json_out_key_string(w, "in", "query");
+    json_out_key_string(w, "name", "ticket");
+    json_out_key_string(w, "description",
+                        "What POST /v1/tickets answers, where no header can be sent.");
+    json_out_object_end(w);
     json_out_object_end(w);
 }
 

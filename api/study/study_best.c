@@ -198,17 +198,6 @@ static void write_set(json_out *w, const study_document *d, const study *s,
         json_out_key_measure(w, "indifference", choice->indifference);
 }
 
-// The points between which two objectives leave the choice.
-static void write_front(json_out *w, const study_document *d, const study *s, const bool *is_on)
-{
-    json_out_key(w, "front");
-    json_out_array(w);
-    for (size_t point = 0; point < study_points(s); point++)
-        if (is_on[point])
-            write_point(w, d, s, point);
-    json_out_array_end(w);
-}
-
 static bf_status write_verdicts(json_out *w, study_document *d, const study *s,
                                 const study_choice *choice, const bool *is_in, bf_error *err)
 {
@@ -243,8 +232,14 @@ static bf_status write_found(json_out *w, study_document *d, const study *s, boo
     }
     status = write_verdicts(w, d, s, &choice, is_in, err);
     if (d->has_own_second && d->method.type != STUDY_CALIBRATE && d->n_parameters > 0) {
+        // The points between which two objectives leave the choice.
         (void)study_front(s, &choice, is_on);
-        write_front(w, d, s, is_on);
+        json_out_key(w, "front");
+        json_out_array(w);
+        for (size_t point = 0; point < study_points(s); point++)
+            if (is_on[point])
+                write_point(w, d, s, point);
+        json_out_array_end(w);
     }
     if (d->method.type == STUDY_SCREEN)
         write_confirmed(w, d, s, is_in);

@@ -150,22 +150,16 @@ static bf_status solve(working *w, const scene *s, const frame_job *job, bf_buff
     return status;
 }
 
-// Before the confinement, as nothing can be opened behind it.
-static bf_status seed_hashes(bf_error *err)
-{
-    size_t seed = 0;
-
-    if (getrandom(&seed, sizeof seed, 0) != (ssize_t)sizeof seed)
-        return bf_fail(err, BF_ESYSTEM, "", "no random bytes: %s", strerror(errno));
-    json_in_seed(seed);
-    return BF_OK;
-}
-
 // Nothing of the job is known before the confinement. It may come a while after the start: from then on reports and
 // checkpoints are timed, and SIGTERM asks for one; before, there is nothing to be saved.
 static bf_status read_job(working *w, int64_t checkpoint_ms, bf_buffer *in, bf_error *err)
 {
-    bf_status status = seed_hashes(err);
+    bf_status status = BF_OK;
+    size_t seed = 0; // of hash tables: behind the confinement nothing can be opened to draw it
+
+    if (getrandom(&seed, sizeof seed, 0) != (ssize_t)sizeof seed)
+        status = bf_fail(err, BF_ESYSTEM, "", "no random bytes: %s", strerror(errno));
+    json_in_seed(seed);
     if (status == BF_OK)
         status = confinement_enter(err);
     if (status == BF_OK)

@@ -210,23 +210,17 @@ static void queue(http *h, http_request *r)
     http__pool_enqueue(h->pool, r);
 }
 
-static bool waits_for(const body_source *source, const char *run_id)
-{
-    for (size_t i = 0; i < source->n_runs; i++) {
-        if (strcmp(source->runs[i], run_id) == 0)
-            return true;
-    }
-    return false;
-}
-
 void http_notify(http *h, const char *run_id)
 {
     lock_acquire(&h->lock);
     int64_t now_ms = h->pulls == NULL ? 0 : clock_monotonic_ms();
     for (http_request *r = h->pulls; r != NULL; r = r->pull.next) {
         http_pull *p = &r->pull;
-        if (!waits_for(&p->source, run_id))
-            continue;
+        size_t i = 0;
+        while (i < p->source.n_runs && strcmp(p->source.runs[i], run_id) != 0)
+            i++;
+        if (i == p->source.n_runs)
+            continue; // it waits for others
         p->n_notified++;
         if (!p->is_parked)
             continue;

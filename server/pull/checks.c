@@ -138,25 +138,19 @@ bool pull__is_witness(const pull__check *c, uint64_t token)
     return false;
 }
 
-static bool has_judge(const pull_executor *e, const pull__check *c)
-{
-    const int64_t now_ms = clock_monotonic_ms();
-
-    for (size_t k = 0; k < e->n_workers; k++)
-        if (e->workers[k].suspended_until_ms <= now_ms &&
-            !pull__is_witness(c, e->workers[k].about.token))
-            return true;
-    return false;
-}
-
 // The run of a job once more, by somebody who has not solved it yet, where there is one.
 static void repeat(pull_executor *e, executor_job *job)
 {
     const int64_t now_ms = clock_monotonic_ms();
     pull__check *c = job->check;
+    executor_job *again = NULL;
+    bool is_any = false;
 
-    executor_job *again =
-        has_judge(e, c) ? pull__add_job(e, PULL_WAITING, job->about.run, ++e->last_attempt) : NULL;
+    for (size_t k = 0; k < e->n_workers; k++)
+        is_any = is_any || (e->workers[k].suspended_until_ms <= now_ms &&
+                            !pull__is_witness(c, e->workers[k].about.token));
+    if (is_any)
+        again = pull__add_job(e, PULL_WAITING, job->about.run, ++e->last_attempt);
     if (again == NULL)
         return;
     const uint64_t attempt = again->about.attempt;

@@ -167,15 +167,6 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
     return status;
 }
 
-static executor_job *find_job(const pull_executor *e, const char *id)
-{
-    executor_job *job = e->first;
-
-    while (job != NULL && strcmp(job->id, id) != 0)
-        job = job->next;
-    return job;
-}
-
 // Reads "pull:RUN:ATTEMPT".
 static bool read_id(const char *id, char *ret_run, uint64_t *ret_attempt)
 {
@@ -199,7 +190,9 @@ static bf_status attach(executor *base, const char *external_id, executor_job **
     if (!read_id(external_id, run_id, &attempt))
         return bf_fail(err, BF_ENOTFOUND, "", "%s is no job of a worker", external_id);
     pull_executor *e = pull__enter(base);
-    executor_job *job = find_job(e, external_id);
+    executor_job *job = e->first;
+    while (job != NULL && strcmp(job->id, external_id) != 0)
+        job = job->next;
     if (job == NULL) {
         job = pull__add_job(e, PULL_AWAITED, run_id, attempt);
         e->n_cores_used[false] += job != NULL;
@@ -236,17 +229,6 @@ static void stop(executor *base, executor_job *job, executor_stop how)
     lock_release(&e->lock);
 }
 
-static void tick(pull_executor *e)
-{
-    const bool is_needed = e->n_workers > 0 || e->n_leases > 0 || e->n_at[PULL_AWAITED] > 0;
-    const struct timespec period = { .tv_sec = is_needed ? PULL_TICK_MS / 1000 : 0 };
-    const struct itimerspec setting = { .it_interval = period, .it_value = period };
-
-    if (is_needed != e->is_ticking)
-        (void)timerfd_settime(e->timer_fd, 0, &setting, NULL);
-    e->is_ticking = is_needed;
-}
-
 static void update(executor *base)
 {
     pull_executor *e = pull__enter(base);
@@ -256,7 +238,12 @@ static void update(executor *base)
     if (read(e->timer_fd, &n, sizeof n) > 0)
         pull__expire(e, clock_monotonic_ms());
     pull__drop_repetitions(e, clock_monotonic_ms());
-    tick(e);
+    const bool is_needed = e->n_workers > 0 || e->n_leases > 0 || e->n_at[PULL_AWAITED] > 0;
+    const struct timespec period = { .tv_sec = is_needed ? PULL_TICK_MS / 1000 : 0 };
+    const struct itimerspec setting = { .it_interval = period, .it_value = period };
+    if (is_needed != e->is_ticking)
+        (void)timerfd_settime(e->timer_fd, 0, &setting, NULL);
+    e->is_ticking = is_needed;
     metrics_set(METRICS_PULL_WORKERS, 0, (int64_t)e->n_workers);
     metrics_set(METRICS_PULL_LEASES, 0, (int64_t)e->n_leases);
     metrics_set(METRICS_PULL_JOBS, METRICS_PLACE_WAITING,

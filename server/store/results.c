@@ -118,20 +118,12 @@ static bf_status copy_events(store__connection *writer, const store__row *solved
                        INTEGER(solved->rowid), TEXT(row->run.id), TEXT(solved->run.id));
 }
 
-static bf_status count_events(store__connection *writer, store__row *row, bf_error *err)
-{
-    int64_t n = 0;
-
-    bf_status status =
-        store__find_number(writer, STORE__SQL_SUM_EVENTS, &n, err, INTEGER(row->rowid));
-    row->n_bytes += (uint64_t)n;
-    return status;
-}
-
 bf_status store__reuse_results(store__connection *writer, const store__row *solved,
                                const bf_buffer *scenario, const bf_buffer *summary, store__row *row,
                                bf_error *err)
 {
+    int64_t n = 0; // bytes of the events
+
     row->results = solved->results;
     row->run.grid = solved->run.grid;
     row->run.parts = solved->run.parts;
@@ -149,18 +141,9 @@ bf_status store__reuse_results(store__connection *writer, const store__row *solv
     if (status == BF_OK)
         status = copy_events(writer, solved, row, err);
     if (status == BF_OK)
-        status = count_events(writer, row, err);
+        status = store__find_number(writer, STORE__SQL_SUM_EVENTS, &n, err, INTEGER(row->rowid));
+    row->n_bytes += (uint64_t)n;
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
-}
-
-static bf_status are_used(store__connection *writer, int64_t results, bool *ret_are_used,
-                          bf_error *err)
-{
-    store__query q = store__start(writer, STORE__SQL_ARE_USED, INTEGER(results));
-    bf_status status = BF_OK;
-    *ret_are_used = store__next(&q, &status, err);
-    store__end(&q);
-    return status;
 }
 
 static bf_status collect(store__connection *writer, int64_t results, bool *ret_is_over,
@@ -179,9 +162,10 @@ static bf_status collect(store__connection *writer, int64_t results, bool *ret_i
 bf_status store__collect_results(store__connection *writer, int64_t results, bool *ret_is_over,
                                  bf_error *err)
 {
-    bool is_over = false;
-
-    bf_status status = are_used(writer, results, &is_over, err);
+    store__query q = store__start(writer, STORE__SQL_ARE_USED, INTEGER(results));
+    bf_status status = BF_OK;
+    bool is_over = store__next(&q, &status, err); // runs have them
+    store__end(&q);
     if (status == BF_OK && !is_over)
         status = collect(writer, results, &is_over, err);
     if (status == BF_OK)

@@ -52,17 +52,6 @@ static void fini_ends(ends *e)
     buffer_fini(&e->last);
 }
 
-static bf_status read_chunks(store__connection *reader, const slices *r, ends *e, bf_error *err)
-{
-    bf_status status = store__count_chunks(reader, r->results, r->kind, r->item, &e->n_chunks, err);
-    if (status == BF_OK && e->n_chunks > 0)
-        status = store__get_chunk(reader, r->results, r->kind, r->item, 0, &e->first, err);
-    if (status == BF_OK && e->n_chunks > 0)
-        status =
-            store__get_chunk(reader, r->results, r->kind, r->item, e->n_chunks - 1, &e->last, err);
-    return status;
-}
-
 static bf_status read_ends(store__connection *reader, slices *r, const char *id, ends *e,
                            bf_error *err)
 {
@@ -75,7 +64,13 @@ static bf_status read_ends(store__connection *reader, slices *r, const char *id,
     if (status != BF_OK)
         return status;
     r->results = e->row.results;
-    return read_chunks(reader, r, e, err);
+    status = store__count_chunks(reader, r->results, r->kind, r->item, &e->n_chunks, err);
+    if (status == BF_OK && e->n_chunks > 0)
+        status = store__get_chunk(reader, r->results, r->kind, r->item, 0, &e->first, err);
+    if (status == BF_OK && e->n_chunks > 0)
+        status =
+            store__get_chunk(reader, r->results, r->kind, r->item, e->n_chunks - 1, &e->last, err);
+    return status;
 }
 
 static bf_status fail_damaged(bf_error *err)

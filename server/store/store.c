@@ -50,21 +50,12 @@ static bf_status fail_errno(const char *what, const char *path, bf_error *err)
     return bf_fail(err, BF_ESYSTEM, "", "%s %s: %s", what, path, strerror(errno));
 }
 
-// The number of the process that the holder of the lock wrote into it; 0 if it cannot be read.
-static long read_holder(int file)
-{
-    char text[32] = "";
-    long holder = 0;
-
-    if (pread(file, text, sizeof text - 1, 0) <= 0 || sscanf(text, "%ld", &holder) != 1)
-        return 0;
-    return holder;
-}
-
 static bf_status fail_held(const store *s, int file, bf_error *err)
 {
-    long holder = read_holder(file);
-    if (holder == 0)
+    char text[32] = "";
+    long holder; // the process that wrote its number there
+
+    if (pread(file, text, sizeof text - 1, 0) <= 0 || sscanf(text, "%ld", &holder) != 1)
         return bf_fail(err, BF_ESYSTEM, "", "the data directory %s is in use by another daemon",
                        s->directory);
     return bf_fail(err, BF_ESYSTEM, "",
@@ -221,16 +212,6 @@ static bf_status recover(store__connection *writer, const store_options *options
     return status;
 }
 
-static bf_status set_paths(store *s, const char *directory, bf_error *err)
-{
-    // The longest of our file names and SQLite's "-journal" still fit.
-    if (strlen(directory) + 32 > STORE__PATH_SIZE)
-        return bf_fail(err, BF_ESYSTEM, "", "the data directory's path is too long");
-    snprintf(s->directory, sizeof s->directory, "%s", directory);
-    snprintf(s->path, sizeof s->path, "%.*s/beltflow.db", STORE__PATH_SIZE - 32, directory);
-    return BF_OK;
-}
-
 static store *create(const store_options *options)
 {
     store *s = memory_alloc(1, sizeof *s);
@@ -258,12 +239,16 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
 {
     if (sodium_init() < 0)
         return bf_fail(err, BF_ESYSTEM, "", "libsodium cannot be used on this machine");
+    // The longest of our file names and SQLite's "-journal" still fit.
+    if (strlen(options->directory) + 32 > STORE__PATH_SIZE)
+        return bf_fail(err, BF_ESYSTEM, "", "the data directory's path is too long");
     store *s = create(options);
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = set_paths(s, options->directory, err);
-    if (status == BF_OK)
-        status = hold_directory(s, err);
+    snprintf(s->directory, sizeof s->directory, "%s", options->directory);
+    snprintf(s->path, sizeof s->path, "%.*s/beltflow.db", STORE__PATH_SIZE - 32,
+             options->directory);
+    bf_status status = hold_directory(s, err);
     if (status == BF_OK)
         status = store__convert(s, err);
     if (status == BF_OK)

@@ -228,17 +228,6 @@ typedef struct forget_context {
     bool is_over; ///< nothing is left
 } forget_context;
 
-static bf_status delete_rows(store__connection *writer, const store__study *row, bool *ret_is_over,
-                             bf_error *err)
-{
-    bf_status status = store__exec(writer, STORE__SQL_DELETE_TRIALS, err, INTEGER(row->rowid),
-                                   INTEGER(TRIALS_A_STEP));
-    if (status != BF_OK || sqlite3_changes(writer->db) == TRIALS_A_STEP)
-        return status;
-    *ret_is_over = true;
-    return store__exec(writer, STORE__SQL_DELETE_STUDY, err, INTEGER(row->rowid));
-}
-
 static bf_status apply_forget(store__connection *writer, store__operation *operation, bf_error *err)
 {
     forget_context *context = operation->context;
@@ -254,7 +243,13 @@ static bf_status apply_forget(store__connection *writer, store__operation *opera
                                         !api_study_state_is_end(row.study.state))))
         return bf_fail(err, BF_ECONFLICT, "", "the study is at work or has runs");
     memcpy(operation->changed, row.study.id, API_ID_SIZE);
-    return status == BF_OK ? delete_rows(writer, &row, &context->is_over, err) : status;
+    if (status == BF_OK)
+        status = store__exec(writer, STORE__SQL_DELETE_TRIALS, err, INTEGER(row.rowid),
+                             INTEGER(TRIALS_A_STEP));
+    if (status != BF_OK || sqlite3_changes(writer->db) == TRIALS_A_STEP)
+        return status;
+    context->is_over = true;
+    return store__exec(writer, STORE__SQL_DELETE_STUDY, err, INTEGER(row.rowid));
 }
 
 bf_status store_forget_study(store *s, const char *id, bf_error *err)

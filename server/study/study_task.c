@@ -272,17 +272,6 @@ static bool has_ended(const study__task *t)
     return study_is_ended(t->core) && t->n_told == study_trials(t->core);
 }
 
-static bf_status write_best(study__task *t, turn *u, bf_error *err)
-{
-    const int64_t now_ms = clock_monotonic_ms();
-
-    if (!has_ended(t) && (!t->has_news || now_ms < t->best_ms + BEST_MS))
-        return BF_OK;
-    t->has_news = false;
-    t->best_ms = now_ms;
-    return study_best_write(&t->document, t->core, &u->best, err);
-}
-
 // What has begun is open, or told where it ended at once.
 static void take_begins(study__task *t, turn *u)
 {
@@ -342,8 +331,12 @@ static bf_status take_turn(study__task *t, turn *u, bf_error *err)
     bf_status status = take_ends(t, u, err);
     if (status == BF_OK && is_running)
         status = make_begins(t, u, err);
-    if (status == BF_OK)
-        status = write_best(t, u, err);
+    const int64_t now_ms = clock_monotonic_ms();
+    if (status == BF_OK && (has_ended(t) || (t->has_news && now_ms >= t->best_ms + BEST_MS))) {
+        t->has_news = false;
+        t->best_ms = now_ms;
+        status = study_best_write(&t->document, t->core, &u->best, err);
+    }
     if (status == BF_OK)
         status = write_turn(t, u, err);
     if (status == BF_OK)
