@@ -160,7 +160,8 @@ static const member best_members[] = {
         .flags = MEMBER_OPTIONAL),
     ROW("verdicts", "[#Verdict]",
         "What this says, in sentences: equal, alone, one_run_each, everything_through, edge, "
-        "demand_met, demand_not_met, front, no_chance, confirmed, undecided or unconfirmed; of a "
+        "demand_met, demand_not_met, front, no_chance, no_value, confirmed, undecided or "
+        "unconfirmed; of a "
         "base that is repeated replications "
         "and jams"),
     ROW("front", "[#StudyPoint]",

@@ -114,9 +114,12 @@ static void say_equal(const about *a)
     } else {
         verdict_say(v, "No other of the %zu points is as good. ", c->n_candidates);
     }
-    verdict_say(v, "Less than %s %s%scounts as equal",
-                verdict_number(c->indifference, (double)NAN, number), unit != NULL ? unit : "",
-                unit != NULL ? " " : "");
+    if (c->indifference > 0.0)
+        verdict_say(v, "Less than %s %s%scounts as equal",
+                    verdict_number(c->indifference, (double)NAN, number), unit != NULL ? unit : "",
+                    unit != NULL ? " " : "");
+    else
+        verdict_say(v, "Nothing but the same value counts as equal");
     if (has_chance)
         verdict_say(v, ", and what chance leaves open with %.4g %% confidence",
                     100.0 * d->method.confidence);
@@ -414,6 +417,16 @@ static void say_replications(const about *a)
         say_jams(a, value);
 }
 
+// Of a study that has ended without any.
+static void say_no_value(const about *a)
+{
+    verdict *v = verdict_add(a->verdicts, "no_value");
+
+    verdict_say(v, "No trial has a value of ");
+    say_figure(v, a->document, 0);
+    verdict_say(v, ", so no point is best.");
+}
+
 static void say_no_chance(const about *a)
 {
     if (a->document->replications > 1 && !study_document_definition(a->document).has_chance)
@@ -439,8 +452,11 @@ static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
         return status;
     if (d->has_own_second)
         say_front(a, are_meant);
-    // Beyond the range no point is better where one lets everything through, but in a second objective.
-    if (!is_whole || d->has_own_second)
+    // Beyond the range no point is better where one lets everything through, or has nothing of what is to be least, but in a
+    // second objective.
+    const bool is_least =
+        !d->objectives[0].is_maximized && study_sample(a->study, a->choice->best, 0).mean == 0.0;
+    if ((!is_whole && !is_least) || d->has_own_second)
         say_edges(a);
     if (d->method.type != STUDY_SCREEN)
         say_no_chance(a);
@@ -455,6 +471,8 @@ bf_status study_verdict_find(study_document *document, const study *s, const stu
 {
     const about a = { document, s, choice, is_in, ret_verdicts };
 
+    if (choice->best == SIZE_MAX && study_is_ended(s))
+        say_no_value(&a);
     if (choice->best == SIZE_MAX || document->method.type == STUDY_CALIBRATE)
         return BF_OK;
     if (document->n_parameters == 0) {

@@ -7,8 +7,9 @@
 ///     front               with two objectives: between which points one has to choose
 ///     one_run_each        parts arrive by chance and each point was solved once: nothing is known of what chance does
 ///     everything_through  where all that is offered gets through
-///     edge                the best point lies at an end of a range, and which range to try
+///     edge                the best point lies at an end of a range beyond which there may be a better one, and which range to try
 ///     no_chance           nothing is left to chance, so each point was solved once
+///     no_value            no trial has a value of the first objective
 ///     confirmed           of screen: what the microscopic model compared with what, and how much the models differ there
 ///     undecided           of screen: same, trials having run out, or still going on
 ///     replications        of a point that is repeated alone: the mean of its runs, with Student's interval

@@ -302,8 +302,12 @@ static bf_status write_turn(study__task *t, turn *u, bf_error *err)
                               .state = API_STUDY_STATES };
 
     if (has_ended(t) && study_best(t->core) == SIZE_MAX) {
+        const bool is_fit = t->document.method.type == STUDY_CALIBRATE;
+        char word[STUDY_DOCUMENT_COLUMN];
+        study_document_column(&t->document, 0, word);
         step.state = API_STUDY_FAILED;
-        (void)bf_fail(&step.error, BF_EINPUT, "", "no trial has a value of what is to be best");
+        (void)bf_fail(&step.error, BF_EINPUT, is_fit ? "/curves" : "/objectives/0/figure",
+                      "no trial has a value of %s", word);
     } else if (has_ended(t)) {
         step.state = API_STUDY_SUCCEEDED;
     }

@@ -678,6 +678,34 @@ static void one_run_each_says_nothing_of_chance(void **state)
     study_document_fini(&d);
 }
 
+// Nothing is less than no jam at all; and a figure that no trial says has no best point.
+static void objectives_without_anything_to_tell_apart_say_so(void **state)
+{
+    (void)state;
+    static const char *const texts[][3] = {
+        { "\"text\":\"Equally good in jam.count: angle_deg ",
+          "Nothing but the same value counts as equal.", NULL },
+        { "\"best\":null,", "\"text\":\"No trial has a value of jam.count, so no point is best.\"",
+          NULL },
+    };
+    const double values[] = { 0.0, (double)NAN };
+    for (size_t k = 0; k < 2; k++) {
+        study_document d =
+            read_good(FED("", ANGLE, "{'figure': 'jam.count'}", "'type': 'grid'", ""));
+        study *s = begin_study(&d);
+        bf_buffer out = { 0 };
+        for (size_t trial = 0; trial < study_trials(s); trial++)
+            study_tell(s, trial, (const double[]){ values[k], 3.0 + (double)trial });
+        assert_int_equal(study_advance(s, NULL), BF_OK);
+        assert_says(&d, s, texts[k]);
+        assert_int_equal(study_best_write(&d, s, &out, NULL), BF_OK);
+        assert_null(strstr(out.bytes, "\"kind\":\"edge\""));
+        buffer_fini(&out);
+        study_destroy(s);
+        study_document_fini(&d);
+    }
+}
+
 // 10 runs of 2 points; the models differ by 10 % and 0 %.
 static void a_screening_says_what_was_compared(void **state)
 {
@@ -756,6 +784,7 @@ int main(void)
         cmocka_unit_test(beyond_a_range_nothing_is_better_where_everything_gets_through),
         cmocka_unit_test(a_range_to_try_stays_positive),
         cmocka_unit_test(one_run_each_says_nothing_of_chance),
+        cmocka_unit_test(objectives_without_anything_to_tell_apart_say_so),
         cmocka_unit_test(a_screening_says_what_was_compared),
         cmocka_unit_test(without_memory_no_document_is_read),
     };

@@ -478,6 +478,8 @@ static void a_study_without_any_value_has_failed(void **state)
 
     assert_int_equal(after.state, API_STUDY_FAILED);
     assert_int_equal(after.error.code, BF_EINPUT);
+    assert_string_equal(after.error.pointer, "/objectives/0/figure");
+    assert_non_null(strstr(after.error.text, "no trial has a value of "));
 }
 
 static void a_scenario_that_is_not_valid_is_infeasible_and_has_no_run(void **state)
