@@ -1,6 +1,7 @@
 #include "core/macro/aperture.h"
 
 #include "core/base/polygon.h"
+#include "core/scene/belt_slope.h"
 #include "core/scene/mix.h"
 #include "core/scene/surroundings.h"
 
@@ -147,9 +148,8 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
     const vec2 toward = vec2_scale(across, sine < 0.0 ? -1.0 : 1.0);
     const opposite other = find_opposite(s, around, obstacle, e->tip, toward);
     const double handling = parts->contact[SCENE_HANDLING_CARGO].friction;
-    const double friction =
-        belt_friction_ratio(&around->belts[under], conveyor) * conveyor->friction;
-    const double stopping = speed * speed / (friction * parts->gravity);
+    const double drive = belt_slope_drive(&around->belts[under], conveyor);
+    const double stopping = speed * speed / (drive * parts->gravity);
     double radii = cost_of(&end_law, sine, s, handling);
 
     if (other.kind == OPPOSITE_SIDE)

@@ -25,6 +25,10 @@
 ///                                         internal friction of cargo that is held back
 ///     soft(x, a) = sgn(x) max(|x| - a, 0)
 ///
+/// On a slope, whose belt drives slower cargo by cos(alpha) (1 - tau) of what a level one does, brakes faster cargo by
+/// cos(alpha) (1 + tau), and holds it across by cos(alpha) (core/scene/belt_slope.h), g is divided by each of these in its law; s by
+/// the last, after it was multiplied by the first.
+///
 /// The constants are fitted to the microscopic model; core/macro/congested/README.md has their table.
 ///
 /// Step     rho* = rho - dt div(rho v), unsplit, by the scheme, w by the densities before; then p by red-black relaxation

@@ -43,6 +43,7 @@ macro_def macro_def_default(void)
         .closure = SCENE_DISPERSIVE,
         .jam_density = 0.93,
         .slip_rate = 10.0,
+        .friction = 1.0,
         .dispersion = 0.79,
         .mollifier = 10000.0,
         .heaviside = SCENE_HEAVISIDE_SHARP,

@@ -50,10 +50,11 @@ typedef struct macro_def {
     const uint8_t *closed1;    ///< nonzero: nothing crosses this x1-face (default NULL: none)
     const uint8_t *closed2;    ///< same for the x2-faces (default NULL: none)
     scene_closure
-        closure;        ///< (default SCENE_DISPERSIVE); the next eight are SCENE_CONGESTED's, which
+        closure;        ///< (default SCENE_DISPERSIVE); the next nine are SCENE_CONGESTED's, which
                         ///< needs belts, belt1 and belt2, and square cells (congested.h)
     double jam_density; ///< rho_j, in (0, 1] (default 0.93)
     double slip_rate;   ///< lambda of the belt's friction, s/m, > 0 (default 10)
+    double friction;    ///< mu of cargo on slopes that name none, > 0 (default 1)
     const double *aperture1;   ///< open fraction of the x1-faces; v1 is that of an open face
     const double *aperture2;   ///< same for the x2-faces
     const double *transverse1; ///< x2 velocity on the x1-faces, m/s

@@ -227,11 +227,13 @@ static void follow(moving_plates *p, size_t k, macro_solver *s)
     const scene_contact *belt = &of->micro.contact[SCENE_CONVEYOR_CARGO];
     const bf_grid grid = scene_grid(of);
     const bool has_limit = of->macro.closure == SCENE_CONGESTED;
+    const double mass_per_area = plate_drive_mass_per_area(of), gravity = of->micro.gravity;
     const swept_cells_cargo cargo = { surroundings_of(of),
                                       full_density(of),
                                       has_limit ? pressed * full_density(of) : INFINITY,
-                                      belt->friction * of->micro.gravity *
-                                          plate_drive_mass_per_area(of) * grid.d1 * grid.d2,
+                                      belt->friction * gravity * mass_per_area * grid.d1 * grid.d2,
+                                      mass_per_area * grid.d1 * grid.d2,
+                                      gravity,
                                       belt,
                                       moving->radius };
     plate_load load = { .torque = 0.0 };

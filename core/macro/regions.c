@@ -1,6 +1,7 @@
 #include "core/macro/regions.h"
 
 #include "core/macro/aperture.h"
+#include "core/scene/belt_slope.h"
 
 #include <math.h>
 
@@ -10,7 +11,8 @@ static const double congested_slide = 6.0;
 regions_segment regions_segment_of(const scene *s, const surroundings *around,
                                    const scene_obstacle *obstacle, size_t k)
 {
-    regions_segment g = { .piece = surroundings_piece_of(around, obstacle, k) };
+    regions_segment g = { .piece = surroundings_piece_of(around, obstacle, k),
+                          .conveyor = &s->micro.contact[SCENE_CONVEYOR_CARGO] };
     const bool is_sealed = obstacle->treatment == SCENE_SEALED;
 
     if (s->macro.closure == SCENE_CONGESTED) {
@@ -65,6 +67,19 @@ void regions_consider(regions_velocity *v, const regions_segment *g, vec2 at)
     if (found <= v->region)
         return;
     v->region = found;
-    v->velocity = found == REGIONS_OUTWARD ? vec2_scale(upstream, speed)
-                                           : vec2_scale(along, vec2_dot(v->belt, along));
+    if (found == REGIONS_OUTWARD) {
+        v->velocity = vec2_scale(upstream, speed);
+        return;
+    }
+    v->velocity = vec2_scale(along, vec2_dot(v->belt, along));
+    if (v->under == NULL || v->under->incline == 0.0)
+        return;
+    // What rests on the plate slips on its belt by u, which bears the pull along the plate: of the angle theta to the belt
+    // u/sqrt(u^2 + (v_T sin theta)^2) = tau cos theta.
+    const double cosine = fabs(vec2_dot(v->belt, along)) / speed;
+    const double borne = belt_slope_ratio(v->under, g->conveyor) * cosine;
+    const double sine = sqrt(1.0 - cosine * cosine);
+    const double slip = speed * sine * borne / sqrt(1.0 - borne * borne);
+    const double slides = fmin(fmax(speed * cosine - slip, 0.0), speed);
+    v->velocity = vec2_scale(along, copysign(slides, vec2_dot(v->belt, along)));
 }

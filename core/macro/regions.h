@@ -1,7 +1,8 @@
 /// The rules of the static velocity field at a point: regions A, B and C of velocity_field.h.
 ///
 /// A plate that runs along its belt, or has been turned into its direction, holds nothing back: it has neither B nor C. On a belt
-/// that turns the direction in the middle of the piece counts, as it is a chord of a circle there.
+/// that turns the direction in the middle of the piece counts, as it is a chord of a circle there. On a slope cargo that rests on
+/// the plate is slower uphill and faster downhill by what friction on the belt then bears, at most as fast as the belt.
 
 #pragma once
 
@@ -10,7 +11,8 @@
 
 /// A straight piece of an obstacle.
 typedef struct regions_segment {
-    surroundings_piece piece; ///< see there
+    surroundings_piece piece;      ///< see there
+    const scene_contact *conveyor; ///< of the scene
     double level[3]; ///< borders of the regions by their distance d upstream of the line: B from
                      ///< level[0] to [1], C from there to [2], m
 } regions_segment;

@@ -1,6 +1,7 @@
 #include "core/macro/swept_cells.h"
 
 #include "core/base/memory.h"
+#include "core/scene/belt_slope.h"
 
 #include <math.h>
 #include <string.h>
@@ -389,17 +390,19 @@ static double force_against(const hand_on_context *x, const swept_cells_cargo *c
 {
     const size_t belt = surroundings_belt_at(&cargo->around, at);
     const double factor = macro_belt_factor(x->solver, belt);
+    const scene_belt *under = belt < cargo->around.n_belts ? &cargo->around.belts[belt] : NULL;
     const double friction_ratio =
-        belt < cargo->around.n_belts
-            ? belt_friction_ratio(&cargo->around.belts[belt], cargo->conveyor)
-            : 1.0;
+        under != NULL ? belt_friction_ratio(under, cargo->conveyor) * cos(under->incline) : 1.0;
+    const vec2 pull = under != NULL ? belt_slope_pull(under, cargo->gravity) : (vec2){ 0.0, 0.0 };
     const vec2 slip =
         vec2_sub(vec2_scale(e, speed),
                  vec2_scale(surroundings_velocity_at(&cargo->around, belt, at), factor));
     const double slides = vec2_length(slip), against = fmax(vec2_dot(slip, e), 0.0);
-    return against == 0.0 ? 0.0
-                          : cargo->weight * friction_ratio * density_of(x, cell) *
-                                tanh(cargo->conveyor->tanh_linear * slides) * (against / slides);
+    const double rubs = against == 0.0
+                            ? 0.0
+                            : cargo->weight * friction_ratio * density_of(x, cell) *
+                                  tanh(cargo->conveyor->tanh_linear * slides) * (against / slides);
+    return fmax(rubs - cargo->mass * density_of(x, cell) * vec2_dot(pull, e), 0.0);
 }
 
 // Adds what a cell's cargo that moves with a plate takes.

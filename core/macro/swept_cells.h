@@ -44,6 +44,8 @@ typedef struct swept_cells_cargo {
     double
         most; ///< density of a swept cell, beyond which cargo has to give way before the plate goes on
     double weight;                 ///< mu g m of a cell at density 1, mu that of *conveyor, N
+    double mass;                   ///< m, kg
+    double gravity;                ///< g, m/s2
     const scene_contact *conveyor; ///< of cargo on belts that name no friction
     double radius;                 ///< R, m
 } swept_cells_cargo;

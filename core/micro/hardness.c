@@ -4,6 +4,7 @@
 #include "core/micro/contact_law.h"
 #include "core/micro/implicit_step.h"
 #include "core/scene/belt.h"
+#include "core/scene/belt_slope.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
@@ -75,8 +76,9 @@ static load find_load(const micro_def *def)
     }
     l.mass = fmin(fmax(lines * length * by_length, heaviest),
                   heaviest * fmax((double)micro__n_expected(def), 1.0));
-    l.force = belt_largest_friction(def->n_belts, def->belts, &def->contact[SCENE_CONVEYOR_CARGO]) *
-              def->gravity * l.mass;
+    l.force =
+        belt_slope_largest_drive(def->n_belts, def->belts, &def->contact[SCENE_CONVEYOR_CARGO]) *
+        def->gravity * l.mass;
     l.square = fmax(l.mass * speed * speed, lines * heaviest * plate_speed * plate_speed);
     return l;
 }

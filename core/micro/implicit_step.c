@@ -4,6 +4,7 @@
 #include "core/micro/contact_law.h"
 #include "core/micro/hardness.h"
 #include "core/scene/belt.h"
+#include "core/scene/belt_slope.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 
@@ -157,7 +158,7 @@ double implicit_step_chosen(const micro_def *def, bool is_planar)
     dt = fmin(dt,
               2.0 * square / (x.linear + sqrt(x.linear * x.linear + 4.0 * x.quadratic * square)));
     const double deceleration =
-        belt_largest_friction(def->n_belts, def->belts, belt) * def->gravity;
+        belt_slope_largest_drive(def->n_belts, def->belts, belt) * def->gravity;
     return deceleration > 0.0
                ? fmin(dt, fmax(0.2 / belt->tanh_linear, 0.05 * e.speed) / deceleration)
                : dt;

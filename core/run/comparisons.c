@@ -43,6 +43,8 @@ const comparison_column comparisons_columns[COMPARISON_COLUMNS] = {
     AS_MANY(VALIDITY_MOTIONS),
     AS_MANY(VALIDITY_BATCH),
     AS_MANY(VALIDITY_FALLS),
+    { VALIDITY_INCLINE, true, COMPARISON_DIFFERENCE, 5.0 },
+    BY_DIFFERENCE(VALIDITY_INCLINE, 5.0),
 };
 
 static bool is_alike(const comparison_column *column, double a, double b)

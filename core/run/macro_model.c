@@ -11,10 +11,14 @@
 #include "core/run/crossings.h"
 #include "core/run/macro_flows.h"
 #include "core/run/run_priv.h"
+#include "core/scene/belt_slope.h"
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
 #include "core/scene/surroundings.h"
+
+#include <math.h>
+#include <stdio.h>
 
 typedef struct macro_run {
     macro_solver *solver;
@@ -62,12 +66,35 @@ static void check_step(const scene *s, bf_faults *faults)
                          SCENE_STEPS_MAX);
 }
 
+// A density is carried by belts that hold it.
+static void check_slopes(const scene *s, bf_faults *faults)
+{
+    const scene_contact *conveyor = &s->micro.contact[SCENE_CONVEYOR_CARGO];
+    char pointer[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < s->n_belts; k++) {
+        const scene_belt *belt = &s->belts[k];
+        snprintf(pointer, sizeof pointer, "/belts/%zu/incline_deg", k);
+        if (belt->incline == 0.0)
+            continue;
+        if (s->macro.closure == SCENE_DISPERSIVE)
+            faults_add(faults, pointer,
+                       "the density model has slopes with the closure 'congested' alone");
+        else if (!(fabs(belt_slope_ratio(belt, conveyor)) <= BELT_SLOPE_HELD))
+            faults_add(faults, pointer,
+                       "cargo slides on such a slope, which a density does not: its tangent may be "
+                       "%.2g of the friction of cargo on the belt",
+                       BELT_SLOPE_HELD);
+    }
+}
+
 static void check_scenario(const scene *s, bf_faults *faults)
 {
     const bool is_dispersive = s->macro.closure == SCENE_DISPERSIVE;
     const int reach = mollifier_reach(s->macro.mollifier, scene_cell_edge(s));
 
     check_step(s, faults);
+    check_slopes(s, faults);
     if (is_dispersive && reach > MOLLIFIER_REACH_MAX)
         faults_add_limit(faults, "/macro/mollifier_per_m2",
                          "%d cells to reach over, the limit is %d", reach, MOLLIFIER_REACH_MAX);
@@ -82,6 +109,7 @@ static void complete_congested(const scene *s, const velocity_field *f, macro_de
     def->mollifier = 16.0 / (edge * edge); // reaches over one cell: nothing is smoothed
     def->jam_density = s->macro.jam_density;
     def->slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
+    def->friction = s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
     def->aperture1 = f->aperture1;
     def->aperture2 = f->aperture2;
     def->transverse1 = f->transverse1;

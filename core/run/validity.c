@@ -8,6 +8,7 @@
 #include "core/run/review_belts.h"
 #include "core/run/validity_table.h"
 #include "core/run/validity_text.h"
+#include "core/scene/belt_slope.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/layout.h"
 #include "core/scene/mix.h"
@@ -84,9 +85,9 @@ static void note(findings *f, validity_figure figure, double value, const char *
     f->is_unknown = f->is_unknown || isnan(value);
     if (isnan(range->minimum) || isnan(value))
         way = VALIDITY_NEVER_COMPARED;
-    else if (value < range->minimum * (1.0 - SLACK))
+    else if (value < range->minimum - SLACK * fabs(range->minimum))
         way = VALIDITY_TOO_SMALL;
-    else if (value > range->maximum * (1.0 + SLACK))
+    else if (value > range->maximum + SLACK * fabs(range->maximum))
         way = VALIDITY_TOO_LARGE;
     if (way == VALIDITY_WAY_COUNT || is_any)
         return;
@@ -221,6 +222,23 @@ static size_t count_velocities(const scene *s)
     return n;
 }
 
+static bool has_slopes(const scene *s)
+{
+    bool has = false;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        has = has || s->belts[k].incline != 0.0;
+    return has;
+}
+
+static void note_inclines(findings *f)
+{
+    for (size_t k = 0; k < f->s->n_belts; k++)
+        if (f->s->belts[k].incline != 0.0)
+            note(f, VALIDITY_INCLINE, f->s->belts[k].incline * 180.0 / M_PI,
+                 "/belts/%zu/incline_deg", k);
+}
+
 static void note_speeds(findings *f)
 {
     double n_schedules = 0.0;
@@ -249,7 +267,7 @@ static void note_speeds(findings *f)
 static void note_acceleration(findings *f)
 {
     const double speed = scene_belt_speed(f->s), gravity = f->s->micro.gravity,
-                 friction = belt_smallest_friction(f->s->n_belts, f->s->belts,
+                 friction = belt_slope_least_drive(f->s->n_belts, f->s->belts,
                                                    &f->s->micro.contact[SCENE_CONVEYOR_CARGO]);
 
     note(f, VALIDITY_ACCELERATION,
@@ -474,8 +492,8 @@ static void note_kind(findings *f, size_t k, const shape_footprint *footprint)
     note(f, VALIDITY_DIAMETER, 2.0 * footprint->bounding_radius, "/cargo%s/shape", place);
     note(f, VALIDITY_MASS, kind->mass, "/cargo%s/mass_kg", place);
     note(f, VALIDITY_TIPPING,
-         slender * belt_largest_friction(f->s->n_belts, f->s->belts,
-                                         &f->s->micro.contact[SCENE_CONVEYOR_CARGO]),
+         slender * belt_slope_largest_drive(f->s->n_belts, f->s->belts,
+                                            &f->s->micro.contact[SCENE_CONVEYOR_CARGO]),
          "/cargo%s/shape", place);
 }
 
@@ -600,7 +618,7 @@ static void note_figures(findings *f, const layout *of)
     for (size_t k = 0; k < f->s->n_belts; k++)
         n_arcs += f->s->belts[k].arc.is_given;
     const bool is_free = of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 &&
-                         n_velocities == 1 && n_arcs == 0 && !f->is_moving;
+                         n_velocities == 1 && n_arcs == 0 && !has_slopes(f->s) && !f->is_moving;
 
     note_motions(f);
     note_batches(f);
@@ -609,6 +627,7 @@ static void note_figures(findings *f, const layout *of)
     note_plates(f, of);
     note(f, VALIDITY_BELTS, (double)n_velocities, "/belts");
     note_count(f, VALIDITY_ARCS, n_arcs, "/belts");
+    note_inclines(f);
     note_turns(f);
     for (size_t k = 0; k < f->s->n_belts && n_velocities > 1 && f->s->n_feeds > 0; k++)
         note(f, VALIDITY_TRANSFER, 100.0 * f->rate / belt_capacity(f->s, &f->s->belts[k]),

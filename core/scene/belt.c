@@ -14,32 +14,13 @@ double belt_largest_speed(const scene_belt *belt)
     return largest;
 }
 
-double belt_largest_friction(size_t n_belts, const scene_belt *belts, const scene_contact *conveyor)
-{
-    double largest = n_belts > 0 ? 0.0 : 1.0;
-
-    for (size_t k = 0; k < n_belts; k++)
-        largest = fmax(largest, belt_friction_ratio(&belts[k], conveyor));
-    return largest * conveyor->friction;
-}
-
-double belt_smallest_friction(size_t n_belts, const scene_belt *belts,
-                              const scene_contact *conveyor)
-{
-    double smallest = n_belts > 0 ? INFINITY : 1.0;
-
-    for (size_t k = 0; k < n_belts; k++)
-        smallest = fmin(smallest, belt_friction_ratio(&belts[k], conveyor));
-    return smallest * conveyor->friction;
-}
-
 bool belt_are_forward(size_t n_belts, const scene_belt *belts)
 {
     bool are = true;
 
     for (size_t k = 0; k < n_belts; k++)
-        are =
-            are && belts[k].velocity.y == 0.0 && belts[k].velocity.x >= 0.0 && belts[k].turn == 0.0;
+        are = are && belts[k].velocity.y == 0.0 && belts[k].velocity.x >= 0.0 &&
+              belts[k].turn == 0.0 && belts[k].incline == 0.0;
     return are;
 }
 

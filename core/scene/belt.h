@@ -39,14 +39,8 @@ static inline double belt_friction_ratio(const scene_belt *belt, const scene_con
                                                             : 1.0;
 }
 
-/// True if every belt runs along +x1: then the congested closure has a law for each direction by itself.
+/// True if every belt is level and runs along +x1: then the congested closure has a law for each direction by itself.
 bool belt_are_forward(size_t n_belts, const scene_belt *belts);
-
-/// The largest and the smallest friction of cargo on any of these belts; that of contacts without belts.
-double belt_largest_friction(size_t n_belts, const scene_belt *belts,
-                             const scene_contact *conveyor);
-double belt_smallest_friction(size_t n_belts, const scene_belt *belts,
-                              const scene_contact *conveyor);
 
 /// The largest |v_T| on a belt, m/s: that at a corner, as it is convex in x; of one without corners that of `velocity`.
 double belt_largest_speed(const scene_belt *belt);

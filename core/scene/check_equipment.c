@@ -144,6 +144,16 @@ static void check_failures(const scene *s, bf_faults *faults)
     }
 }
 
+static void check_incline(const scene_belt *belt, const char *pointer, bf_faults *faults)
+{
+    if (!(fabs(belt->incline) <= SCENE_INCLINE_MAX))
+        faults_add(faults, pointer, "must be between -45 and 45 degrees");
+    else if (belt->incline != 0.0 && belt->arc.is_given)
+        faults_add(faults, pointer, "must be 0: curves are level");
+    else if (belt->incline != 0.0 && vec2_length(belt->velocity) == 0.0)
+        faults_add(faults, pointer, "needs a velocity_m_s, in whose direction the belt rises");
+}
+
 void scene__check_belts(const scene *s, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE];
@@ -168,6 +178,8 @@ void scene__check_belts(const scene *s, bf_faults *faults)
             faults_add(
                 faults, pointer,
                 "needs a friction above 0 in contacts/conveyor_cargo, which other belts have");
+        snprintf(pointer, sizeof pointer, "/belts/%zu/incline_deg", k);
+        check_incline(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu", k);
         belt_speeds_check(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);

@@ -67,6 +67,8 @@ static uint64_t add_belts(uint64_t digest, size_t n, const scene_belt *belts)
             digest = ADD_NUMBERS(digest, belts[k].turn, belts[k].centre.x, belts[k].centre.y);
         if (belts[k].friction > 0.0)
             digest = ADD_NUMBERS(digest, belts[k].friction);
+        if (belts[k].incline != 0.0)
+            digest = ADD_NUMBERS(digest, belts[k].incline);
         digest = add_stops(add_speed(digest, &belts[k]), &belts[k]);
         digest = ADD_ITEMS(digest, belts[k].polygon, belts[k].n_points);
     }

@@ -49,6 +49,9 @@ enum {
 /// Largest speed, m/s.
 #define SCENE_SPEED_MAX 1e3
 
+/// Largest incline of a belt, up or down, rad: 45 degrees, and what rounding adds to them.
+#define SCENE_INCLINE_MAX (0.25 * M_PI + 1e-12)
+
 /// Most values that the density of the parts at the start may take to sum up: parts times cells
 /// within the cut-off of initial_mollifier.
 #define SCENE_INITIAL_WORK_MAX 1e12

@@ -1,6 +1,7 @@
 #include "core/scene/plate_drive.h"
 
 #include "core/scene/belt.h"
+#include "core/scene/belt_slope.h"
 #include "core/scene/plate_range.h"
 #include "core/scene/scene.h"
 
@@ -27,7 +28,7 @@ plate_drive plate_drive_of(const scene *s, size_t k)
     const double length =
         fmax(s->domain.x_max - s->domain.x_min, s->domain.y_max - s->domain.y_min);
     const double friction =
-        belt_largest_friction(s->n_belts, s->belts, &s->micro.contact[SCENE_CONVEYOR_CARGO]);
+        belt_slope_largest_drive(s->n_belts, s->belts, &s->micro.contact[SCENE_CONVEYOR_CARGO]);
     const double force = o->force_limit > 0.0 ? o->force_limit
                                               : friction * s->micro.gravity *
                                                     plate_drive_mass_per_area(s) * radius * length;

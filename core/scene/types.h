@@ -42,15 +42,13 @@ typedef struct scene_speed_schedule {
 
 /// The outline of a belt that turns about its centre, a curve: a sector of a ring. It moves from `from` to `to`.
 typedef struct scene_arc {
-    bool is_given;       ///< the belt is one (default false)
-    double inner_radius; ///< m, > 0
-    double outer_radius; ///< m, > inner_radius
-    double from;         ///< angle from the x axis, counter-clockwise, rad
-    double to;           ///< same; by at most a whole turn from `from`: above it the belt turns
-                         ///< counter-clockwise, below it clockwise
-    double
-        reference_radius; ///< at which it moves at the size of its velocity, m (default: the mean
-                          ///< of both radii)
+    bool is_given;           ///< the belt is one (default false)
+    double inner_radius;     ///< m, > 0
+    double outer_radius;     ///< m, > inner_radius
+    double from;             ///< angle from the x axis, counter-clockwise, rad
+    double to;               ///< same; by at most a whole turn from `from`: above it the belt turns
+                             ///< counter-clockwise, below it clockwise
+    double reference_radius; ///< with the size of its velocity, m (default: the mean of both)
     vec2 rays[2]; ///< unit vectors from the centre to both ends, counter-clockwise from the first
                   ///< one to the second; set by scene_resolve()
 } scene_arc;
@@ -63,6 +61,7 @@ typedef struct scene_belt {
                  ///< arc set by scene_resolve()
     vec2 centre; ///< see turn, m
     scene_arc arc;       ///< see there
+    double incline;      ///< of its rise along its velocity, rad: belt_slope.h (default 0)
     double friction;     ///< mu of cargo on it, > 0; 0: that of contacts (default 0)
     double acceleration; ///< with which its speed rises, m/s2, > 0 (default INFINITY: at once)
     double deceleration; ///< with which it falls, m/s2, > 0 (default INFINITY: at once)

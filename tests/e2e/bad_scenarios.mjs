@@ -123,6 +123,7 @@ export const badScenarios = [
   ["a belt of two corners", (s) => (s.belts[0].polygon_m = polygon(2)), "/belts/0/polygon_m"],
   ["a belt that crosses itself",
     (s) => (s.belts[0].polygon_m = [[0, 0], [1, 0.6], [1, 0], [0, 0.6]]), "/belts/0/polygon_m"],
+  ["a belt as steep as stairs", (s) => (s.belts[0].incline_deg = 50), "/belts/0/incline_deg"],
   ["an arc without an inner radius", (s) => (s.belts[0].arc = arc({ inner_radius_m: 0 })), "/belts/0/arc/inner_radius_m"],
   ["an arc of no angle", (s) => (s.belts[0].arc = arc({ to_deg: 0 })), "/belts/0/arc/to_deg"],
   ["an arc that lies on itself", (s) => (s.belts[0].arc = arc({ to_deg: 361 })), "/belts/0/arc/to_deg"],

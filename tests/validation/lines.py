@@ -44,6 +44,8 @@ class Line:
     turned: float = 0.0  # of the belt, degrees
     foot: float = 20.0  # of belt upstream of the plates, d
     ratio: float = 1.0  # speed of the second belt to that of the first
+    incline: float = 0.0  # of the belt, degrees
+    ramp: tuple = ()  # from where to where it has that incline, d, between level belts; (): everywhere
 
     @property
     def name(self):
@@ -61,6 +63,8 @@ class Line:
             told.append(f"turned {self.turned:g}")
         if self.ratio != 1.0:
             told.append(f"ratio {self.ratio:g}")
+        if self.incline:
+            told.append(f"incline {self.incline:g}" + (f" from {self.ramp[0]:g} to {self.ramp[1]:g}" if self.ramp else ""))
         return "; ".join(told)
 
     @property
@@ -125,6 +129,12 @@ class Line:
     def straight(self, paths, length):
         d = self.d
         belts = [{"velocity_m_s": [self.v, 0.0]}]
+        slope = {"velocity_m_s": [self.v, 0.0], "incline_deg": self.incline}
+        if self.ramp:
+            low, high, width = round(self.ramp[0] * d, 6), round(self.ramp[1] * d, 6), self.width * d
+            belts.append({**slope, "polygon_m": [[low, 0], [high, 0], [high, width], [low, width]]})
+        elif self.incline:
+            belts = [slope]
         if self.ratio != 1.0:
             at = round(0.6 * length * d, 6)
             belts.append({"velocity_m_s": [self.ratio * self.v, 0.0],
@@ -208,6 +218,11 @@ def development():
         + [dict(ratio=1.6), dict(ratio=.7)],
         "transfer": [dict(layout="transfer", opening=10, load=q, ratio=r) for q, r in ((.4, 1), (.6, 1), (.8, .8), (1, 1))],
         "mix": [dict(sizes=z, angle=a) for z, a in (((1, 1.5), 60), ((.7, 1), 60), ((1, 1.3, 1.8), 60), ((.8, 1.2), 75))],
+        "slope": [dict(incline=i, angle=a, opening=o, belt=b) for i, a, o, b in (
+            (10, 60, 5.5, .3), (-10, 60, 5.5, .3), (5, 75, 7, .25), (-12, 90, 6, .4), (15, 45, 5.5, .5), (-8, 45, 5, .3),
+            (10, 60, 5.5, 1))]
+        + [dict(incline=i, layout="funnel", angle=75, opening=7, belt=.35) for i in (10, -10)]
+        + [dict(incline=i, ramp=(8, 16), belt=.3) for i in (10, -10)],
         "box": [dict(box=b, opening=o, angle=a, **BOXES) for b, o, a in (
             (1.33, 5.5, 60), (1.33, 4, 60), (1.33, 8, 60), (1, 5.5, 60), (2.5, 5.5, 60), (1.33, 5.5, 90), (1.33, 5.5, 45),
             (1.33, 3.2, 60), (1.33, 2.6, 60), (1.33, 3.2, 90), (1.33, 3.4, 45), (1, 3.2, 60), (2.5, 4.2, 60), (2, 6, 45),
@@ -255,6 +270,13 @@ def apart():
         row = dict(box=box, layout=draw.choice(("plate", "funnel")), opening=round(between(2.6, 5) * circle, 1),
                    angle=between(30, 75, 0), parts=between(.1, .6), plates=between(.1, .5))
         made.append(Line("apart", "box", **row, **BOXES))
+    draw = random.Random(35)
+    for _ in range(8):
+        belt = between(.2, .8)
+        steepest = 0.8 * math.degrees(math.atan(belt))
+        made.append(Line("apart", "slope", layout=draw.choice(("plate", "funnel")), angle=between(40, 90, 0),
+                         opening=between(4.5, 8, 1), d=log_between(.02, .4), v=between(.2, .8), parts=between(.1, .5),
+                         plates=between(.1, .5), belt=belt, incline=round(draw.uniform(-1, 1) * min(steepest, 18), 1)))
     return made
 
 

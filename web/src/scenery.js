@@ -100,7 +100,8 @@ function drawEdges(context, view, edges, colors) {
   context.setLineDash([]);
 }
 
-// The outlines of arcs, and chevrons, each in the direction of the belt below it: on a lattice, and along the middle of arcs.
+// The outlines of arcs, chevrons, each in the direction of the belt below it, on a lattice and along the middle of arcs, and how much belts
+// rise or fall in that direction.
 function drawBelts(context, view, scenario, colors) {
   const { inner, ratio } = view;
   const path = new Path2D();
@@ -132,6 +133,12 @@ function drawBelts(context, view, scenario, colors) {
   context.globalAlpha = 0.65;
   strokeTwice(context, path, { width: 1.5, color: colors.light, halo: colors.dark }, ratio);
   context.globalAlpha = 1;
+  for (const { polygon_m: polygon, incline_deg: incline } of scenario.belts.filter(({ incline_deg: angle }) => angle)) {
+    const { x_m: xs, y_m: ys } = scenario.domain;
+    const corners = polygon ?? [[xs[0], ys[0]], [xs[1], ys[1]]];
+    const [x, y] = [0, 1].map((k) => corners.reduce((sum, corner) => sum + corner[k], 0) / corners.length);
+    writeTwice(context, `${Math.abs(incline)}° ${incline > 0 ? "up" : "down"}`, [view.x(x), view.y(y)], colors.light, colors.dark, ratio);
+  }
 }
 
 function addChevron(path, x, y, angle, size) {

@@ -3,12 +3,12 @@
 #include "core/base/memory.h"
 #include "core/macro/congested/congested_priv.h"
 #include "core/scene/belt.h"
+#include "core/scene/belt_slope.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double relaxation_factor = 1.75; // omega of the over-relaxation
-static const double too_dense = 2.0;          // times the largest density that there can be
+static const double too_dense = 2.0; // times the largest density that there can be
 
 #define X(suffix) extern const congested_kernels congested__kernels_##suffix;
 CPU_EACH_BUILD(X)
@@ -84,12 +84,16 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
     c->belts = memory_alloc(def->n_belts + 1, sizeof *c->belts);
     c->lateral = memory_alloc(def->n_belts + 1, sizeof *c->lateral);
     c->fastest = memory_alloc(def->n_belts + 1, sizeof *c->fastest);
-    if (c->belts == NULL || c->lateral == NULL || c->fastest == NULL)
+    c->slope_ratio = memory_alloc(def->n_belts + 1, sizeof *c->slope_ratio);
+    if (c->belts == NULL || c->lateral == NULL || c->fastest == NULL || c->slope_ratio == NULL)
         return false;
     for (size_t k = 0; k < def->n_belts; k++) {
         c->belts[k] = (scene_belt){ .velocity = def->belts[k].velocity,
                                     .turn = def->belts[k].turn,
-                                    .centre = def->belts[k].centre };
+                                    .centre = def->belts[k].centre,
+                                    .incline = def->belts[k].incline };
+        c->slope_ratio[k] =
+            belt_slope_ratio(&def->belts[k], &(scene_contact){ .friction = def->friction });
         c->fastest[k] = belt_largest_speed(&def->belts[k]);
     }
     memcpy(c->closed_edge, def->one_way, sizeof c->closed_edge);
@@ -97,16 +101,23 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
 }
 
 // Members of a law that every solver has, and those that only solvers have that are not forward.
-enum { LAW_ARRAYS = 11, LAW_COUPLED_ARRAYS = 3 };
+enum { LAW_ARRAYS = 11, LAW_COUPLED_ARRAYS = 3, LAW_SLOPE_ARRAYS = 2 };
 
-static void lay_out_law(congested_law *l, float **at, size_t n, bool is_forward)
+static int count_law_arrays(const congested *c)
 {
-    float **const members[LAW_ARRAYS + LAW_COUPLED_ARRAYS] = {
-        &l->slope,     &l->offset, &l->most,    &l->least, &l->threshold, &l->lower,  &l->upper,
-        &l->full_slip, &l->gain,   &l->at_rest, &l->flux,  &l->along,     &l->across, &l->crosswise
+    return LAW_ARRAYS + (c->is_forward ? 0 : LAW_COUPLED_ARRAYS) +
+           (c->has_slopes ? LAW_SLOPE_ARRAYS : 0);
+}
+
+static void lay_out_law(congested_law *l, float **at, size_t n, int n_arrays)
+{
+    float **const members[LAW_ARRAYS + LAW_COUPLED_ARRAYS + LAW_SLOPE_ARRAYS] = {
+        &l->slope,  &l->offset,    &l->most,  &l->least,   &l->threshold, &l->lower,
+        &l->upper,  &l->full_slip, &l->gain,  &l->at_rest, &l->flux,      &l->along,
+        &l->across, &l->crosswise, &l->inner, &l->sideways
     };
 
-    for (int k = 0; k < LAW_ARRAYS + (is_forward ? 0 : LAW_COUPLED_ARRAYS); k++) {
+    for (int k = 0; k < n_arrays; k++) {
         *members[k] = *at;
         *at += n;
     }
@@ -115,11 +126,13 @@ static void lay_out_law(congested_law *l, float **at, size_t n, bool is_forward)
 static bool lay_out(macro_solver *s, congested *c)
 {
     const ptrdiff_t unit = CONGESTED_UNIT;
-    const size_t arrays = LAW_ARRAYS + (c->is_forward ? 0 : LAW_COUPLED_ARRAYS);
+    const int arrays = count_law_arrays(c);
 
     c->half_stride = (s->n1 / 2 + unit) / unit * unit + 2 * unit;
     const size_t n = (size_t)((s->n2 + 2) * c->half_stride);
-    c->storage = memory_alloc((4 + CONGESTED_SIDES * arrays) * n, sizeof *c->storage);
+    const int of_cells = c->has_slopes ? 6 : 4;
+    c->storage =
+        memory_alloc((size_t)(of_cells + CONGESTED_SIDES * arrays) * n, sizeof *c->storage);
     c->is_uniform = memory_alloc(2 * n / CONGESTED_GROUP, sizeof *c->is_uniform);
     c->range = memory_alloc((size_t)s->n2, sizeof *c->range);
     c->found = memory_alloc((size_t)s->n2, sizeof *c->found);
@@ -132,9 +145,14 @@ static bool lay_out(macro_solver *s, congested *c)
         c->pressure[colour] = at;
         c->excess[colour] = at + n;
         at += 2 * n;
+        if (!c->has_slopes)
+            continue;
+        c->relaxations[colour] = at;
+        for (size_t k = 0; k < n; k++) // those beyond the grid, too
+            *at++ = c->relaxation;
     }
     for (int side = 0; side < CONGESTED_SIDES; side++)
-        lay_out_law(&c->law[side], &at, n, c->is_forward);
+        lay_out_law(&c->law[side], &at, n, arrays);
     return true;
 }
 
@@ -172,6 +190,8 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
         return BF_ENOMEM;
     c->kernels = kernels_of(cpu_best());
     c->is_forward = belt_are_forward(def->n_belts, def->belts);
+    for (size_t k = 0; k < def->n_belts; k++)
+        c->has_slopes = c->has_slopes || def->belts[k].incline != 0.0;
     c->jam_density = def->jam_density;
     c->slip_rate = def->slip_rate;
     c->n_belts = def->n_belts;
@@ -179,7 +199,7 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     c->ratio = (float)ratio;
     c->steepness = (float)(ratio * ratio);
     c->relaxation =
-        (float)(relaxation_factor * def->grid.d1 / (2.0 * (1.0 + ratio * ratio) * def->dt));
+        (float)(CONGESTED_OMEGA * def->grid.d1 / (2.0 * (1.0 + ratio * ratio) * def->dt));
     c->lambda = (float)(def->dt / def->grid.d1);
     if (!init_faces(s, c, def) || !lay_out(s, c) ||
         (def->scheme == SCENE_SCHEME_MUSCL && !lay_out_stage(s, c))) {
@@ -197,11 +217,13 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
 // pressure is above that of a queue as long as both sides of the domain: rho_j v_T a cell.
 static void limit_pressures(const macro_solver *s, congested *c)
 {
-    double fastest = 0.0;
+    double fastest = 0.0, steepest = 1.0;
 
-    for (size_t k = 0; k < c->n_belts; k++)
+    for (size_t k = 0; k < c->n_belts; k++) {
         fastest = fmax(fastest, fmax(s->factors[k], 1.0) * c->fastest[k]);
-    const float most = (float)(c->jam_density * fastest * (double)(s->n1 + s->n2));
+        steepest = fmax(steepest, congested__drives(c, k).slower);
+    }
+    const float most = (float)(c->jam_density * fastest * steepest * (double)(s->n1 + s->n2));
     for (int colour = 0; colour < 2; colour++)
         for (ptrdiff_t row = 0; row < s->n2; row++)
             for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k++) {
@@ -232,6 +254,7 @@ congested *congested_destroy(congested *c)
     memory_free(c->belts);
     memory_free(c->lateral);
     memory_free(c->fastest);
+    memory_free(c->slope_ratio);
     memory_free(c->storage);
     memory_free(c->is_uniform);
     memory_free(c->range);

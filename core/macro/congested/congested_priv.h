@@ -28,6 +28,9 @@ enum {
 /// Part of its cargo that a cell may lose in a step.
 #define CONGESTED_MOST_LOST (1.0 - 1e-9)
 
+/// Factor of the over-relaxation.
+#define CONGESTED_OMEGA 1.75
+
 /// Rate at which a density above rho_j relaxes to it, 1/s.
 #define CONGESTED_RELAXING_RATE 10.0
 
@@ -53,6 +56,8 @@ typedef struct congested_law {
     float *along;     ///< e.b; NULL in a forward solver, and so are the next two
     float *across;    ///< e.q
     float *crosswise; ///< the pressure gradient along the face, g.(left of e), of the step before
+    float *inner; ///< G.b by g.b up to G0; NULL where every belt is level, and so is the next one
+    float *sideways;  ///< G.q by g.q beyond the threshold
     float *full_slip; ///< rho_j v_T of the belt under the face; itself also at x2-faces
     float *gain;      ///< threshold per slip: a quarter of tan phi of the belt's speed
     float *at_rest;   ///< full_slip where the face is closed, else 0
@@ -133,22 +138,23 @@ typedef struct congested_kernels {
 /// The closure's state and what it precomputes.
 struct congested {
     congested_kernels kernels; ///< of this processor
-    bool is_forward;       ///< every belt runs along +x1: the laws of both directions are separate
-    bool has_standing;     ///< a belt stands
-    bool has_moving;       ///< a belt moves
-    double jam_density;    ///< rho_j
-    double slip_rate;      ///< lambda, s/m
-    double *aperture[2];   ///< open fraction of the x1- and x2-faces, layout of grid.h
+    bool is_forward;     ///< belts are level and run along +x1: each direction has a law of its own
+    bool has_slopes;     ///< a belt is not level
+    bool has_standing;   ///< a belt stands
+    bool has_moving;     ///< a belt moves
+    double jam_density;  ///< rho_j
+    double slip_rate;    ///< lambda, s/m
+    double *aperture[2]; ///< open fraction of the x1- and x2-faces, layout of grid.h
     double *transverse[2]; ///< v_stat along these faces: its other component, m/s
     double *slide[2];      ///< v_stat across these faces times the aperture, at the factor 1, m/s
     double *loose[2];      ///< same for loose cargo, v_T in slide zones
-    congested_range
-        *sliding[2];        ///< per row: its faces from the first to the last where they differ
-    uint16_t *belt[2];      ///< belt under these faces
-    size_t n_belts;         ///< belts
+    congested_range *sliding[2]; ///< per row: its faces from first to last where they differ
+    uint16_t *belt[2];           ///< belt under these faces
+    size_t n_belts;              ///< belts
     scene_belt *belts;      ///< each, without corners and schedule, and one at rest off every belt
     double *fastest;        ///< largest speed on each of them at the factor 1, m/s
     double *lateral;        ///< most speed of cargo across each of them, m/s
+    double *slope_ratio;    ///< tau of each of them (core/scene/belt_slope.h)
     uint8_t closed_edge[4]; ///< west, east, south, north: nothing is corrected across it
     ptrdiff_t half_stride;  ///< floats from half row to half row
     float *storage;         ///< of all half rows
@@ -163,12 +169,22 @@ struct congested {
     double density_limit;          ///< density at which the run fails
     float ratio, steepness;        ///< dx1/dx2, and its square, by which pressures count along x2
     float relaxation;              ///< omega dx1 / (2 (1 + ratio^2) dt)
-    float lambda;                  ///< dt/dx1
-    congested_slot *slots;         ///< two of each thread, used in turn
+    float *relaxations[2]; ///< of cells with slopes: omega over the slopes of the laws around
+    float lambda;          ///< dt/dx1
+    congested_slot *slots; ///< two of each thread, used in turn
     macro_state stage;     ///< density after the first stage and its spans (muscl; else NULL)
     double *stage_storage; ///< of all rows below (muscl; else NULL)
     congested_rows *rows;  ///< of each thread (muscl; else NULL)
 };
+
+/// What a belt drives cargo by that is slower and faster than it, and what it takes across it, of what a level belt does.
+typedef struct congested_drives {
+    double slower; ///< cos(alpha) (1 - tau)
+    double faster; ///< cos(alpha) (1 + tau)
+    double across; ///< cos(alpha)
+} congested_drives;
+
+congested_drives congested__drives(const congested *c, size_t belt);
 
 /// Row j of half rows; cell k is element k.
 static inline float *congested__row(const congested *c, float *rows, ptrdiff_t j)

@@ -22,21 +22,27 @@ static inline simd_float law_across(simd_float g, simd_float threshold, simd_flo
     return simd_float_min(simd_float_max(g - inside, lower), upper);
 }
 
-static inline simd_float law_along_at(const congested_law *l, ptrdiff_t at, simd_float g)
+// The laws that a loop reads: the uniform ones, those of a forward solver, where each face has one, or both.
+// On slopes both count by what their belt drives cargo by.
+typedef enum loop_kind { LOOP_UNIFORM, LOOP_FORWARD, LOOP_OBLIQUE, LOOP_SLOPES } loop_kind;
+
+static inline simd_float law_along_at(const congested_law *l, ptrdiff_t at, simd_float g,
+                                      loop_kind kind)
 {
     const simd_float outer = g * simd_float_load(l->slope + at) + simd_float_load(l->offset + at);
+    const simd_float inner = kind == LOOP_SLOPES ? g * simd_float_load(l->inner + at) : g;
 
-    return law_along(g, outer, simd_float_load(l->most + at), simd_float_load(l->least + at));
+    return law_along(inner, outer, simd_float_load(l->most + at), simd_float_load(l->least + at));
 }
 
-static inline simd_float law_across_at(const congested_law *l, ptrdiff_t at, simd_float g)
+static inline simd_float law_across_at(const congested_law *l, ptrdiff_t at, simd_float g,
+                                       loop_kind kind)
 {
-    return law_across(g, simd_float_load(l->threshold + at), simd_float_load(l->lower + at),
+    const simd_float driven = kind == LOOP_SLOPES ? g * simd_float_load(l->sideways + at) : g;
+
+    return law_across(driven, simd_float_load(l->threshold + at), simd_float_load(l->lower + at),
                       simd_float_load(l->upper + at));
 }
-
-// The laws that a loop reads: the uniform ones, those of a forward solver, where each face has one, or both.
-typedef enum loop_kind { LOOP_UNIFORM, LOOP_FORWARD, LOOP_OBLIQUE } loop_kind;
 
 // G.e of faces by the pressure gradient g along e.
 static inline __attribute__((always_inline)) simd_float law(const congested_uniform *uniform,
@@ -51,13 +57,13 @@ static inline __attribute__((always_inline)) simd_float law(const congested_unif
         return law_across(g, simd_float_load(l->threshold + at), simd_float_all(uniform->lower),
                           simd_float_all(uniform->upper));
     if (kind == LOOP_FORWARD)
-        return is_x1 ? law_along_at(l, at, g) : law_across_at(l, at, g);
+        return is_x1 ? law_along_at(l, at, g, kind) : law_across_at(l, at, g, kind);
     const simd_float along = simd_float_load(l->along + at);
     const simd_float across = simd_float_load(l->across + at);
     const simd_float crosswise = simd_float_load(l->crosswise + at);
 
-    return along * law_along_at(l, at, along * g - across * crosswise) +
-           across * law_across_at(l, at, across * g + along * crosswise);
+    return along * law_along_at(l, at, along * g - across * crosswise, kind) +
+           across * law_across_at(l, at, across * g + along * crosswise, kind);
 }
 
 // The pressures around the cells of a half row.
@@ -93,6 +99,7 @@ typedef struct half_row {
     ptrdiff_t at[CONGESTED_SIDES];      // element of the face of cell 0 in it
     row_pressures p;
     const float *excess;
+    const float *relaxations; // NULL without slopes
 } half_row;
 
 static inline __attribute__((always_inline)) half_row half_row_of(const congested *c, ptrdiff_t row,
@@ -104,7 +111,9 @@ static inline __attribute__((always_inline)) half_row half_row_of(const congeste
                    .lambda = c->lambda,
                    .relaxation = c->relaxation,
                    .p = pressures_of(c, row, colour),
-                   .excess = congested__row(c, c->excess[colour], row) };
+                   .excess = congested__row(c, c->excess[colour], row),
+                   .relaxations =
+                       c->has_slopes ? congested__row(c, c->relaxations[colour], row) : NULL };
 
     for (int side = 0; side < CONGESTED_SIDES; side++) {
         r.law[side] = *faces.side[side].law;
@@ -122,7 +131,7 @@ static inline __attribute__((always_inline)) simd_float flux(const half_row *r, 
                side == CONGESTED_WEST || side == CONGESTED_EAST);
 }
 
-// Relaxes a register of cells; returns the larger of `largest` and of the changes of their pressures.
+// Relaxes a register of cells; returns the larger of `largest` and of the changes of their pressures on a level belt.
 static inline __attribute__((always_inline)) simd_float relax_cells(const half_row *r, ptrdiff_t k,
                                                                     loop_kind kind,
                                                                     simd_float largest)
@@ -136,11 +145,14 @@ static inline __attribute__((always_inline)) simd_float relax_cells(const half_r
         flux(r, CONGESTED_WEST, k, west, kind) - flux(r, CONGESTED_EAST, k, east, kind) +
         flux(r, CONGESTED_SOUTH, k, south, kind) - flux(r, CONGESTED_NORTH, k, north, kind);
     const simd_float residual = simd_float_load(r->excess + k) + r->lambda * in;
-    const simd_float relaxed =
-        simd_float_max(here + r->relaxation * residual, simd_float_all(0.0F));
-    const simd_float change = relaxed - here;
+    const simd_float relaxation =
+        kind == LOOP_SLOPES ? simd_float_load(r->relaxations + k) : simd_float_all(r->relaxation);
+    const simd_float relaxed = simd_float_max(here + relaxation * residual, simd_float_all(0.0F));
+    simd_float change = relaxed - here;
 
     simd_float_store(r->p.own + k, relaxed);
+    if (kind == LOOP_SLOPES)
+        change *= r->relaxation / relaxation; // as if by the residual alone
     return simd_float_max(largest, simd_float_max(change, -change));
 }
 
@@ -186,16 +198,18 @@ static inline __attribute__((always_inline)) float relax_rows(const congested *c
 
 static float relax(const congested *c, ptrdiff_t first, ptrdiff_t last)
 {
-    return c->is_forward ? relax_rows(c, first, last, LOOP_FORWARD)
-                         : relax_rows(c, first, last, LOOP_OBLIQUE);
+    return c->is_forward   ? relax_rows(c, first, last, LOOP_FORWARD)
+           : c->has_slopes ? relax_rows(c, first, last, LOOP_SLOPES)
+                           : relax_rows(c, first, last, LOOP_OBLIQUE);
 }
 
 static float relax_black(const congested *c, ptrdiff_t row)
 {
     const simd_float none = simd_float_all(0.0F);
 
-    return simd_float_largest(c->is_forward ? relax_row(c, row, 1, LOOP_FORWARD, none)
-                                            : relax_row(c, row, 1, LOOP_OBLIQUE, none),
+    return simd_float_largest(c->is_forward   ? relax_row(c, row, 1, LOOP_FORWARD, none)
+                              : c->has_slopes ? relax_row(c, row, 1, LOOP_SLOPES, none)
+                                              : relax_row(c, row, 1, LOOP_OBLIQUE, none),
                               0.0F);
 }
 
@@ -224,6 +238,8 @@ static void make_flux(const congested *c, ptrdiff_t row)
 {
     if (c->is_forward)
         make_flux_row(c, row, LOOP_FORWARD);
+    else if (c->has_slopes)
+        make_flux_row(c, row, LOOP_SLOPES);
     else
         make_flux_row(c, row, LOOP_OBLIQUE);
 }

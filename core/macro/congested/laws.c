@@ -10,6 +10,13 @@ static const double forward_most = 0.3;
 static const double lateral_most = 0.555;
 static const double friction = 0.46;
 
+congested_drives congested__drives(const congested *c, size_t belt)
+{
+    const double cosine = cos(c->belts[belt].incline), tau = c->slope_ratio[belt];
+
+    return (congested_drives){ cosine * (1.0 - tau), cosine * (1.0 + tau), cosine };
+}
+
 // The belt's speed and v_stat at a face in the directions of the face: e its normal, t the left of e.
 typedef struct face_state {
     double scale;    // of fluxes: 1, or the ratio of the cells' edges
@@ -19,6 +26,7 @@ typedef struct face_state {
     double lateral; // most across the belt, either way
     double stat_e;  // v_stat
     double stat_t;
+    congested_drives drives; // of the belt
 } face_state;
 
 // Elements of the half rows that belong to a face.
@@ -46,7 +54,12 @@ static void set_across(const congested *c, const face_slot *f, const face_state 
     f->law->lower[f->at] = (float)(open * fmin(0.0, -most - c->jam_density * lateral));
     f->law->upper[f->at] = (float)(open * fmax(0.0, most - c->jam_density * lateral));
     f->law->full_slip[f->at] = (float)(c->jam_density * speed);
-    f->law->gain[f->at] = (float)(x->scale * 0.25 * friction * tanh(0.5 * c->slip_rate * speed));
+    // What is held back bears on its neighbours by what the belt drives it by, and gives way by its friction across.
+    const double bearing = x->drives.slower / x->drives.across;
+    f->law->gain[f->at] =
+        (float)(x->scale * 0.25 * friction * bearing * tanh(0.5 * c->slip_rate * speed));
+    if (c->has_slopes)
+        f->law->sideways[f->at] = (float)(1.0 / x->drives.across);
 }
 
 static void set_along(const congested *c, const face_slot *f, const face_state *x, double speed,
@@ -54,10 +67,13 @@ static void set_along(const congested *c, const face_slot *f, const face_state *
 {
     const double open = x->scale * x->aperture;
     const double free = open * fmax(0.0, c->jam_density * (speed - forward));
-    const double slope = fmin(1.0, forward_slope / (c->slip_rate * speed));
+    const double inner = 1.0 / x->drives.slower;
+    const double slope = fmin(inner, forward_slope / (c->slip_rate * speed * x->drives.faster));
 
     f->law->slope[f->at] = (float)slope;
-    f->law->offset[f->at] = (float)((1.0 - slope) * free);
+    f->law->offset[f->at] = (float)((1.0 - slope / inner) * free);
+    if (c->has_slopes)
+        f->law->inner[f->at] = (float)inner;
     f->law->most[f->at] = (float)(free + open * forward_most * c->jam_density * speed);
     f->law->least[f->at] = (float)(x->scale * -c->jam_density * (forward + lateral_most * speed));
     f->law->at_rest[f->at] = 0.0F;
@@ -72,6 +88,8 @@ static void close_face(const congested *c, const face_slot *f, double speed)
     f->law->gain[f->at] = 0.0F;
     if (!c->is_forward)
         f->law->along[f->at] = f->law->across[f->at] = 0.0F;
+    if (c->has_slopes)
+        f->law->inner[f->at] = f->law->sideways[f->at] = 0.0F;
 }
 
 static void set_face(const congested *c, const face_slot *f, const face_state *x)
@@ -127,11 +145,37 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
                 .belt_t = axis == 0 ? v_t.y : -v_t.x,
                 .lateral = under->turn == 0.0 ? c->lateral[belt] : lateral_most * vec2_length(v_t),
                 .stat_e = aperture > 0.0 ? factor * c->slide[axis][at] / aperture : 0.0,
-                .stat_t = (axis == 0 ? 1.0 : -1.0) * factor * c->transverse[axis][at]
+                .stat_t = (axis == 0 ? 1.0 : -1.0) * factor * c->transverse[axis][at],
+                .drives = congested__drives(c, belt)
             };
             set_face(c, &f, &x);
         }
     }
+}
+
+// How much a face's flux changes with the pressure on one side of it, as if it were open.
+static double steepness_of(const macro_solver *s, const congested *c, int axis, ptrdiff_t i,
+                           ptrdiff_t j)
+{
+    const size_t belt = c->belt[axis][(size_t)(j * (s->n1 + (axis == 0)) + i)];
+    const congested_drives drives = congested__drives(c, belt);
+    const vec2 v = belt_velocity(&c->belts[belt], place_of(&s->def.grid, axis, i, j));
+    const double speed = vec2_length(v);
+    const double cosine = speed > 0.0 ? (axis == 0 ? v.x : v.y) / speed : 1.0;
+
+    return (axis == 0 ? 1.0 : (double)c->steepness) *
+           (cosine * cosine / drives.slower + (1.0 - cosine * cosine) / drives.across);
+}
+
+static void set_relaxations(const macro_solver *s, const congested *c)
+{
+    for (ptrdiff_t j = 0; j < s->n2; j++)
+        for (ptrdiff_t i = 0; i < s->n1; i++) {
+            const double steepness = steepness_of(s, c, 0, i, j) + steepness_of(s, c, 0, i + 1, j) +
+                                     steepness_of(s, c, 1, i, j) + steepness_of(s, c, 1, i, j + 1);
+            congested__row(c, c->relaxations[(i + j) & 1], j)[i >> 1] =
+                (float)(CONGESTED_OMEGA / (s->lambda1 * steepness));
+        }
 }
 
 // Sets c->uniform by a face that has both laws.
@@ -150,9 +194,12 @@ static void set_uniform(const macro_solver *s, congested *c)
                                 .gain = &others[2],
                                 .at_rest = &others[3] };
     const face_slot slot = { &law, 0 };
-    face_state x = {
-        .scale = 1.0, .aperture = 1.0, .belt_e = speed, .lateral = c->lateral[0], .stat_e = speed
-    };
+    face_state x = { .scale = 1.0,
+                     .aperture = 1.0,
+                     .belt_e = speed,
+                     .lateral = c->lateral[0],
+                     .stat_e = speed,
+                     .drives = congested__drives(c, 0) };
 
     set_face(c, &slot, &x);
     if (speed == 0.0)
@@ -218,6 +265,8 @@ void congested_update(macro_solver *s)
     }
     set_axis(s, c, 0);
     set_axis(s, c, 1);
+    if (c->has_slopes)
+        set_relaxations(s, c);
     if (!c->is_forward)
         return; // no group is uniform
     set_uniform(s, c);

@@ -7,6 +7,7 @@
 #include "core/micro/backend.h"
 #include "core/micro/body/body_priv.h"
 #include "core/micro/friction.h"
+#include "core/scene/belt_slope.h"
 
 #include <math.h>
 
@@ -25,10 +26,20 @@ typedef struct belt_pressure {
 
 static body_belt belt_of(const scene_belt *belt, const micro_def *def, double factor)
 {
+    const scene_contact *conveyor = &def->contact[SCENE_CONVEYOR_CARGO];
     const vec2 v = belt_velocity(belt, (vec2){ 0.0, 0.0 });
+    const vec2 pull = belt_slope_pull(belt, def->gravity), hold = belt_slope_hold(belt, conveyor);
+    body_belt b = { v.x * factor,
+                    v.y * factor,
+                    belt->turn * factor,
+                    belt_friction_ratio(belt, conveyor),
+                    { pull.x, pull.y, -def->gravity * cos(belt->incline) } };
 
-    return (body_belt){ v.x * factor, v.y * factor, belt->turn * factor,
-                        belt_friction_ratio(belt, &def->contact[SCENE_CONVEYOR_CARGO]) };
+    if (belt->incline != 0.0) {
+        b.vx += hold.x;
+        b.vy += hold.y;
+    }
+    return b;
 }
 
 bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
@@ -36,9 +47,12 @@ bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
     s->belts = memory_alloc(def->n_belts + 1, sizeof *s->belts);
     if (s->belts == NULL)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
-    for (size_t k = 0; k < def->n_belts; k++)
+    for (size_t k = 0; k < def->n_belts; k++) {
         s->belts[k] = belt_of(&def->belts[k], def, 1.0);
+        s->has_slopes = s->has_slopes || def->belts[k].incline != 0.0;
+    }
     s->belts[def->n_belts].friction_ratio = 1.0;
+    s->belts[def->n_belts].gravity = s->gravity;
     return micro__copy_surroundings(def, &s->common.around, err);
 }
 
@@ -80,6 +94,11 @@ static const body_belt_cache *find_belt(body_state *s, size_t k)
         cache->belt = surroundings_belt_under(around, at, bridge_of(s, k));
     }
     return cache;
+}
+
+vec3 body__gravity(body_state *s, size_t k)
+{
+    return s->has_slopes ? s->belts[find_belt(s, k)->belt].gravity : s->gravity;
 }
 
 bool body__falls(body_state *s, size_t k)

@@ -11,12 +11,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// A belt in a step: its velocity is (vx - turn y, vy + turn x).
+/// A belt in a step: the velocity that its friction leads to is (vx - turn y, vy + turn x).
 typedef struct body_belt {
-    double vx;             ///< at the origin, m/s
-    double vy;             ///< same
-    double turn;           ///< angular velocity, rad/s
+    double vx;   ///< at the origin, with the hold of a slope (core/scene/belt_slope.h), m/s
+    double vy;   ///< same
+    double turn; ///< angular velocity, rad/s
     double friction_ratio; ///< belt_friction_ratio()
+    vec3 gravity;          ///< along the belt, and onto it, m/s2
 } body_belt;
 
 /// The neighbourhood in which one belt, or none, lies under all of a part.
@@ -41,6 +42,9 @@ static inline vec3 body__belt_velocity(const body_belt *belt, vec3 at)
 {
     return (vec3){ belt->vx - belt->turn * at.y, belt->vy + belt->turn * at.x, 0.0 };
 }
+
+/// Gravity on part k: that of the belt that carries it, m/s2.
+vec3 body__gravity(body_state *s, size_t k);
 
 /// True if no belt carries part k.
 bool body__falls(body_state *s, size_t k);

@@ -94,7 +94,8 @@ typedef struct body_map {
 struct body_state {
     micro_common common; ///< see there
     micro_def def;       ///< without its arrays
-    vec3 gravity;        ///< m/s2
+    vec3 gravity;        ///< on level belts, m/s2
+    bool has_slopes;     ///< a belt is not level
     double spin_damping; ///< (1 - D)^dt
     micro_law cargo;     ///< of two parts; stiffness for compliance 1, see body__law()
     size_t n_kinds;      ///< see there

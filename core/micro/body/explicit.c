@@ -101,7 +101,7 @@ static body_load load_of(body_state *s, size_t k, body_report *report)
     add_pairs(s, k, &load);
     body__add_boundary_forces(s, k, &load, report);
     body__add_belt_forces(s, k, &load);
-    load.force = vec3_along(load.force, mass, s->gravity);
+    load.force = vec3_along(load.force, mass, body__gravity(s, k));
     return load;
 }
 

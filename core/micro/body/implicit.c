@@ -156,8 +156,8 @@ static void predict_part(body_state *s, size_t k, body_block_buffer *buffer)
     const vec3 nothing = { 0.0, 0.0, 0.0 };
     body_solver_body *solver_body = &s->implicit->solver_bodies[k];
 
-    solver_body->v =
-        vec3_along(vec3_scale(body->v, s->implicit->damping_factor), s->def.dt, s->gravity);
+    solver_body->v = vec3_along(vec3_scale(body->v, s->implicit->damping_factor), s->def.dt,
+                                body__gravity(s, k));
     solver_body->w = body__integrate_spin(s, body, nothing);
     solver_body->inv_mass = 1.0 / kind->mass;
     solver_body->inv_inertia = find_inv_inertia(body, kind->inertia);

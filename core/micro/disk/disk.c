@@ -3,6 +3,7 @@
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
+#include "core/scene/belt_slope.h"
 
 #include <math.h>
 #include <string.h>
@@ -68,8 +69,9 @@ static void set_constants(disk_state *s, const micro_def *def)
         contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], &def->kinds[0].material,
                             &def->conveyor, def->modulus_reduction, def->kinds[0].shape.radius);
     s->spin_damping = pow(fmax(1.0 - def->damping, 0.0), def->dt);
-    s->is_uniform = def->n_kinds == 1 && !def->tension &&
-                    (top == NULL || (top->n_points == 0 && top->turn == 0.0));
+    s->is_uniform =
+        def->n_kinds == 1 && !def->tension &&
+        (top == NULL || (top->n_points == 0 && top->turn == 0.0 && top->incline == 0.0));
     s->uniform_belt = (uint16_t)(def->n_belts - (top != NULL ? 1 : 0));
     s->n = def->n_parts;
     s->n_partitions = 1;
@@ -140,13 +142,19 @@ const disk_belt *disk__belts_in_step(const disk_state *s, uint64_t n_before, dis
 {
     double factors[SCENE_BELTS_MAX + 1];
 
-    if (s->common.world->belts.are_constant)
+    if (s->common.world->belts.are_constant && !s->has_slopes)
         return s->belts.of;
     belt_speeds_in_step(&s->common.world->belts, n_before, s->def.dt, factors);
     for (size_t k = 0; k <= s->common.around.n_belts; k++) {
-        const disk_belt *belt = &s->belts.of[k];
-        room->of[k] = (disk_belt){ belt->vx * factors[k], belt->vy * factors[k],
-                                   belt->turn * factors[k], belt->friction_ratio };
+        disk_belt *belt = &room->of[k];
+        *belt = s->belts.of[k];
+        belt->vx *= factors[k];
+        belt->vy *= factors[k];
+        belt->turn *= factors[k];
+        if (!s->has_slopes)
+            continue;
+        belt->vx += belt->hold.x;
+        belt->vy += belt->hold.y;
     }
     return room->of;
 }
@@ -184,11 +192,17 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
         (is_tiled && disk__tiling_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
     for (size_t k = 0; k < def->n_belts; k++) {
-        const vec2 v = belt_velocity(&def->belts[k], (vec2){ 0.0, 0.0 });
-        s->belts.of[k] =
-            (disk_belt){ v.x, v.y, def->belts[k].turn,
-                         belt_friction_ratio(&def->belts[k], &def->contact[SCENE_CONVEYOR_CARGO]) };
-        s->has_turning = s->has_turning || def->belts[k].turn != 0.0;
+        const scene_belt *belt = &def->belts[k];
+        const scene_contact *conveyor = &def->contact[SCENE_CONVEYOR_CARGO];
+        const vec2 v = belt_velocity(belt, (vec2){ 0.0, 0.0 });
+        s->belts.of[k] = (disk_belt){ v.x,
+                                      v.y,
+                                      belt->turn,
+                                      belt_friction_ratio(belt, conveyor) * cos(belt->incline),
+                                      belt_slope_pull(belt, def->gravity),
+                                      belt_slope_hold(belt, conveyor) };
+        s->has_turning = s->has_turning || belt->turn != 0.0;
+        s->has_slopes = s->has_slopes || belt->incline != 0.0;
     }
     bf_status status = micro__copy_surroundings(def, &s->common.around, err);
     if (status == BF_OK)

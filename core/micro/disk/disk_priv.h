@@ -108,6 +108,7 @@ struct disk_state {
     double spin_damping;         ///< (1 - D)^dt
     bool is_uniform;             ///< one kind, one straight belt or none all over, no tension
     bool has_turning;            ///< a belt turns
+    bool has_slopes;             ///< a belt is not level
     uint16_t uniform_belt;       ///< index of the belt under all parts if is_uniform
     double uniform_deceleration; ///< A if is_uniform, rad/s2
     size_t n;                    ///< parts, gone ones included

@@ -18,6 +18,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/team.h"
+#include "core/scene/belt_slope.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -498,8 +499,9 @@ double disk__dt_stable_explicit(const micro_def *def)
     double neighbours = M_PI / asin(r_min / (r_min + r_max)) / m_min;
     double d = neighbours * damping, k = neighbours * stiffness;
     double dt = 4.0 / (d + sqrt(d * d + 4.0 * k));
-    double belt = belt_largest_friction(def->n_belts, def->belts, &contact[SCENE_CONVEYOR_CARGO]) *
-                      def->gravity * contact[SCENE_CONVEYOR_CARGO].tanh_linear +
-                  def->damping;
+    double belt =
+        belt_slope_largest_drive(def->n_belts, def->belts, &contact[SCENE_CONVEYOR_CARGO]) *
+            def->gravity * contact[SCENE_CONVEYOR_CARGO].tanh_linear +
+        def->damping;
     return fmin(dt, 2.0 / belt);
 }

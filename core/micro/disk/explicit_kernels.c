@@ -144,6 +144,7 @@ typedef struct motion {
     simd inv_mass, inv_inertia;          // if uniform
     simd belt_x, belt_y, friction_ratio; // same
     simd belt_turn;                      // unless uniform
+    simd pull_x, pull_y;                 // same
     simd spin_secant;                    // same: dt A lambda
 } motion;
 
@@ -177,6 +178,7 @@ INLINED motion make_own_motion(const motion *common, const explicit_step *step, 
 {
     const disk_state *s = step->state;
     double belt_x[SIMD_LANES], belt_y[SIMD_LANES], turn[SIMD_LANES], friction_ratio[SIMD_LANES];
+    double pull_x[SIMD_LANES], pull_y[SIMD_LANES];
     motion m = *common;
 
     m.inv_mass = own->inv_mass;
@@ -188,16 +190,20 @@ INLINED motion make_own_motion(const motion *common, const explicit_step *step, 
         belt_y[k] = belt->vy;
         turn[k] = belt->turn;
         friction_ratio[k] = belt->friction_ratio;
+        pull_x[k] = belt->pull.x;
+        pull_y[k] = belt->pull.y;
     }
     m.belt_turn = simd_load_any(turn);
     m.belt_x = simd_load_any(belt_x) - m.belt_turn * own->y;
     m.belt_y = simd_load_any(belt_y) + m.belt_turn * own->x;
     m.friction_ratio = simd_load_any(friction_ratio);
+    m.pull_x = simd_load_any(pull_x);
+    m.pull_y = simd_load_any(pull_y);
     return m;
 }
 
-// Belt friction and (12).
-INLINED void move(const motion *m, parts *own, const simd_quad *force)
+// Belt friction, the pull of slopes, and (12).
+INLINED void move(const motion *m, parts *own, const simd_quad *force, bool sloping)
 {
     simd sx = own->vx - m->belt_x, sy = own->vy - m->belt_y;
     friction_quotient t = friction_theta((sx * sx + sy * sy) * m->belt_rate2);
@@ -206,6 +212,10 @@ INLINED void move(const motion *m, parts *own, const simd_quad *force)
 
     own->vx = m->damping_factor * own->vx + (impulse * force->column[0] - secant * sx);
     own->vy = m->damping_factor * own->vy + (impulse * force->column[1] - secant * sy);
+    if (sloping) {
+        own->vx += m->dt_force * m->pull_x;
+        own->vy += m->dt_force * m->pull_y;
+    }
     own->x += m->dt * own->vx;
     own->y += m->dt * own->vy;
 }
@@ -263,7 +273,7 @@ INLINED void move_lanes(const explicit_step *step, const motion *common, size_t 
     simd_quad force = sum_forces(step, slot);
     motion m = uniform ? *common : make_own_motion(common, step, slot, &own);
 
-    move(&m, &own, &force);
+    move(&m, &own, &force, !uniform && step->state->has_slopes);
     turn(&m, &own, force.column[2], !uniform && step->state->has_turning);
     simd_quad quad = { { own.x, own.y, own.vx, own.vy } };
     simd_quad_store(&step->next[slot].x, SIMD_ROW, &quad);

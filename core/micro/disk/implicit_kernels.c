@@ -188,19 +188,23 @@ static void solve(solver_body *bodies, const implicit_blocks *blocks)
 // circle of a belt that turns.
 typedef struct belt_lanes {
     simd vx, vy, turn, friction_ratio;
+    simd pull_x, pull_y; // 0 where no belt is a slope
 } belt_lanes;
 
 static inline belt_lanes load_belts(const disk_state *s, const disk_belt *belts, size_t slot)
 {
     const disk_belt uniform = belts[s->uniform_belt];
-    belt_lanes g = { simd_all(uniform.vx), simd_all(uniform.vy), simd_all(0.0),
-                     simd_all(uniform.friction_ratio) };
+    belt_lanes g = { simd_all(uniform.vx), simd_all(uniform.vy),
+                     simd_all(0.0),        simd_all(uniform.friction_ratio),
+                     simd_all(0.0),        simd_all(0.0) };
 
     for (size_t k = 0; !s->is_uniform && k < SIMD_LANES; k++) {
         const disk_belt *belt = &belts[s->belt_under[slot + k]];
         g.vx[k] = belt->vx;
         g.vy[k] = belt->vy;
         g.friction_ratio[k] = belt->friction_ratio;
+        g.pull_x[k] = belt->pull.x;
+        g.pull_y[k] = belt->pull.y;
         if (!s->has_turning)
             continue;
         const disk *part = &s->now[slot + k];
@@ -302,6 +306,10 @@ static driver_extremes predict(const disk_state *s, const implicit_step *step,
         simd_quad body = { { step->damping_factor * x[2], step->damping_factor * x[3], spun,
                              2.0 * inv_mass / (r * r) * loose } };
         simd dvx = zero, dvy = zero;
+        if (s->has_slopes) {
+            body.column[0] += s->def.dt * g.pull_x;
+            body.column[1] += s->def.dt * g.pull_y;
+        }
         belt_friction_lanes(s, step->belt_secant, &g, body.column, &dvx, &dvy);
         simd_quad_store(&bodies->rows[slot].vx, SIMD_QUAD, &body);
         simd_store(bodies->belt_dvx + slot, dvx);

@@ -8,6 +8,7 @@
 
 #include "core/base/cpu.h"
 #include "core/base/memory.h"
+#include "core/base/vec2.h"
 #include "core/micro/driver.h"
 #include "core/scene/limits.h"
 
@@ -83,10 +84,12 @@ typedef struct disk_surface {
 
 /// The belt under a part, at a time: its velocity is (vx - turn y, vy + turn x).
 typedef struct disk_belt {
-    double vx;             ///< at the origin, m/s
+    double vx;             ///< at the origin, m/s; in a step with the hold
     double vy;             ///< same
     double turn;           ///< angular velocity, rad/s
-    double friction_ratio; ///< belt_friction_ratio(), 0 off every belt
+    double friction_ratio; ///< belt_friction_ratio() times cos(incline), 0 off every belt
+    vec2 pull;             ///< belt_slope_pull(), m/s2
+    vec2 hold;             ///< belt_slope_hold(), m/s
 } disk_belt;
 
 /// All belts at a time, by index; the one after the last stands for places off every belt.

@@ -36,6 +36,7 @@ static macro_def def_of(const scene *s, const bf_world *w, const velocity_field 
     def.dispersion = s->macro.closure == SCENE_DISPERSIVE ? s->macro.dispersion : 0.0;
     def.jam_density = s->macro.jam_density;
     def.slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
+    def.friction = s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
     def.v1 = f->v1;
     def.v2 = f->v2;
     def.closed1 = f->closed1;

@@ -211,6 +211,21 @@ static void boxes_do_not_arch_beside_an_open_edge(void **state)
     assert_near(lost[1], lost[0], exact);
 }
 
+// What a slope accelerates cargo by, uphill or down, counts in the place of friction.
+static void on_a_slope_the_extension_is_that_of_its_drive(void **state)
+{
+    (void)state;
+    for (double incline = -8.0 * degree; incline < 0.2; incline += 16.0 * degree) {
+        const frictions drive = { 0.15, 0.19, 0.19, 0.3 * cos(incline) - sin(incline) };
+        scene s;
+        make_belt(&s, 0.01, (vec2){ 0.8, 0.0 });
+        s.belts[0].friction = 0.3;
+        s.belts[0].incline = incline;
+        add_plate(&s, (vec2){ 1.0, 0.0 }, (vec2){ 1.0, 0.7 });
+        assert_near(width_lost(&s, 0) - 0.7, right_angled(0.8, 0.3, &drive), exact);
+    }
+}
+
 // Nothing but an outlet is left open by frictions and speeds without end: nine tenths of it are closed at most.
 // The contact's friction is another one then.
 static void a_belt_with_a_friction_of_its_own_has_the_extension_of_that(void **state)
@@ -498,6 +513,7 @@ int main(void)
         cmocka_unit_test(arches_stand_on_both_ends_of_a_funnel),
         cmocka_unit_test(boxes_do_not_arch_beside_an_open_edge),
         cmocka_unit_test(a_belt_with_a_friction_of_its_own_has_the_extension_of_that),
+        cmocka_unit_test(on_a_slope_the_extension_is_that_of_its_drive),
         cmocka_unit_test(an_extension_never_closes_the_outlet),
         cmocka_unit_test(a_plate_takes_its_height_and_its_extension),
         cmocka_unit_test(a_finer_grid_gives_the_same_width),

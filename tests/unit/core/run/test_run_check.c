@@ -3,6 +3,7 @@
 #include "core/run/run.h"
 #include "tests/unit/core/helper_scene.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -76,6 +77,27 @@ static void a_run_shorter_than_a_macroscopic_step_is_refused(void **state)
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.duration = 0.001;
     assert_macro_refuses(&s, BF_EINPUT, "/duration_s", "less than one step of 0.00125 s");
+}
+
+// tan(15 degrees)/0.3 = 0.89, tan(16 degrees)/0.3 = 0.96.
+static void slopes_that_do_not_hold_cargo_are_refused(void **state)
+{
+    const double degree = M_PI / 180.0;
+
+    (void)state;
+    for (double sign = -1.0; sign <= 1.0; sign += 2.0) {
+        scene s;
+        helper_scene_example(&s, 60.0, SCENE_SEALED);
+        s.macro.closure = SCENE_CONGESTED;
+        s.belts[0].friction = 0.3;
+        s.belts[0].incline = sign * 15.0 * degree;
+        assert_accepted(&s, RUN_MACRO);
+        s.belts[0].incline = sign * 16.0 * degree;
+        assert_macro_refuses(&s, BF_EINPUT, "/belts/0/incline_deg", "slides");
+        helper_scene_example(&s, 60.0, SCENE_SEALED);
+        s.belts[0].incline = sign * degree;
+        assert_macro_refuses(&s, BF_EINPUT, "/belts/0/incline_deg", "'congested'");
+    }
 }
 
 static void too_many_macroscopic_steps_are_refused_with_figure_and_limit(void **state)
@@ -170,6 +192,7 @@ int main(void)
         cmocka_unit_test(macroscopic_steps_beyond_cfl_are_refused_with_the_largest_stable_one),
         cmocka_unit_test(a_belt_too_fast_for_the_macroscopic_step_is_not_for_the_other_model),
         cmocka_unit_test(a_run_shorter_than_a_macroscopic_step_is_refused),
+        cmocka_unit_test(slopes_that_do_not_hold_cargo_are_refused),
         cmocka_unit_test(too_many_macroscopic_steps_are_refused_with_figure_and_limit),
         cmocka_unit_test(a_mollifier_that_covers_too_many_cells_is_refused),
         cmocka_unit_test(results_beyond_what_can_be_trusted_are_doubted),

@@ -227,6 +227,31 @@ static void belts_whose_speed_changes_were_not_compared(void **state)
     scene_fini(&s);
 }
 
+static bool is_outside(const validity *of, validity_figure figure, const char *pointer)
+{
+    bool is = false;
+
+    for (size_t k = 0; k < of->n; k++)
+        is = is || (of->items[k].figure == figure && strcmp(of->items[k].pointer, pointer) == 0);
+    return is;
+}
+
+static void slopes_of_more_than_12_degrees_were_not_compared(void **state)
+{
+    (void)state;
+    for (double sign = -1.0; sign <= 1.0; sign += 2.0)
+        for (double degrees = 12.0; degrees <= 13.0; degrees += 1.0) {
+            scene s;
+            helper_scene_example(&s, 60.0, SCENE_SEALED);
+            s.macro.closure = SCENE_CONGESTED;
+            s.belts[0].incline = sign * degrees * M_PI / 180.0 * (1.0 - 1e-9);
+            const validity of = validity_now(&s);
+            assert_true(is_outside(&of, VALIDITY_INCLINE, "/belts/0/incline_deg") ==
+                        (degrees > 12.0));
+            scene_fini(&s);
+        }
+}
+
 static void belts_of_several_velocities_were_not_compared(void **state)
 {
     static const vec2 half[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 0.6 }, { 0.0, 0.6 } };
@@ -554,6 +579,7 @@ int main(void)
         cmocka_unit_test(few_parts_were_not_compared),
         cmocka_unit_test(slow_and_fast_belts_were_not_compared),
         cmocka_unit_test(belts_whose_speed_changes_were_not_compared),
+        cmocka_unit_test(slopes_of_more_than_12_degrees_were_not_compared),
         cmocka_unit_test(belts_of_several_velocities_were_not_compared),
         cmocka_unit_test(a_belt_against_a_wall_was_not_compared),
         cmocka_unit_test(a_funnel_was_not_compared),

@@ -165,6 +165,7 @@ SPOIL_ARC(far_centre, belt->centre.x = INFINITY)
 SPOIL_ARC(no_angle, arc->to = arc->from)
 SPOIL_ARC(more_than_a_turn, arc->to = arc->from - 2.1 * M_PI)
 SPOIL_ARC(reference_outside, arc->reference_radius = 0.61)
+SPOIL_ARC(rising, belt->incline = 0.1)
 SPOIL_ARC(fast_outside, belt->velocity.x = 0.9 * SCENE_SPEED_MAX)
 SPOIL_ARC(over_the_belt, arc->from = -0.6 * M_PI)
 SPOIL_ARC(over_the_domain, helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, NULL, 0))
@@ -195,6 +196,7 @@ static void what_is_wrong_with_an_arc_is_pointed_at(void **unused)
         { no_angle, "/belts/1/arc/to_deg", "at least 1 degree" },
         { more_than_a_turn, "/belts/1/arc/to_deg", "more than a whole turn" },
         { reference_outside, "/belts/1/arc/reference_radius_m", "between" },
+        { rising, "/belts/1/incline_deg", "curves are level" },
         { fast_outside, "/belts/1/velocity_m_s", "at most" },
         { over_the_belt, "/belts/1/arc", "the belt 'main' overlaps it" },
         { over_the_domain, "/belts/1/arc", "the belt 'belt-3' overlaps it" },
@@ -292,6 +294,30 @@ static void a_belt_has_a_friction_above_0_of_its_own_or_that_of_contacts(void **
     }
 }
 
+static void a_belt_rises_by_45_degrees_at_most_in_the_direction_that_it_has(void **unused)
+{
+    static const struct {
+        double incline, speed;
+        const char *text;
+    } cases[] = { { 0.25 * M_PI, 0.4, NULL }, { -0.25 * M_PI, 0.4, NULL },
+                  { 0.79, 0.4, "between" },   { -0.79, 0.4, "between" },
+                  { NAN, 0.4, "between" },    { 0.1, 0.0, "velocity_m_s" } };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene s;
+        make_scene(&s);
+        s.belts[0].incline = cases[k].incline;
+        s.belts[0].velocity = (vec2){ cases[k].speed, 0.0 };
+        const bf_faults *faults = helper_faults_of(&s);
+        assert_int_equal(faults->n, cases[k].text == NULL ? 0 : 1);
+        if (cases[k].text == NULL)
+            continue;
+        assert_string_equal(faults->items[0].pointer, "/belts/0/incline_deg");
+        assert_non_null(strstr(faults->items[0].text, cases[k].text));
+    }
+}
+
 static void kinds_have_ids_of_their_own(void **unused)
 {
     scene s;
@@ -341,6 +367,7 @@ int main(void)
         cmocka_unit_test(what_is_wrong_with_an_arc_is_pointed_at),
         cmocka_unit_test(nothing_becomes_steady_without_a_feed),
         cmocka_unit_test(a_belt_has_a_friction_above_0_of_its_own_or_that_of_contacts),
+        cmocka_unit_test(a_belt_rises_by_45_degrees_at_most_in_the_direction_that_it_has),
         cmocka_unit_test(kinds_have_ids_of_their_own),
         cmocka_unit_test(parts_keep_clear_of_plates_as_they_stand_at_the_start),
     };

@@ -51,6 +51,7 @@ static void a_definition_that_differs_in_one_number_has_another_digest(void **st
     double *const numbers[] = { &s.domain.x_max,
                                 &s.duration,
                                 &s.belts[0].velocity.x,
+                                &s.belts[0].incline,
                                 &s.belts[0].acceleration,
                                 &s.belts[0].deceleration,
                                 &s.belts[0].speed_schedule.times[1],
