@@ -208,6 +208,8 @@ static bf_status say_fed(const run_verdict_subject *of, verdicts *all, bf_error 
         verdict_say(v, "Everything that is offered gets through: ");
         say_rate(v, of);
         verdict_say(v, " of %s offered.", verdict_number(offered, (double)NAN, number));
+        if (whole_feed * through > offered)
+            verdict_say(v, " Some of it was offered during the warm-up.");
         verdict_rests_on(v, "offered_per_h", "", offered);
     } else if (isfinite(offered)) {
         say_missing(of, offered, 0.0, all);

@@ -43,7 +43,7 @@ typedef struct fake {
 void fake_init(fake *f);
 void fake_fini(fake *f);
 
-/// The table. What no test asks for is BF_ENOTFOUND.
+/// The table. What no test of the transport asks for is NULL, and must not be asked for.
 api_services fake_services(fake *f);
 
 /// Append an event; the last one if is_end.

@@ -102,6 +102,11 @@ static void everything_gets_through_up_to_what_chance_leaves_open(void **unused)
     assert_string_equal(v->advice, "");
     assert_string_equal(v->figures[0].name, "throughput_per_h");
     assert_true(v->figures[0].value == 7100.0);
+    assert_null(strstr(v->text, "warm-up"));
+    set(t, FIGURE_THROUGHPUT, 7300.0); // 1.4 % more than 7,200
+    assert_non_null(
+        strstr(say(t, "everything_through")->text, "Some of it was offered during the warm-up."));
+    set(t, FIGURE_THROUGHPUT, 7100.0);
     set(t, FIGURE_THROUGHPUT_ERROR, 1.0);
     v = say(t, "queue_grows");
     assert_non_null(strstr(v->text, "nothing waits"));
