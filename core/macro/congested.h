@@ -1,7 +1,7 @@
 /// The congested closure of the macroscopic model: packing as a constraint.
 ///
 ///     d(rho)/dt + div(rho v + G) = 0,   rho <= rho_j
-///     p >= 0,   p (rho_j - rho) = 0,    G = F(-grad p)
+///     p >= 0,   p (rho_j - rho) = 0,    G = F(-grad p/chi)
 ///     v = v_stat + w (v_T - v_stat),    w = min(1, max(0, rho_j - rho_ahead)/rho)
 ///
 /// v differs from v_stat in slide zones alone: rho_ahead is the density of the next cell the way that v_T - v_stat goes,
@@ -10,7 +10,7 @@
 /// G, the correction, is what cargo moves relative to v because it has no room. It is driven by a pressure that
 /// acts only where cargo is packed. This is the crowd model of Maury, Roudneff-Chupin and Santambrogio (2010), in
 /// which F is the identity, with a law F of parts on a belt. With b the direction of the belt, q its left normal, v_T
-/// its speed, g = -grad p:
+/// its speed, g = -grad p/chi:
 ///
 ///     along   G.b = g.b                                       while cargo is slower than its belt,
 ///                   G0 + min(k (g.b - G0), B)                 beyond,  G0 = rho_j (v_T - v_stat.b)
@@ -24,6 +24,8 @@
 ///     tan(phi) = friction tanh(lambda v_T/2), s = slip of cargo against its belt, 0 .. rho_j v_T:
 ///                                         internal friction of cargo that is held back
 ///     soft(x, a) = sgn(x) max(|x| - a, 0)
+///     chi = lambda v_O/tanh(lambda v_O) of a belt that runs onto another one, across which it moves with v_O; else 1:
+///                                         friction rises less than slip, and little slip drives what slips fast across that one
 ///
 /// On a slope, whose belt drives slower cargo by cos(alpha) (1 - tau) of what a level one does, brakes faster cargo by
 /// cos(alpha) (1 + tau), and holds it across by cos(alpha) (core/scene/belt_slope.h), g is divided by each of these in its law; s by

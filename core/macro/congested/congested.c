@@ -1,6 +1,7 @@
 // The congested closure's memory and state; step.c makes the steps.
 
 #include "core/base/memory.h"
+#include "core/base/polygon.h"
 #include "core/macro/congested/congested_priv.h"
 #include "core/scene/belt.h"
 #include "core/scene/belt_slope.h"
@@ -65,6 +66,39 @@ static void copy_faces(const macro_solver *s, const macro_def *def)
     copy_velocities(s, 1, def->v2, def->loose2);
 }
 
+// How fast each belt moves across one that it runs onto: it has the cell before a face, and the other one the face opposite. Not
+// beside it, where faces bridge gaps. Belts that turn run along those that they lead to.
+static void find_onto(const macro_def *def, congested *c)
+{
+    const bf_grid *g = &def->grid;
+
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++) {
+            const size_t west = j * (g->n1 + 1) + i, south = j * g->n1 + i;
+            const size_t around[4] = { def->belt1[west], def->belt1[west + 1], def->belt2[south],
+                                       def->belt2[south + g->n1] };
+            const double in[4] = { def->v1[west], -def->v1[west + 1], def->v2[south],
+                                   -def->v2[south + g->n1] };
+            const vec2 before[4] = {
+                { -g->d1, 0.0 }, { g->d1, 0.0 }, { 0.0, -g->d2 }, { 0.0, g->d2 }
+            };
+            for (int from = 0; from < 4; from++) {
+                const size_t belt = around[from];
+                const scene_belt *a = &c->belts[belt], *b = &c->belts[around[from ^ 1]];
+                const double speed = vec2_length(b->velocity);
+                const vec2 centre = { grid_x1(g, i), grid_x2(g, j) };
+                if (in[from] <= 0.0 || belt == around[from ^ 1] || speed == 0.0 || a->turn != 0.0 ||
+                    b->turn != 0.0 ||
+                    !polygon_holds(def->belts[belt].polygon, def->belts[belt].n_points,
+                                   vec2_add(centre, before[from]), SCENE_TOLERANCE))
+                    continue;
+                c->onto[belt] =
+                    fmax(c->onto[belt], fabs(vec2_cross(a->velocity, b->velocity)) / speed);
+                c->has_drives = c->has_drives || c->onto[belt] > 0.0;
+            }
+        }
+}
+
 static bool init_faces(const macro_solver *s, congested *c, const macro_def *def)
 {
     const bf_grid *g = &s->def.grid;
@@ -85,8 +119,13 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
     c->lateral = memory_alloc(def->n_belts + 1, sizeof *c->lateral);
     c->fastest = memory_alloc(def->n_belts + 1, sizeof *c->fastest);
     c->slope_ratio = memory_alloc(def->n_belts + 1, sizeof *c->slope_ratio);
-    if (c->belts == NULL || c->lateral == NULL || c->fastest == NULL || c->slope_ratio == NULL)
+    c->onto = memory_alloc(def->n_belts + 1, sizeof *c->onto);
+    c->chi = memory_alloc(def->n_belts + 1, sizeof *c->chi);
+    if (c->belts == NULL || c->lateral == NULL || c->fastest == NULL || c->slope_ratio == NULL ||
+        c->onto == NULL || c->chi == NULL)
         return false;
+    for (size_t k = 0; k <= def->n_belts; k++)
+        c->chi[k] = 1.0;
     for (size_t k = 0; k < def->n_belts; k++) {
         c->belts[k] = (scene_belt){ .velocity = def->belts[k].velocity,
                                     .turn = def->belts[k].turn,
@@ -96,6 +135,7 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
             belt_slope_ratio(&def->belts[k], &(scene_contact){ .friction = def->friction });
         c->fastest[k] = belt_largest_speed(&def->belts[k]);
     }
+    find_onto(def, c);
     memcpy(c->closed_edge, def->one_way, sizeof c->closed_edge);
     return true;
 }
@@ -106,7 +146,7 @@ enum { LAW_ARRAYS = 11, LAW_COUPLED_ARRAYS = 3, LAW_SLOPE_ARRAYS = 2 };
 static int count_law_arrays(const congested *c)
 {
     return LAW_ARRAYS + (c->is_forward ? 0 : LAW_COUPLED_ARRAYS) +
-           (c->has_slopes ? LAW_SLOPE_ARRAYS : 0);
+           (c->has_drives ? LAW_SLOPE_ARRAYS : 0);
 }
 
 static void lay_out_law(congested_law *l, float **at, size_t n, int n_arrays)
@@ -130,7 +170,7 @@ static bool lay_out(macro_solver *s, congested *c)
 
     c->half_stride = (s->n1 / 2 + unit) / unit * unit + 2 * unit;
     const size_t n = (size_t)((s->n2 + 2) * c->half_stride);
-    const int of_cells = c->has_slopes ? 6 : 4;
+    const int of_cells = c->has_drives ? 6 : 4;
     c->storage =
         memory_alloc((size_t)(of_cells + CONGESTED_SIDES * arrays) * n, sizeof *c->storage);
     c->is_uniform = memory_alloc(2 * n / CONGESTED_GROUP, sizeof *c->is_uniform);
@@ -145,7 +185,7 @@ static bool lay_out(macro_solver *s, congested *c)
         c->pressure[colour] = at;
         c->excess[colour] = at + n;
         at += 2 * n;
-        if (!c->has_slopes)
+        if (!c->has_drives)
             continue;
         c->relaxations[colour] = at;
         for (size_t k = 0; k < n; k++) // those beyond the grid, too
@@ -191,7 +231,7 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     c->kernels = kernels_of(cpu_best());
     c->is_forward = belt_are_forward(def->n_belts, def->belts);
     for (size_t k = 0; k < def->n_belts; k++)
-        c->has_slopes = c->has_slopes || def->belts[k].incline != 0.0;
+        c->has_drives = c->has_drives || def->belts[k].incline != 0.0;
     c->jam_density = def->jam_density;
     c->slip_rate = def->slip_rate;
     c->n_belts = def->n_belts;
@@ -255,6 +295,8 @@ congested *congested_destroy(congested *c)
     memory_free(c->lateral);
     memory_free(c->fastest);
     memory_free(c->slope_ratio);
+    memory_free(c->onto);
+    memory_free(c->chi);
     memory_free(c->storage);
     memory_free(c->is_uniform);
     memory_free(c->range);

@@ -56,7 +56,7 @@ typedef struct congested_law {
     float *along;     ///< e.b; NULL in a forward solver, and so are the next two
     float *across;    ///< e.q
     float *crosswise; ///< the pressure gradient along the face, g.(left of e), of the step before
-    float *inner; ///< G.b by g.b up to G0; NULL where every belt is level, and so is the next one
+    float *inner;     ///< G.b by g.b up to G0; NULL without has_drives, and so is the next one
     float *sideways;  ///< G.q by g.q beyond the threshold
     float *full_slip; ///< rho_j v_T of the belt under the face; itself also at x2-faces
     float *gain;      ///< threshold per slip: a quarter of tan phi of the belt's speed
@@ -138,23 +138,23 @@ typedef struct congested_kernels {
 /// The closure's state and what it precomputes.
 struct congested {
     congested_kernels kernels; ///< of this processor
-    bool is_forward;     ///< belts are level and run along +x1: each direction has a law of its own
-    bool has_slopes;     ///< a belt is not level
-    bool has_standing;   ///< a belt stands
-    bool has_moving;     ///< a belt moves
-    double jam_density;  ///< rho_j
-    double slip_rate;    ///< lambda, s/m
-    double *aperture[2]; ///< open fraction of the x1- and x2-faces, layout of grid.h
-    double *transverse[2]; ///< v_stat along these faces: its other component, m/s
-    double *slide[2];      ///< v_stat across these faces times the aperture, at the factor 1, m/s
-    double *loose[2];      ///< same for loose cargo, v_T in slide zones
+    bool is_forward; ///< belts are level and run along +x1: each direction has a law of its own
+    bool has_drives; ///< a belt is not level, or runs onto another one across it
+    bool has_standing, has_moving; ///< a belt stands, and one moves
+    double jam_density;            ///< rho_j
+    double slip_rate;              ///< lambda, s/m
+    double *aperture[2];           ///< open fraction of the x1- and x2-faces, layout of grid.h
+    double *transverse[2];         ///< v_stat along these faces: its other component, m/s
+    double *slide[2]; ///< v_stat across these faces times the aperture, at the factor 1, m/s
+    double *loose[2]; ///< same for loose cargo, v_T in slide zones
     congested_range *sliding[2]; ///< per row: its faces from first to last where they differ
     uint16_t *belt[2];           ///< belt under these faces
     size_t n_belts;              ///< belts
-    scene_belt *belts;      ///< each, without corners and schedule, and one at rest off every belt
-    double *fastest;        ///< largest speed on each of them at the factor 1, m/s
-    double *lateral;        ///< most speed of cargo across each of them, m/s
-    double *slope_ratio;    ///< tau of each of them (core/scene/belt_slope.h)
+    scene_belt *belts;   ///< each, without corners and schedule, and one at rest off every belt
+    double *fastest;     ///< largest speed on each of them at the factor 1, m/s
+    double *lateral;     ///< most speed of cargo across each of them, m/s
+    double *slope_ratio; ///< tau of each of them (core/scene/belt_slope.h)
+    double *onto, *chi;  ///< speed of each across one that it runs onto, at the factor 1; chi now
     uint8_t closed_edge[4]; ///< west, east, south, north: nothing is corrected across it
     ptrdiff_t half_stride;  ///< floats from half row to half row
     float *storage;         ///< of all half rows

@@ -24,13 +24,13 @@ static inline simd_float law_across(simd_float g, simd_float threshold, simd_flo
 
 // The laws that a loop reads: the uniform ones, those of a forward solver, where each face has one, or both.
 // On slopes both count by what their belt drives cargo by.
-typedef enum loop_kind { LOOP_UNIFORM, LOOP_FORWARD, LOOP_OBLIQUE, LOOP_SLOPES } loop_kind;
+typedef enum loop_kind { LOOP_UNIFORM, LOOP_FORWARD, LOOP_OBLIQUE, LOOP_DRIVES } loop_kind;
 
 static inline simd_float law_along_at(const congested_law *l, ptrdiff_t at, simd_float g,
                                       loop_kind kind)
 {
     const simd_float outer = g * simd_float_load(l->slope + at) + simd_float_load(l->offset + at);
-    const simd_float inner = kind == LOOP_SLOPES ? g * simd_float_load(l->inner + at) : g;
+    const simd_float inner = kind == LOOP_DRIVES ? g * simd_float_load(l->inner + at) : g;
 
     return law_along(inner, outer, simd_float_load(l->most + at), simd_float_load(l->least + at));
 }
@@ -38,7 +38,7 @@ static inline simd_float law_along_at(const congested_law *l, ptrdiff_t at, simd
 static inline simd_float law_across_at(const congested_law *l, ptrdiff_t at, simd_float g,
                                        loop_kind kind)
 {
-    const simd_float driven = kind == LOOP_SLOPES ? g * simd_float_load(l->sideways + at) : g;
+    const simd_float driven = kind == LOOP_DRIVES ? g * simd_float_load(l->sideways + at) : g;
 
     return law_across(driven, simd_float_load(l->threshold + at), simd_float_load(l->lower + at),
                       simd_float_load(l->upper + at));
@@ -113,7 +113,7 @@ static inline __attribute__((always_inline)) half_row half_row_of(const congeste
                    .p = pressures_of(c, row, colour),
                    .excess = congested__row(c, c->excess[colour], row),
                    .relaxations =
-                       c->has_slopes ? congested__row(c, c->relaxations[colour], row) : NULL };
+                       c->has_drives ? congested__row(c, c->relaxations[colour], row) : NULL };
 
     for (int side = 0; side < CONGESTED_SIDES; side++) {
         r.law[side] = *faces.side[side].law;
@@ -146,12 +146,12 @@ static inline __attribute__((always_inline)) simd_float relax_cells(const half_r
         flux(r, CONGESTED_SOUTH, k, south, kind) - flux(r, CONGESTED_NORTH, k, north, kind);
     const simd_float residual = simd_float_load(r->excess + k) + r->lambda * in;
     const simd_float relaxation =
-        kind == LOOP_SLOPES ? simd_float_load(r->relaxations + k) : simd_float_all(r->relaxation);
+        kind == LOOP_DRIVES ? simd_float_load(r->relaxations + k) : simd_float_all(r->relaxation);
     const simd_float relaxed = simd_float_max(here + relaxation * residual, simd_float_all(0.0F));
     simd_float change = relaxed - here;
 
     simd_float_store(r->p.own + k, relaxed);
-    if (kind == LOOP_SLOPES)
+    if (kind == LOOP_DRIVES)
         change *= r->relaxation / relaxation; // as if by the residual alone
     return simd_float_max(largest, simd_float_max(change, -change));
 }
@@ -199,7 +199,7 @@ static inline __attribute__((always_inline)) float relax_rows(const congested *c
 static float relax(const congested *c, ptrdiff_t first, ptrdiff_t last)
 {
     return c->is_forward   ? relax_rows(c, first, last, LOOP_FORWARD)
-           : c->has_slopes ? relax_rows(c, first, last, LOOP_SLOPES)
+           : c->has_drives ? relax_rows(c, first, last, LOOP_DRIVES)
                            : relax_rows(c, first, last, LOOP_OBLIQUE);
 }
 
@@ -208,7 +208,7 @@ static float relax_black(const congested *c, ptrdiff_t row)
     const simd_float none = simd_float_all(0.0F);
 
     return simd_float_largest(c->is_forward   ? relax_row(c, row, 1, LOOP_FORWARD, none)
-                              : c->has_slopes ? relax_row(c, row, 1, LOOP_SLOPES, none)
+                              : c->has_drives ? relax_row(c, row, 1, LOOP_DRIVES, none)
                                               : relax_row(c, row, 1, LOOP_OBLIQUE, none),
                               0.0F);
 }
@@ -238,8 +238,8 @@ static void make_flux(const congested *c, ptrdiff_t row)
 {
     if (c->is_forward)
         make_flux_row(c, row, LOOP_FORWARD);
-    else if (c->has_slopes)
-        make_flux_row(c, row, LOOP_SLOPES);
+    else if (c->has_drives)
+        make_flux_row(c, row, LOOP_DRIVES);
     else
         make_flux_row(c, row, LOOP_OBLIQUE);
 }

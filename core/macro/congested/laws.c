@@ -12,9 +12,9 @@ static const double friction = 0.46;
 
 congested_drives congested__drives(const congested *c, size_t belt)
 {
-    const double cosine = cos(c->belts[belt].incline), tau = c->slope_ratio[belt];
+    const double level = c->chi[belt] * cos(c->belts[belt].incline), tau = c->slope_ratio[belt];
 
-    return (congested_drives){ cosine * (1.0 - tau), cosine * (1.0 + tau), cosine };
+    return (congested_drives){ level * (1.0 - tau), level * (1.0 + tau), level };
 }
 
 // The belt's speed and v_stat at a face in the directions of the face: e its normal, t the left of e.
@@ -58,7 +58,7 @@ static void set_across(const congested *c, const face_slot *f, const face_state 
     const double bearing = x->drives.slower / x->drives.across;
     f->law->gain[f->at] =
         (float)(x->scale * 0.25 * friction * bearing * tanh(0.5 * c->slip_rate * speed));
-    if (c->has_slopes)
+    if (c->has_drives)
         f->law->sideways[f->at] = (float)(1.0 / x->drives.across);
 }
 
@@ -72,7 +72,7 @@ static void set_along(const congested *c, const face_slot *f, const face_state *
 
     f->law->slope[f->at] = (float)slope;
     f->law->offset[f->at] = (float)((1.0 - slope / inner) * free);
-    if (c->has_slopes)
+    if (c->has_drives)
         f->law->inner[f->at] = (float)inner;
     f->law->most[f->at] = (float)(free + open * forward_most * c->jam_density * speed);
     f->law->least[f->at] = (float)(x->scale * -c->jam_density * (forward + lateral_most * speed));
@@ -88,7 +88,7 @@ static void close_face(const congested *c, const face_slot *f, double speed)
     f->law->gain[f->at] = 0.0F;
     if (!c->is_forward)
         f->law->along[f->at] = f->law->across[f->at] = 0.0F;
-    if (c->has_slopes)
+    if (c->has_drives)
         f->law->inner[f->at] = f->law->sideways[f->at] = 0.0F;
 }
 
@@ -262,10 +262,14 @@ void congested_update(macro_solver *s)
         c->has_standing |= is_standing;
         c->has_moving |= !is_standing;
         c->lateral[k] = most_across(s, c, k);
+        // Cargo that is held back slips little on its own belt, where friction is lambda |slip|, and fast across one that it is
+        // pushed onto, where it is tanh(lambda |slip|); the laws are linear.
+        const double slip = c->slip_rate * s->factors[k] * c->onto[k];
+        c->chi[k] = slip > 0.0 ? slip / tanh(slip) : 1.0;
     }
     set_axis(s, c, 0);
     set_axis(s, c, 1);
-    if (c->has_slopes)
+    if (c->has_drives)
         set_relaxations(s, c);
     if (!c->is_forward)
         return; // no group is uniform
