@@ -1,7 +1,6 @@
 // The congested closure's memory and state; step.c makes the steps.
 
 #include "core/base/memory.h"
-#include "core/base/polygon.h"
 #include "core/macro/congested/congested_priv.h"
 #include "core/scene/belt.h"
 #include "core/scene/belt_slope.h"
@@ -87,10 +86,9 @@ static void find_onto(const macro_def *def, congested *c)
                 const scene_belt *a = &c->belts[belt], *b = &c->belts[around[from ^ 1]];
                 const double speed = vec2_length(b->velocity);
                 const vec2 centre = { grid_x1(g, i), grid_x2(g, j) };
-                if (in[from] <= 0.0 || belt == around[from ^ 1] || speed == 0.0 || a->turn != 0.0 ||
-                    b->turn != 0.0 ||
-                    !polygon_holds(def->belts[belt].polygon, def->belts[belt].n_points,
-                                   vec2_add(centre, before[from]), SCENE_TOLERANCE))
+                if (in[from] <= 0.0 || belt == def->n_belts || belt == around[from ^ 1] ||
+                    speed == 0.0 || a->turn != 0.0 || b->turn != 0.0 ||
+                    !belt_holds(&def->belts[belt], vec2_add(centre, before[from])))
                     continue;
                 c->onto[belt] =
                     fmax(c->onto[belt], fabs(vec2_cross(a->velocity, b->velocity)) / speed);

@@ -354,22 +354,21 @@ static void a_thin_stream_lies_against_a_plate(void **state)
 
 // Packed cargo on a belt of 0.4 m/s, L long, goes onto one that all but stands across its way, is full over its width D, and ends
 // in an open edge. All moves at u: the first belt drives it by chi (v - u) over L, the other one brakes it by u over D. So
-// u = chi v L/(chi L + D), and as dL/dt = -u, chi (L_0 - L) + D ln(L_0/L) = chi v t.
-static void what_comes_onto_another_belt_is_braked_less_than_slip_by_slip(void **state)
+// u = chi v L/(chi L + D), and as dL/dt = -u, chi (L_0 - L) + D ln(L_0/L) = chi v t. The first belt has these corners, or lies
+// everywhere, also under the second one.
+static void check_transfer(const vec2 *corners, size_t n_corners)
 {
     const double v = 0.4, chi = 10.0 * v / tanh(10.0 * v), border = 0.5, end = 0.7;
     const double from = 0.4, to = 0.25, width = 0.1, across = end - border;
     const double time = (chi * (from - to) + across * log(from / to)) / (chi * v);
-    const vec2 first[] = { { 0.0, 0.0 }, { border, 0.0 }, { border, width }, { 0.0, width } };
     const vec2 second[] = { { border, 0.0 }, { end, 0.0 }, { end, width }, { border, width } };
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, end, width, 0.01, &somewhere, 1);
     s.macro.closure = SCENE_CONGESTED;
     close_edges(&s);
     s.edges[SCENE_EAST] = SCENE_EDGE_OUTFLOW;
-    helper_scene_add_belt(&s, (vec2){ v, 0.0 }, first, 4);
+    helper_scene_add_belt(&s, (vec2){ v, 0.0 }, corners, n_corners);
     helper_scene_add_belt(&s, (vec2){ 0.0, 0.001 }, second, 4);
     helper_scene_resolve(&s);
     macro_solver *solver = helper_macro_create(&s, 1);
@@ -381,6 +380,15 @@ static void what_comes_onto_another_belt_is_braked_less_than_slip_by_slip(void *
     assert_near(gone, 0.93 * width * (from - to), 0.03 * gone);
     macro_destroy(solver);
     scene_fini(&s);
+}
+
+static void what_comes_onto_another_belt_is_braked_less_than_slip_by_slip(void **state)
+{
+    const vec2 first[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 0.1 }, { 0.0, 0.1 } };
+
+    (void)state;
+    check_transfer(first, 4);
+    check_transfer(NULL, 0);
 }
 
 // Plates from wall to wall; the belt moves straight or obliquely.
