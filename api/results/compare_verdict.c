@@ -65,7 +65,7 @@ static bf_status find_arrivals(const scene *s, compare_side *side, bf_error *err
     return status;
 }
 
-// Makes the side of a run. The scene is done with; figures NULL: there are none.
+// Makes the side of a run and frees its scene; figures NULL: there are none.
 static bf_status make_side(run_model model, scene *s, const json_t *figures, compare_side *ret_side,
                            compare_flows *ret_flows, bf_error *err)
 {
@@ -131,7 +131,9 @@ bf_status compare_verdict_side_of_summary(const char *summary, size_t n, compare
     json_t *root = json_in_parse(&in, summary, n);
     const char *model = json_string_value(json_object_get(root, "model"));
     const json_t *scenario = json_object_get(root, "scenario");
-    if (model == NULL || scenario == NULL)
+    if (in.has_failed)
+        status = json_in_status(&in, err);
+    else if (model == NULL || scenario == NULL)
         status = bf_fail(err, BF_EINPUT, "", "not a summary of a run");
     else
         status = scenario_read_resolved_tree(scenario, &s, err);

@@ -47,7 +47,7 @@ BF_MUST_CHECK bf_status compare_verdict_side(run_model model, const char *scenar
                                              size_t n_figures, compare_side *ret_side,
                                              compare_flows *ret_flows, bf_error *err);
 
-/// The same from a summary. BF_EINPUT: it is none.
+/// The same from a summary. BF_EINPUT: it is none; BF_ECORRUPT: its scenario cannot be read; BF_ENOMEM.
 BF_MUST_CHECK bf_status compare_verdict_side_of_summary(const char *summary, size_t n,
                                                         compare_side *ret_side,
                                                         compare_flows *ret_flows, bf_error *err);

@@ -289,9 +289,8 @@ int cmd_compare(int argc, char **argv)
                "90 % of what left. l1 is the mean, l2 the root mean square, largest the largest "
                "distance over the common interval; gaps are of the curve minus the first one. "
                "What does not exist is '-', as drain and throughput of what is inside while cargo "
-               "enters "
-               "and leaves. Sentences for each but the first say what its throughput "
-               "is to that of the first one, and which flows of counters and outlets differ.",
+               "enters and leaves. Sentences for each but the first say what its throughput is to "
+               "that of the first one, and which flows of counters and outlets differ.",
     };
     compare_arguments arguments = { .column = NULL };
     bf_error err = { 0 };

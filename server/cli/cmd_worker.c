@@ -159,7 +159,8 @@ static bf_status read_job(working *w, int64_t checkpoint_ms, bf_buffer *in, bf_e
 
     if (getrandom(&seed, sizeof seed, 0) != (ssize_t)sizeof seed)
         status = bf_fail(err, BF_ESYSTEM, "", "no random bytes: %s", strerror(errno));
-    json_in_seed(seed);
+    else
+        json_in_seed(seed);
     if (status == BF_OK)
         status = confinement_enter(err);
     if (status == BF_OK)

@@ -219,7 +219,7 @@ static bf_status read_wanted(const maintenance_token *wanted, tokens_record *tok
 {
     const char *scopes = wanted->scopes == NULL ? "read,submit" : wanted->scopes;
     const char *owner = wanted->owner == NULL ? wanted->name : wanted->owner;
-    int64_t after_ms = 0; // it expires; 0: never
+    int64_t after_ms = 0; // until it expires; 0: never
 
     if (!api_access_read_scopes(scopes, &token->scopes) || (token->scopes & API_SCOPE_GRANTED) != 0)
         return bf_fail(

@@ -144,12 +144,12 @@ static void repeat(pull_executor *e, executor_job *job)
     const int64_t now_ms = clock_monotonic_ms();
     pull__check *c = job->check;
     executor_job *again = NULL;
-    bool is_any = false;
+    bool has_other = false;
 
     for (size_t k = 0; k < e->n_workers; k++)
-        is_any = is_any || (e->workers[k].suspended_until_ms <= now_ms &&
-                            !pull__is_witness(c, e->workers[k].about.token));
-    if (is_any)
+        has_other = has_other || (e->workers[k].suspended_until_ms <= now_ms &&
+                                  !pull__is_witness(c, e->workers[k].about.token));
+    if (has_other)
         again = pull__add_job(e, PULL_WAITING, job->about.run, ++e->last_attempt);
     if (again == NULL)
         return;

@@ -22,9 +22,8 @@
 
 enum {
     LOWER_PRIORITY = 10,
-    LEARNED_MAX = 16, // trials that the mean of a study goes back to
-    UNASKED_MS =
-        5000, // after so long all kinds are measured, so that who asks then need not ask twice
+    LEARNED_MAX = 16,  // trials that the mean of a study goes back to
+    UNASKED_MS = 5000, // then all kinds are measured, so that who asks later need not wait
 };
 
 // For each kind; the fastest of the runs within it counts.
@@ -55,8 +54,8 @@ struct predictor {
     size_t n_waiting;                     // runs that were asked for and not predicted
     question waiting[PREDICTOR_RUNS_MAX]; // a ring
     size_t first;                         // of them
-    entry entries
-        [PREDICTOR_RUNS_MAX]; // each at the place of its id; a newer one takes an older one's
+    // Each at the place of its id; a newer one takes an older one's.
+    entry entries[PREDICTOR_RUNS_MAX];
     // The thread's own:
     prediction_speed speed; // factors of kinds that were not needed yet are 0
     prediction_learned learned;

@@ -42,7 +42,7 @@ void predictor_learn(predictor *p, const char *study_id, double seconds);
 /// known of any of these yet, or the store cannot be read. Does not wait for predictions.
 double predictor_queue_seconds(predictor *p, uint64_t n);
 
-/// How fast this machine is. False: not known yet, but will be in a fifth of a second.
+/// How fast this machine is. False: not known yet; it is then measured, which takes a fifth of a second of CPU time.
 bool predictor_speed(predictor *p, prediction_speed *ret_speed);
 
 /// Stop the thread and free. NULL is fine. Always returns NULL.

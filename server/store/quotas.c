@@ -93,10 +93,10 @@ static bf_status read_cpu(store__connection *c, const char *owner, int64_t now_m
 
 bf_status store_read_quotas(store *s, const char *owner, api_quotas *ret_quotas, bf_error *err)
 {
-    const bool is_anyone = owner[0] != '\0'; // nobody has no quotas
-    api_quotas q = { .waiting = { .allowed = is_anyone ? s->quotas.n_waiting : 0 },
-                     .cpu_s = { .allowed = is_anyone ? s->quotas.cpu_s : 0 },
-                     .bytes = { .allowed = is_anyone ? s->quotas.n_bytes : 0 } };
+    const bool has_owner = owner[0] != '\0'; // else there are no quotas
+    api_quotas q = { .waiting = { .allowed = has_owner ? s->quotas.n_waiting : 0 },
+                     .cpu_s = { .allowed = has_owner ? s->quotas.cpu_s : 0 },
+                     .bytes = { .allowed = has_owner ? s->quotas.n_bytes : 0 } };
     store__connection *reader = NULL;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);

@@ -40,7 +40,7 @@ typedef bf_status store__prepare(store__operation *operation, bf_error *err);
 /// after the commit, or on the preparing thread if it could not be prepared.
 typedef void store__finish(store__operation *operation);
 
-/// A write that waits for its turn; on its caller's stack, or, with prepare and finish, on the heap.
+/// A write that waits for its turn; on its caller's stack, or, with finish, on the heap.
 struct store__operation {
     store__apply *apply;       ///< what to do
     store__prepare *prepare;   ///< what to do before; NULL: nothing

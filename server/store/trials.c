@@ -239,13 +239,14 @@ static bf_status apply_forget(store__connection *writer, store__operation *opera
     if (status == BF_OK)
         status = store__find_first(writer, STORE__SQL_NEXT_RUN_OF_STUDY, context->id, &left,
                                    &has_run, err);
-    if (status == BF_OK && (has_run || (row.stop_request != STORE_STOP_KILL &&
-                                        !api_study_state_is_end(row.study.state))))
+    if (status != BF_OK)
+        return status;
+    if (has_run ||
+        (row.stop_request != STORE_STOP_KILL && !api_study_state_is_end(row.study.state)))
         return bf_fail(err, BF_ECONFLICT, "", "the study is at work or has runs");
     memcpy(operation->changed, row.study.id, API_ID_SIZE);
-    if (status == BF_OK)
-        status = store__exec(writer, STORE__SQL_DELETE_TRIALS, err, INTEGER(row.rowid),
-                             INTEGER(TRIALS_A_STEP));
+    status = store__exec(writer, STORE__SQL_DELETE_TRIALS, err, INTEGER(row.rowid),
+                         INTEGER(TRIALS_A_STEP));
     if (status != BF_OK || sqlite3_changes(writer->db) == TRIALS_A_STEP)
         return status;
     context->is_over = true;

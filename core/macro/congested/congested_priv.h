@@ -169,7 +169,7 @@ struct congested {
     double density_limit;          ///< density at which the run fails
     float ratio, steepness;        ///< dx1/dx2, and its square, by which pressures count along x2
     float relaxation;              ///< omega dx1 / (2 (1 + ratio^2) dt)
-    float *relaxations[2]; ///< of cells with slopes: omega over the slopes of the laws around
+    float *relaxations[2]; ///< with has_drives, of cells: omega over the slopes of their laws
     float lambda;          ///< dt/dx1
     congested_slot *slots; ///< two of each thread, used in turn
     macro_state stage;     ///< density after the first stage and its spans (muscl; else NULL)

@@ -23,7 +23,7 @@ static inline simd_float law_across(simd_float g, simd_float threshold, simd_flo
 }
 
 // The laws that a loop reads: the uniform ones, those of a forward solver, where each face has one, or both.
-// On slopes both count by what their belt drives cargo by.
+// With has_drives both count by what their belt drives cargo by.
 typedef enum loop_kind { LOOP_UNIFORM, LOOP_FORWARD, LOOP_OBLIQUE, LOOP_DRIVES } loop_kind;
 
 static inline simd_float law_along_at(const congested_law *l, ptrdiff_t at, simd_float g,
@@ -99,7 +99,7 @@ typedef struct half_row {
     ptrdiff_t at[CONGESTED_SIDES];      // element of the face of cell 0 in it
     row_pressures p;
     const float *excess;
-    const float *relaxations; // NULL without slopes
+    const float *relaxations; // NULL without has_drives
 } half_row;
 
 static inline __attribute__((always_inline)) half_row half_row_of(const congested *c, ptrdiff_t row,
