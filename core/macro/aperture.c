@@ -17,6 +17,7 @@ typedef struct side_law {
 // Fitted to the microscopic model.
 static const side_law end_law = { 1.2, 2.0, 0.4 };
 static const side_law wall_law = { 0.9, 0.7, 0.4 };
+static const side_law lane_law = { 0.5, 0.95, 0.63 };
 static const double fitted_cargo = 0.15;    // mu_c at which friction adds nothing
 static const double fitted_handling = 0.19; // mu_h, same
 static const double arch_length = 10.0;     // s of aperture.h, times e r
@@ -24,12 +25,15 @@ static const double arch_slope = 2.5;       // times cos^2(theta)
 static const double acceleration = 0.9;     // of v_T^2/(mu_b g) by the width of the outlet
 static const double shallow = 4.0;          // times sin(theta): w of aperture.h
 static const double most_of_way = 0.9;      // that an extension takes
+static const double along_belt = 0.05; // sin(theta) of a guide that runs along the belt, at most
+static const double least_bend = 0.1;  // of what bends into it, at least; chords of arcs have less
 
-// The end of a plate and how it goes on.
+// The end of a plate, or its bend into a lane, and how it goes on.
 typedef struct plate_end {
     vec2 tip;       // m
     vec2 outward;   // unit tangent of the plate's last piece, away from the plate
     vec2 extension; // to where it goes on from the tip, m
+    bool is_bend;   // the plate goes on along the belt
 } plate_end;
 
 // What is opposite of a plate's end across the belt.
@@ -43,6 +47,7 @@ typedef struct opposite {
     opposite_kind kind;
     double way;      // to it, m
     double friction; // mu_h of an OPPOSITE_SIDE
+    bool is_border;  // of the domain
 } opposite;
 
 double aperture_radius(const scene *s)
@@ -83,7 +88,7 @@ static opposite find_opposite(const scene *s, const surroundings *around, size_t
 {
     const double handling = s->micro.contact[SCENE_HANDLING_CARGO].friction;
     const scene_rect *d = &s->domain;
-    opposite found = { OPPOSITE_NOTHING, d->x_max - d->x_min + d->y_max - d->y_min, 0.0 };
+    opposite found = { OPPOSITE_NOTHING, d->x_max - d->x_min + d->y_max - d->y_min, 0.0, true };
 
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
         const vec2 inward = surroundings_side(around, (scene_side)side).inward;
@@ -92,14 +97,14 @@ static opposite find_opposite(const scene *s, const surroundings *around, size_t
         if (way > 0.0 && way < found.way)
             found =
                 (opposite){ s->edges[side] == SCENE_EDGE_WALL ? OPPOSITE_SIDE : OPPOSITE_NOTHING,
-                            way, s->micro.wall_friction };
+                            way, s->micro.wall_friction, true };
     }
     for (size_t k = 0; k < s->n_obstacles; k++) {
         const scene_obstacle *o = &s->obstacles[k];
         for (size_t m = 0; k != obstacle && m + 1 < o->n_points; m++) {
             const double way = way_to_segment(tip, toward, o->path[m], o->path[m + 1]);
             if (way < found.way)
-                found = (opposite){ OPPOSITE_SIDE, way, handling };
+                found = (opposite){ OPPOSITE_SIDE, way, handling, false };
         }
     }
     for (size_t k = 0; k < s->n_obstacles; k++) {
@@ -109,7 +114,7 @@ static opposite find_opposite(const scene *s, const surroundings *around, size_t
             const vec2 to = vec2_sub(ends[end], tip);
             const double way = vec2_dot(to, toward);
             if (way > M_SQRT1_2 * vec2_length(to) && way <= found.way + SCENE_LENGTH_MIN)
-                found = (opposite){ OPPOSITE_END, way, 0.0 };
+                found = (opposite){ OPPOSITE_END, way, 0.0, false };
         }
     }
     return found;
@@ -150,20 +155,27 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
     const double handling = parts->contact[SCENE_HANDLING_CARGO].friction;
     const double drive = belt_slope_drive(&around->belts[under], conveyor);
     const double stopping = speed * speed / (drive * parts->gravity);
-    double radii = cost_of(&end_law, sine, s, handling);
+    double radii = cost_of(e->is_bend ? &lane_law : &end_law, sine, s, handling);
 
-    if (other.kind == OPPOSITE_SIDE)
+    if (e->is_bend && other.kind == OPPOSITE_NOTHING)
+        return (vec2){ 0.0, 0.0 };
+    if (e->is_bend && other.is_border)
+        radii += cost_of(&lane_law, 0.0, s, other.friction);
+    else if (!e->is_bend && other.kind == OPPOSITE_SIDE)
         radii += cost_of(&wall_law, sine, s, other.friction);
-    // Of two ends each has its half of the outlet.
-    const double ends = other.kind == OPPOSITE_END ? 2.0 : 1.0, way = other.way / ends;
+    // Of two ends, and of two guides, each has its half of the outlet.
+    const bool is_half = other.kind == OPPOSITE_END || (e->is_bend && !other.is_border);
+    const double ends = is_half ? 2.0 : 1.0, way = other.way / ends;
     const double radius = aperture_radius(s), wide = fmax(way - radii * radius, 0.0);
     // An arch stands on both sides of an outlet.
     const double open =
         wide *
         (other.kind == OPPOSITE_NOTHING ? 1.0 : fraction_without_arches(s, ends * wide, sine));
-    const double slowing = other.kind == OPPOSITE_NOTHING
-                               ? 0.0
-                               : acceleration * stopping / open * sqrt(2.0 * radius / open);
+    // What comes along a plate to its bend has v_T cos^2(theta) along the belt already.
+    const double gained = e->is_bend ? sine * sine * (2.0 - sine * sine) : 1.0;
+    const double slowing = other.kind == OPPOSITE_NOTHING ? 0.0
+                                                          : acceleration * gained * stopping /
+                                                                open * sqrt(2.0 * radius / open);
     const double length = fmin(1.0, shallow * fabs(sine)) * (way - open / sqrt(1.0 + slowing));
     return vec2_scale(toward, fmax(fmin(length, most_of_way * way), 0.0));
 }
@@ -276,17 +288,37 @@ static void cover_strips(const face_axis *x, const plate_end *e)
         const double centre = fmin(fmax(strip + 0.5, low), high);
         const double normal =
             normal_of(x, e->tip) + (centre - tip) / length * normal_of(x, e->extension);
-        const bool is_plates = is_tip && goes_on && (strip + 0.5 - tip) * length <= 1e-6;
+        const bool is_plates =
+            !e->is_bend && is_tip && goes_on && (strip + 0.5 - tip) * length <= 1e-6;
+        if (e->is_bend && (strip + 0.5 - tip) * length < -1e-6) // on the other side of the guide
+            continue;
         const ptrdiff_t face = is_plates ? closed_face(x, e, m) : nearest_face(x, normal);
         cover_face(x, face, m, covered, is_tip && goes_on);
     }
 }
 
+// Whether a plate that comes to its point `last` from `before` runs along the belt and an axis of the grid from there, and
+// downstream: the mouth of a lane.
+static bool is_mouth(const scene_obstacle *obstacle, size_t last, size_t before, vec2 belt)
+{
+    const vec2 come = vec2_sub(obstacle->path[last], obstacle->path[before]);
+    const vec2 go = vec2_sub(obstacle->path[2 * last - before], obstacle->path[last]);
+    const double of_go = vec2_length(belt) * vec2_length(go);
+    const double of_come = vec2_length(belt) * vec2_length(come);
+
+    return go.x * go.y == 0.0 && vec2_dot(go, belt) > 0.0 &&
+           fabs(vec2_cross(belt, go)) <= along_belt * of_go &&
+           fabs(vec2_cross(belt, come)) > least_bend * of_come &&
+           vec2_dot(come, belt) >= -along_belt * of_come;
+}
+
+// The end of a plate at its point `last`, or its bend there, seen from its point `before`.
 static void apply_end(const scene *s, velocity_field *f, const surroundings *around,
                       const scene_obstacle *obstacle, size_t last, size_t before)
 {
     const bf_grid *g = &f->grid;
-    plate_end e = { .tip = obstacle->path[last] };
+    plate_end e = { .tip = obstacle->path[last],
+                    .is_bend = last > 0 && last + 1 < obstacle->n_points };
     const vec2 along = vec2_sub(e.tip, obstacle->path[before]);
     const size_t under = surroundings_belt_at(around, e.tip);
     const bool turns = under < around->n_belts && around->belts[under].turn != 0.0;
@@ -300,12 +332,18 @@ static void apply_end(const scene *s, velocity_field *f, const surroundings *aro
 
     const size_t index = (size_t)(obstacle - s->obstacles);
 
-    if (!is_free(s, around, index, e.tip))
+    if (!is_free(s, around, index, e.tip) || (e.is_bend && !is_mouth(obstacle, last, before, belt)))
         return;
     e.outward = vec2_scale(along, 1.0 / vec2_length(along));
     e.extension = extension_of(s, around, index, &e, under, belt);
-    for (int axis = 0; axis < 2; axis++)
-        cover_strips(&axes[axis], &e);
+    const vec2 lane =
+        e.is_bend ? vec2_sub(obstacle->path[2 * last - before], e.tip) : (vec2){ 0.0, 0.0 };
+    const double n = ceil(vec2_length(lane) / fmin(g->d1, g->d2));
+    for (double k = 0.0; k <= n; k++) {
+        e.tip = vec2_add(obstacle->path[last], vec2_scale(lane, n > 0.0 ? k / n : 0.0));
+        for (int axis = 0; axis < 2; axis++)
+            cover_strips(&axes[axis], &e);
+    }
 }
 
 void aperture_apply(const scene *s, velocity_field *f)
@@ -317,6 +355,10 @@ void aperture_apply(const scene *s, velocity_field *f)
         const scene_obstacle *obstacle = &s->obstacles[k];
         apply_end(s, f, &around, obstacle, 0, 1);
         apply_end(s, f, &around, obstacle, obstacle->n_points - 1, obstacle->n_points - 2);
+        for (size_t m = 1; m + 1 < obstacle->n_points; m++) {
+            apply_end(s, f, &around, obstacle, m, m - 1);
+            apply_end(s, f, &around, obstacle, m, m + 1);
+        }
     }
     for (size_t k = 0; k < (n1 + 1) * n2; k++)
         f->aperture1[k] = f->closed1[k] ? 0.0 : f->aperture1[k];

@@ -1,4 +1,5 @@
-/// How much of the outlet beside a plate's free end is lost to cargo: apertures of faces, for the congested closure.
+/// How much of the outlet beside a plate's free end, and of a lane between guides, is lost to cargo: apertures of faces, for the
+/// congested closure.
 ///
 /// Parts that come along a plate turn around its end and pass it at a distance, rub against each other, and have to be
 /// brought to the belt's speed again. So the outlet is as if the plate went on across the belt by
@@ -20,6 +21,15 @@
 /// nothing is opposite there are none, and o is m. w lets delta go to 0 at guides, whose ends cost nothing.
 /// The root is 1 where nothing is opposite. It makes what a fast belt carries off independent of its speed, as o^(7/4)
 /// sqrt(mu_b g): nearly as grains leave a hopper, o^(3/2) sqrt(g), whose speed is what they gain within the width of its outlet.
+///
+/// A plate that bends by more than 6 degrees into a guide along the belt, and along an axis of the grid, opens a lane: parts that were
+/// brought together before it keep some room from the guide as far as it goes. There the guide is thicker by delta with
+///
+///     m = l - r (0.5 sin^2(theta) + 0.95 a + 0.63 b),   and r (0.95 a + 0.63 b) less if a wall is opposite
+///
+/// theta the angle of the piece before the bend, l half the way to another plate, or all of it to a wall; and v_T^2 is less by
+/// (v_T cos^2(theta))^2, as what slides along the plate has that speed along the belt. So the lane's width is
+/// exact, too, wherever in its cells the guide lies, but for what cells whose centres the guide covers lack.
 ///
 /// Fitted to the microscopic model (tests/validation/lines.py, core/macro/congested/README.md). The plate's own end
 /// is exact as well: of a face that plate and extension cover in part, the rest stays open.

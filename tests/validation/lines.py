@@ -101,6 +101,9 @@ class Line:
             tip = foot + across / 2 * slope
             return [[(foot, 0.0), (tip, across / 2), (tip + 12.0, across / 2)],
                     [(foot, self.width), (tip, self.width - across / 2), (tip + 12.0, self.width - across / 2)]]
+        if self.layout == "rail":  # one guide, with the other wall
+            tip = foot + across * slope
+            return [[(foot, 0.0), (tip, across), (tip + 12.0, across)]]
         return []
 
     def document(self, substream):
@@ -213,7 +216,11 @@ def development():
         "free": [dict(layout="free", angle=a, opening=o) for a, o in ((60, 8), (45, 7))],
         "turned": [dict(turned=t, angle=a) for t, a in ((30, 60), (45, 60), (20, 75), (60, 45))],
         "lane": [dict(layout="lane", angle=a, opening=o, plates=h) for a, o, h in (
-            (20, 4, .19), (15, 6, .3), (30, 5, .1), (30, 3.5, .3))],
+            (20, 4, .19), (15, 6, .3), (30, 5, .1), (30, 3.5, .3))]
+        + [dict(layout="lane", angle=a, opening=o, v=.3) for a in (20, 45, 75) for o in (4.3, 5.2, 6.4, 8)]
+        + [dict(layout="lane", angle=45, opening=5.2, v=.3, parts=p, plates=h) for p, h in (
+            (.15, 0), (.15, .45), (.05, .19), (.45, .19))]
+        + [dict(layout="lane", angle=45, opening=5.2, v=v) for v in (.1, .9)],
         "belts": [dict(layout="none", opening=WIDTH, load=q, ratio=r) for q, r in ((.55, .5), (.4, .6))]
         + [dict(ratio=1.6), dict(ratio=.7)],
         "transfer": [dict(layout="transfer", opening=10, load=q, ratio=r) for q, r in ((.4, 1), (.6, 1), (.8, .8), (1, 1))],
@@ -277,6 +284,12 @@ def apart():
         made.append(Line("apart", "slope", layout=draw.choice(("plate", "funnel")), angle=between(40, 90, 0),
                          opening=between(4.5, 8, 1), d=log_between(.02, .4), v=between(.2, .8), parts=between(.1, .5),
                          plates=between(.1, .5), belt=belt, incline=round(draw.uniform(-1, 1) * min(steepest, 18), 1)))
+    for seed, n in ((36, 12), (37, 9)):
+        draw = random.Random(seed)
+        for k in range(n):
+            made.append(Line("apart", "lane", layout="rail" if k % 3 == 2 else "lane", angle=between(15, 85, 0),
+                             opening=between(4, 9, 1), d=log_between(.02, .4), v=log_between(.1, 1.2), parts=between(.05, .6),
+                             plates=between(.05, .5), belt=between(.3, .8)))
     return made
 
 

@@ -317,6 +317,69 @@ static void a_funnel_loses_an_extension_on_each_side(void **state)
     }
 }
 
+// What a side of a lane costs, m: aperture.h; half of what is between n = 2 guides, or all up to a wall, is `way`.
+static double lane_side(double sine, int n, const frictions *mu, double way)
+{
+    const double r = 0.012, a = sqrt(mu->cargo) - sqrt(0.15), square = sine * sine;
+    double lost = r * (0.5 * square + 0.95 * a + 0.63 * (sqrt(mu->handling) - sqrt(0.19)));
+
+    if (n == 1)
+        lost += r * (0.95 * a + 0.63 * (sqrt(mu->wall) - sqrt(0.19)));
+    const double open = way - lost, stopping = speed * speed / (mu->belt * 9.81);
+    const double slowing = 0.9 * (1.0 - pow(1.0 - square, 2.0)) * stopping / open;
+    return way - open / sqrt(1.0 + slowing * sqrt(2.0 * r / open));
+}
+
+// The open width between x2 = low and high in every column from x1 = 1.02 to 1.58 m, beside which all is open.
+static void check_lane(scene *s, double low, double high, double width)
+{
+    velocity_field *f = NULL;
+
+    helper_scene_resolve(s);
+    assert_int_equal(velocity_field_create(s, &f, NULL), BF_OK);
+    const bf_grid *g = &f->grid;
+    for (size_t i = 102; i <= 158; i++) {
+        double open = 0.0;
+        for (size_t j = 0; j < g->n2; j++) {
+            const double a = f->aperture1[j * (g->n1 + 1) + i], x2 = grid_x2(g, j);
+            if (x2 > low - 1e-9 && x2 < high + 1e-9)
+                open += a * g->d2;
+            else
+                assert_true(a == 1.0);
+        }
+        assert_near(open, width, exact);
+    }
+    velocity_field_destroy(f);
+    scene_fini(s);
+}
+
+// Guides cost width along their whole lane, wherever they lie in their cells, and nothing of what is beside it.
+static void a_lane_is_narrower_by_what_its_guides_cost(void **state)
+{
+    const frictions rough = { 0.45, 0.4, 0.4, 1.0 };
+
+    (void)state;
+    for (size_t k = 0; tips[k] < 0.5; k++)
+        for (int n = 1; n <= 2; n++) {
+            const double at = tips[k], sine = sin(60.0 * degree), to = n == 1 ? 1.0 : 1.0 - at;
+            const double side = lane_side(sine, n, &rough, (to - at) / n);
+            const vec2 path[] = { { 1.0 - at / tan(60.0 * degree), 0.0 },
+                                  { 1.0, at },
+                                  { 1.6, at } };
+            const vec2 other[] = { { path[0].x, 1.0 }, { 1.0, 1.0 - at }, { 1.6, 1.0 - at } };
+            scene s;
+            make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+            s.micro.contact[SCENE_CARGO_CARGO].friction = rough.cargo;
+            s.micro.contact[SCENE_HANDLING_CARGO].friction = rough.handling;
+            s.micro.wall_friction = rough.wall;
+            helper_scene_add_obstacle(&s, path, 3, SCENE_WALL);
+            if (n == 2)
+                helper_scene_add_obstacle(&s, other, 3, SCENE_WALL);
+            assert_true(side > 0.005);
+            check_lane(&s, at, to, to - at - n * side);
+        }
+}
+
 static void a_free_plate_goes_on_at_both_ends(void **state)
 {
     (void)state;
@@ -519,6 +582,7 @@ int main(void)
         cmocka_unit_test(a_finer_grid_gives_the_same_width),
         cmocka_unit_test(a_belt_that_moves_back_or_across_has_the_same_extensions),
         cmocka_unit_test(a_funnel_loses_an_extension_on_each_side),
+        cmocka_unit_test(a_lane_is_narrower_by_what_its_guides_cost),
         cmocka_unit_test(a_free_plate_goes_on_at_both_ends),
         cmocka_unit_test(only_the_last_piece_of_a_bent_plate_counts),
         cmocka_unit_test(an_end_at_a_wall_or_at_another_plate_has_no_extension),
