@@ -261,6 +261,26 @@ static void a_side_is_read_from_a_summary(void **unused)
     buffer_fini(&other);
 }
 
+// A summary that there is no memory to read is no damaged one.
+static void out_of_memory_is_said_of_a_summary_wherever_it_runs_out(void **unused)
+{
+    bf_buffer text = document_quote(SUMMARY("micro", "'cell_m': 0.01", ""));
+    static compare_flows flows;
+    size_t n_faults = 1;
+    compare_side side;
+
+    (void)unused;
+    for (size_t n = 1; n_faults > 0; n++) {
+        memory_plan_fault(n, 0);
+        const bf_status status =
+            compare_verdict_side_of_summary(text.bytes, text.n, &side, &flows, NULL);
+        n_faults = memory_faults();
+        memory_plan_fault(0, 0);
+        assert_int_equal(status, n_faults > 0 ? BF_ENOMEM : BF_OK);
+    }
+    buffer_fini(&text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -273,6 +293,7 @@ int main(void)
         cmocka_unit_test(of_many_flows_that_differ_three_are_named),
         cmocka_unit_test(models_are_not_compared_while_the_belt_fills),
         cmocka_unit_test(a_side_is_read_from_a_summary),
+        cmocka_unit_test(out_of_memory_is_said_of_a_summary_wherever_it_runs_out),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
