@@ -22,6 +22,7 @@ static const double fitted_cargo = 0.15;    // mu_c at which friction adds nothi
 static const double fitted_handling = 0.19; // mu_h, same
 static const double arch_length = 10.0;     // s of aperture.h, times e r
 static const double arch_slope = 2.5;       // times cos^2(theta)
+static const double arch_slope_most = 0.5;  // of cos^2(theta), its value at 45 degrees
 static const double acceleration = 0.9;     // of v_T^2/(mu_b g) by the width of the outlet
 static const double shallow = 4.0;          // times sin(theta): w of aperture.h
 static const double most_of_way = 0.9;      // that an extension takes
@@ -133,7 +134,8 @@ static double fraction_without_arches(const scene *s, double span, double sine)
 {
     const double friction = s->micro.contact[SCENE_CARGO_CARGO].friction;
     const double length = arch_length * aperture_radius(s) * mix_angularity(s) *
-                          sqrt(friction / fitted_cargo) * (1.0 + arch_slope * (1.0 - sine * sine));
+                          sqrt(friction / fitted_cargo) *
+                          (1.0 + arch_slope * fmin(1.0 - sine * sine, arch_slope_most));
 
     return length > 0.0 ? -expm1(-span / length) : 1.0;
 }

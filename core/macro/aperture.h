@@ -5,7 +5,7 @@
 /// brought to the belt's speed again. So the outlet is as if the plate went on across the belt by
 ///
 ///     delta = w (l - o/sqrt(1 + 0.9 v_T^2/(mu_b g o) sqrt(2 r/o)))
-///     o = m (1 - exp(-n m/s))     s = 10 r e sqrt(mu_c/0.15) (1 + 2.5 cos^2(theta))
+///     o = m (1 - exp(-n m/s))     s = 10 r e sqrt(mu_c/0.15) (1 + 2.5 min(cos^2(theta), 0.5))
 ///     m = l - r (1.2 sin^2(theta) + 2 a + 0.4 b)
 ///           - r (0.9 sin^2(theta) + 0.7 a + 0.4 b)      if a wall, a guide or a plate's side is opposite, not another plate's end
 ///     a = sqrt(mu_c) - sqrt(0.15)     b = sqrt(mu_h) - sqrt(0.19)     w = min(1, 4 sin(theta))
