@@ -39,16 +39,16 @@ typedef struct plate_end {
 
 // What is opposite of a plate's end across the belt.
 typedef enum opposite_kind {
-    OPPOSITE_NOTHING, // the border of the domain
-    OPPOSITE_SIDE,    // a wall, a guide, the side of a plate
+    OPPOSITE_NOTHING, // an open border of the domain
+    OPPOSITE_WALL,    // of the domain
+    OPPOSITE_SIDE,    // a guide, the side of a plate
     OPPOSITE_END,     // of another plate
 } opposite_kind;
 
 typedef struct opposite {
     opposite_kind kind;
     double way;      // to it, m
-    double friction; // mu_h of an OPPOSITE_SIDE
-    bool is_border;  // of the domain
+    double friction; // mu_h of an OPPOSITE_WALL or OPPOSITE_SIDE
 } opposite;
 
 double aperture_radius(const scene *s)
@@ -89,7 +89,7 @@ static opposite find_opposite(const scene *s, const surroundings *around, size_t
 {
     const double handling = s->micro.contact[SCENE_HANDLING_CARGO].friction;
     const scene_rect *d = &s->domain;
-    opposite found = { OPPOSITE_NOTHING, d->x_max - d->x_min + d->y_max - d->y_min, 0.0, true };
+    opposite found = { OPPOSITE_NOTHING, d->x_max - d->x_min + d->y_max - d->y_min, 0.0 };
 
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
         const vec2 inward = surroundings_side(around, (scene_side)side).inward;
@@ -97,15 +97,15 @@ static opposite find_opposite(const scene *s, const surroundings *around, size_t
             surroundings_excess(around, (scene_side)side, tip) / vec2_dot(toward, inward);
         if (way > 0.0 && way < found.way)
             found =
-                (opposite){ s->edges[side] == SCENE_EDGE_WALL ? OPPOSITE_SIDE : OPPOSITE_NOTHING,
-                            way, s->micro.wall_friction, true };
+                (opposite){ s->edges[side] == SCENE_EDGE_WALL ? OPPOSITE_WALL : OPPOSITE_NOTHING,
+                            way, s->micro.wall_friction };
     }
     for (size_t k = 0; k < s->n_obstacles; k++) {
         const scene_obstacle *o = &s->obstacles[k];
         for (size_t m = 0; k != obstacle && m + 1 < o->n_points; m++) {
             const double way = way_to_segment(tip, toward, o->path[m], o->path[m + 1]);
             if (way < found.way)
-                found = (opposite){ OPPOSITE_SIDE, way, handling, false };
+                found = (opposite){ OPPOSITE_SIDE, way, handling };
         }
     }
     for (size_t k = 0; k < s->n_obstacles; k++) {
@@ -115,7 +115,7 @@ static opposite find_opposite(const scene *s, const surroundings *around, size_t
             const vec2 to = vec2_sub(ends[end], tip);
             const double way = vec2_dot(to, toward);
             if (way > M_SQRT1_2 * vec2_length(to) && way <= found.way + SCENE_LENGTH_MIN)
-                found = (opposite){ OPPOSITE_END, way, 0.0, false };
+                found = (opposite){ OPPOSITE_END, way, 0.0 };
         }
     }
     return found;
@@ -157,16 +157,19 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
     const double handling = parts->contact[SCENE_HANDLING_CARGO].friction;
     const double drive = belt_slope_drive(&around->belts[under], conveyor);
     const double stopping = speed * speed / (drive * parts->gravity);
-    double radii = cost_of(e->is_bend ? &lane_law : &end_law, sine, s, handling);
+    const bool is_beside = other.kind == OPPOSITE_WALL || other.kind == OPPOSITE_SIDE;
+    double radii = 0.0;
 
     if (e->is_bend && other.kind == OPPOSITE_NOTHING)
         return (vec2){ 0.0, 0.0 };
-    if (e->is_bend && other.is_border)
-        radii += cost_of(&lane_law, 0.0, s, other.friction);
-    else if (!e->is_bend && other.kind == OPPOSITE_SIDE)
-        radii += cost_of(&wall_law, sine, s, other.friction);
+    if (e->is_bend)
+        radii = cost_of(&lane_law, sine, s, handling) +
+                (other.kind == OPPOSITE_WALL ? cost_of(&lane_law, 0.0, s, other.friction) : 0.0);
+    else
+        radii = cost_of(&end_law, sine, s, handling) +
+                (is_beside ? cost_of(&wall_law, sine, s, other.friction) : 0.0);
     // Of two ends, and of two guides, each has its half of the outlet.
-    const bool is_half = other.kind == OPPOSITE_END || (e->is_bend && !other.is_border);
+    const bool is_half = other.kind == OPPOSITE_END || (e->is_bend && other.kind == OPPOSITE_SIDE);
     const double ends = is_half ? 2.0 : 1.0, way = other.way / ends;
     const double radius = aperture_radius(s), wide = fmax(way - radii * radius, 0.0);
     // An arch stands on both sides of an outlet.
@@ -308,7 +311,7 @@ static bool is_mouth(const scene_obstacle *obstacle, size_t last, size_t before,
     const double of_go = vec2_length(belt) * vec2_length(go);
     const double of_come = vec2_length(belt) * vec2_length(come);
 
-    return go.x * go.y == 0.0 && vec2_dot(go, belt) > 0.0 &&
+    return fmin(fabs(go.x), fabs(go.y)) <= SCENE_LENGTH_MIN && vec2_dot(go, belt) > 0.0 &&
            fabs(vec2_cross(belt, go)) <= along_belt * of_go &&
            fabs(vec2_cross(belt, come)) > least_bend * of_come &&
            vec2_dot(come, belt) >= -along_belt * of_come;
