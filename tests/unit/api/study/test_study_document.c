@@ -541,18 +541,20 @@ static void a_demand_that_chance_leaves_open_is_not_told_as_met(void **state)
     study_document_fini(&d);
 }
 
+// Three angles, of which two are confirmed.
+static study_document read_screening(void)
+{
+    return read_good(
+        FED("", "{'pointer': '/obstacles/0/angle_deg', 'range': [60, 80], 'steps': 3}", THROUGHPUT,
+            "'type': 'screen', 'sweep': 'grid', 'confirm': 2, 'indifference': 50", ""));
+}
+
 // Two points that differ by 1 with a spread of 1 that both have: a screening of 50 is decided after its first round, and more
 // runs are no advice.
 static void a_screening_that_is_decided_asks_for_no_more_runs(void **state)
 {
     (void)state;
-    study_document d = read_good(FED("",
-                                     "{'pointer': '/obstacles/0/angle_deg', 'range': [60, 80], "
-                                     "'steps': 3}",
-                                     THROUGHPUT,
-                                     "'type': 'screen', 'sweep': 'grid', 'confirm': 2, "
-                                     "'indifference': 50",
-                                     ""));
+    study_document d = read_screening();
     study *s = begin_study(&d);
     bf_buffer out = { 0 };
     for (size_t k = 0; k < 3; k++)
@@ -710,13 +712,7 @@ static void objectives_without_anything_to_tell_apart_say_so(void **state)
 static void a_screening_says_what_was_compared(void **state)
 {
     (void)state;
-    study_document d = read_good(FED("",
-                                     "{'pointer': '/obstacles/0/angle_deg', 'range': [60, 80], "
-                                     "'steps': 3}",
-                                     THROUGHPUT,
-                                     "'type': 'screen', 'sweep': 'grid', 'confirm': 2, "
-                                     "'indifference': 50",
-                                     ""));
+    study_document d = read_screening();
     study *s = begin_study(&d);
     for (size_t k = 0; k < 3; k++)
         study_tell(s, k, (const double[]){ 1100.0 - 50.0 * (double)k, 3.0 });

@@ -196,23 +196,31 @@ static void a_study_without_values_chooses_nothing(void **state)
     study_destroy(s);
 }
 
+// A screening of the grid whose sweep is over: point k has the value k.
+static study *swept(size_t n_confirmed, double indifference)
+{
+    study_definition d = grid;
+    study *s = NULL;
+
+    d.method = STUDY_SCREEN;
+    d.sweep = STUDY_GRID;
+    d.n_confirmed = n_confirmed;
+    d.indifference = indifference;
+    assert_int_equal(study_create(&d, &s, NULL), BF_OK);
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    for (size_t k = 0; k < POINTS; k++)
+        study_tell(s, k, (const double[]){ (double)k, 1.0 });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    return s;
+}
+
 // Between the rounds of a screening the best point of the sweep is named, then one of the microscopic model; without chance
 // each of these is solved once, and that decides.
 static void screening_has_a_best_point_between_its_rounds(void **state)
 {
     (void)state;
     bool is_in[POINTS + 2];
-    study_definition d = grid;
-    d.method = STUDY_SCREEN;
-    d.sweep = STUDY_GRID;
-    d.n_confirmed = 2;
-    d.indifference = 0.1;
-    study *s = NULL;
-    assert_int_equal(study_create(&d, &s, NULL), BF_OK);
-    assert_int_equal(study_advance(s, NULL), BF_OK);
-    for (size_t k = 0; k < POINTS; k++)
-        study_tell(s, k, (const double[]){ (double)k, 1.0 });
-    assert_int_equal(study_advance(s, NULL), BF_OK);
+    study *s = swept(2, 0.1);
     assert_int_equal(study_points(s), POINTS + 2);
     assert_int_equal(study_best(s), POINTS - 1);
     const study_choice c = choose(s, is_in);
@@ -234,17 +242,7 @@ static void of_confirmed_points_that_are_equal_the_second_value_chooses(void **s
     (void)state;
     static const double confirmed[][2] = { { 99.9, 3.8 }, { 99.8, 3.5 }, { 100.0, 6.1 } };
     bool is_in[POINTS + 3];
-    study_definition d = grid;
-    d.method = STUDY_SCREEN;
-    d.sweep = STUDY_GRID;
-    d.n_confirmed = 3;
-    d.indifference = 0.5;
-    study *s = NULL;
-    assert_int_equal(study_create(&d, &s, NULL), BF_OK);
-    assert_int_equal(study_advance(s, NULL), BF_OK);
-    for (size_t k = 0; k < POINTS; k++)
-        study_tell(s, k, (const double[]){ (double)k, 1.0 });
-    assert_int_equal(study_advance(s, NULL), BF_OK);
+    study *s = swept(3, 0.5);
     for (size_t k = 0; k < 3; k++)
         study_tell(s, POINTS + k, confirmed[k]);
     assert_int_equal(study_advance(s, NULL), BF_OK);
