@@ -35,8 +35,9 @@ static void copy_velocities(const macro_solver *s, int axis, const double *v, co
         congested_range differ = { n_columns, 0 };
         for (ptrdiff_t i = 0; i < n_columns; i++) {
             const size_t at = (size_t)(j * n_columns + i);
-            const double open = c->aperture[axis][at];
-            c->slide[axis][at] = open * v[at];
+            const double open = c->aperture[axis][at], slide = open * v[at];
+            c->is_stale[axis][j] |= slide != c->slide[axis][at];
+            c->slide[axis][at] = slide;
             c->loose[axis][at] = open * (loose != NULL ? loose : v)[at];
             if (c->loose[axis][at] == c->slide[axis][at])
                 continue;
@@ -47,19 +48,32 @@ static void copy_velocities(const macro_solver *s, int axis, const double *v, co
     }
 }
 
+// Copies a row; true if it was another one.
+static bool copy_row(void *to, const void *from, size_t n_bytes)
+{
+    const bool is_new = memcmp(to, from, n_bytes) != 0;
+
+    memcpy(to, from, n_bytes);
+    return is_new;
+}
+
 static void copy_faces(const macro_solver *s, const macro_def *def)
 {
     const congested *c = s->congested;
-    const bf_grid *g = &s->def.grid;
-    const size_t n[2] = { (g->n1 + 1) * g->n2, g->n1 * (g->n2 + 1) };
     const double *aperture[2] = { def->aperture1, def->aperture2 };
     const double *transverse[2] = { def->transverse1, def->transverse2 };
     const uint16_t *belt[2] = { def->belt1, def->belt2 };
 
     for (int axis = 0; axis < 2; axis++) {
-        memcpy(c->aperture[axis], aperture[axis], n[axis] * sizeof *c->aperture[axis]);
-        memcpy(c->transverse[axis], transverse[axis], n[axis] * sizeof *c->transverse[axis]);
-        memcpy(c->belt[axis], belt[axis], n[axis] * sizeof *c->belt[axis]);
+        const size_t n = (size_t)(s->n1 + (axis == 0));
+        for (size_t j = 0; j < (size_t)(s->n2 + axis); j++) {
+            const size_t at = j * n;
+            bool *is_stale = &c->is_stale[axis][j];
+            *is_stale |= copy_row(c->aperture[axis] + at, aperture[axis] + at, n * sizeof(double));
+            *is_stale |=
+                copy_row(c->transverse[axis] + at, transverse[axis] + at, n * sizeof(double));
+            *is_stale |= copy_row(c->belt[axis] + at, belt[axis] + at, n * sizeof(uint16_t));
+        }
     }
     copy_velocities(s, 0, def->v1, def->loose1);
     copy_velocities(s, 1, def->v2, def->loose2);
@@ -109,8 +123,10 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
         c->slide[axis] = memory_alloc(n[axis], sizeof *c->slide[axis]);
         c->loose[axis] = memory_alloc(n[axis], sizeof *c->loose[axis]);
         c->sliding[axis] = memory_alloc(g->n2 + 1, sizeof *c->sliding[axis]);
+        c->is_stale[axis] = memory_alloc(g->n2 + 1, sizeof *c->is_stale[axis]);
         if (c->aperture[axis] == NULL || c->transverse[axis] == NULL || c->belt[axis] == NULL ||
-            c->slide[axis] == NULL || c->loose[axis] == NULL || c->sliding[axis] == NULL)
+            c->slide[axis] == NULL || c->loose[axis] == NULL || c->sliding[axis] == NULL ||
+            c->is_stale[axis] == NULL)
             return false;
     }
     c->belts = memory_alloc(def->n_belts + 1, sizeof *c->belts);
@@ -118,12 +134,12 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
     c->fastest = memory_alloc(def->n_belts + 1, sizeof *c->fastest);
     c->slope_ratio = memory_alloc(def->n_belts + 1, sizeof *c->slope_ratio);
     c->onto = memory_alloc(def->n_belts + 1, sizeof *c->onto);
-    c->chi = memory_alloc(def->n_belts + 1, sizeof *c->chi);
+    c->drives = memory_alloc(def->n_belts + 1, sizeof *c->drives);
     if (c->belts == NULL || c->lateral == NULL || c->fastest == NULL || c->slope_ratio == NULL ||
-        c->onto == NULL || c->chi == NULL)
+        c->onto == NULL || c->drives == NULL)
         return false;
     for (size_t k = 0; k <= def->n_belts; k++)
-        c->chi[k] = 1.0;
+        c->drives[k] = (congested_drives){ 1.0, 1.0, 1.0, 0.0 };
     for (size_t k = 0; k < def->n_belts; k++) {
         c->belts[k] = (scene_belt){ .velocity = def->belts[k].velocity,
                                     .turn = def->belts[k].turn,
@@ -245,7 +261,8 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
         return BF_ENOMEM;
     }
     *ret_congested = s->congested = c;
-    congested_set_faces(s, def);
+    copy_faces(s, def);
+    congested_update(s, true);
     congested_reset(s);
     return BF_OK;
 }
@@ -259,7 +276,7 @@ static void limit_pressures(const macro_solver *s, congested *c)
 
     for (size_t k = 0; k < c->n_belts; k++) {
         fastest = fmax(fastest, fmax(s->factors[k], 1.0) * c->fastest[k]);
-        steepest = fmax(steepest, congested__drives(c, k).slower);
+        steepest = fmax(steepest, c->drives[k].slower);
     }
     const float most = (float)(c->jam_density * fastest * steepest * (double)(s->n1 + s->n2));
     for (int colour = 0; colour < 2; colour++)
@@ -274,7 +291,7 @@ void congested_set_faces(macro_solver *s, const macro_def *def)
 {
     limit_pressures(s, s->congested);
     copy_faces(s, def);
-    congested_update(s);
+    congested_update(s, false);
 }
 
 congested *congested_destroy(congested *c)
@@ -288,13 +305,14 @@ congested *congested_destroy(congested *c)
         memory_free(c->slide[axis]);
         memory_free(c->loose[axis]);
         memory_free(c->sliding[axis]);
+        memory_free(c->is_stale[axis]);
     }
     memory_free(c->belts);
     memory_free(c->lateral);
     memory_free(c->fastest);
     memory_free(c->slope_ratio);
     memory_free(c->onto);
-    memory_free(c->chi);
+    memory_free(c->drives);
     memory_free(c->storage);
     memory_free(c->is_uniform);
     memory_free(c->range);

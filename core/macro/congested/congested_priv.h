@@ -135,6 +135,12 @@ typedef struct congested_kernels {
     void (*make_coupling)(const macro_solver *s, const congested *c, ptrdiff_t row);
 } congested_kernels;
 
+/// What a belt drives cargo by, of what a level one does, times chi of congested.h; and tanh(lambda v_T/2) if it does not turn.
+typedef struct congested_drives {
+    double slower, faster, across; ///< cos(alpha) times 1 - tau, 1 + tau, 1
+    double grip;                   ///< of internal friction
+} congested_drives;
+
 /// The closure's state and what it precomputes.
 struct congested {
     congested_kernels kernels; ///< of this processor
@@ -148,23 +154,25 @@ struct congested {
     double *slide[2]; ///< v_stat across these faces times the aperture, at the factor 1, m/s
     double *loose[2]; ///< same for loose cargo, v_T in slide zones
     congested_range *sliding[2]; ///< per row: its faces from first to last where they differ
+    bool *is_stale[2];           ///< per row: its faces have changed, and their laws have not
     uint16_t *belt[2];           ///< belt under these faces
     size_t n_belts;              ///< belts
     scene_belt *belts;   ///< each, without corners and schedule, and one at rest off every belt
     double *fastest;     ///< largest speed on each of them at the factor 1, m/s
     double *lateral;     ///< most speed of cargo across each of them, m/s
     double *slope_ratio; ///< tau of each of them (core/scene/belt_slope.h)
-    double *onto, *chi;  ///< speed of each across one that it runs onto, at the factor 1; chi now
-    uint8_t closed_edge[4]; ///< west, east, south, north: nothing is corrected across it
-    ptrdiff_t half_stride;  ///< floats from half row to half row
-    float *storage;         ///< of all half rows
-    float *pressure[2];     ///< p/dx1 of red and black cells, m/s: a difference is -dp/dx1
-    float *excess[2];       ///< rho* - C of them
+    double *onto;        ///< speed of each across one that it runs onto, at the factor 1, m/s
+    congested_drives *drives; ///< of each now
+    uint8_t closed_edge[4];   ///< west, east, south, north: nothing is corrected across it
+    ptrdiff_t half_stride;    ///< floats from half row to half row
+    float *storage;           ///< of all half rows
+    float *pressure[2];       ///< p/dx1 of red and black cells, m/s: a difference is -dp/dx1
+    float *excess[2];         ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
     congested_uniform uniform;          ///< of a forward solver
-    bool *is_uniform;              ///< per row, colour and group: all faces have the law `uniform`
-    congested_range *range;        ///< per row: the active cells of this step
-    congested_range *found;        ///< per row: those that the row itself asks for
+    bool *is_uniform; ///< per row, colour and group: all faces have the law `uniform`
+    congested_range *range,
+        *found; ///< per row: the active cells of this step; those that the row itself asks for
     ptrdiff_t first_row, last_row; ///< first row with active cells, and the one after the last
     double density_limit;          ///< density at which the run fails
     float ratio, steepness;        ///< dx1/dx2, and its square, by which pressures count along x2
@@ -176,15 +184,6 @@ struct congested {
     double *stage_storage; ///< of all rows below (muscl; else NULL)
     congested_rows *rows;  ///< of each thread (muscl; else NULL)
 };
-
-/// What a belt drives cargo by that is slower and faster than it, and what it takes across it, of what a level belt does.
-typedef struct congested_drives {
-    double slower; ///< cos(alpha) (1 - tau)
-    double faster; ///< cos(alpha) (1 + tau)
-    double across; ///< cos(alpha)
-} congested_drives;
-
-congested_drives congested__drives(const congested *c, size_t belt);
 
 /// Row j of half rows; cell k is element k.
 static inline float *congested__row(const congested *c, float *rows, ptrdiff_t j)

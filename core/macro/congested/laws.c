@@ -3,6 +3,7 @@
 #include "core/macro/congested/congested_priv.h"
 
 #include <math.h>
+#include <string.h>
 
 // Fitted to the microscopic model; README.md.
 static const double forward_slope = 0.07;
@@ -10,11 +11,17 @@ static const double forward_most = 0.3;
 static const double lateral_most = 0.555;
 static const double friction = 0.46;
 
-congested_drives congested__drives(const congested *c, size_t belt)
+// What bears of the friction of cargo that is held back on a belt of this speed.
+static double grip_of(const congested *c, double speed)
 {
-    const double level = c->chi[belt] * cos(c->belts[belt].incline), tau = c->slope_ratio[belt];
+    return tanh(0.5 * c->slip_rate * speed);
+}
 
-    return (congested_drives){ level * (1.0 - tau), level * (1.0 + tau), level };
+static congested_drives drives_of(const congested *c, size_t belt, double speed, double chi)
+{
+    const double level = chi * cos(c->belts[belt].incline), tau = c->slope_ratio[belt];
+
+    return (congested_drives){ level * (1.0 - tau), level * (1.0 + tau), level, grip_of(c, speed) };
 }
 
 // The belt's speed and v_stat at a face in the directions of the face: e its normal, t the left of e.
@@ -26,7 +33,8 @@ typedef struct face_state {
     double lateral; // most across the belt, either way
     double stat_e;  // v_stat
     double stat_t;
-    congested_drives drives; // of the belt
+    double grip;                    // grip_of() the belt's speed
+    const congested_drives *drives; // of the belt
 } face_state;
 
 // Elements of the half rows that belong to a face.
@@ -55,11 +63,10 @@ static void set_across(const congested *c, const face_slot *f, const face_state 
     f->law->upper[f->at] = (float)(open * fmax(0.0, most - c->jam_density * lateral));
     f->law->full_slip[f->at] = (float)(c->jam_density * speed);
     // What is held back bears on its neighbours by what the belt drives it by, and gives way by its friction across.
-    const double bearing = x->drives.slower / x->drives.across;
-    f->law->gain[f->at] =
-        (float)(x->scale * 0.25 * friction * bearing * tanh(0.5 * c->slip_rate * speed));
+    const double bearing = x->drives->slower / x->drives->across;
+    f->law->gain[f->at] = (float)(x->scale * 0.25 * friction * bearing * x->grip);
     if (c->has_drives)
-        f->law->sideways[f->at] = (float)(1.0 / x->drives.across);
+        f->law->sideways[f->at] = (float)(1.0 / x->drives->across);
 }
 
 static void set_along(const congested *c, const face_slot *f, const face_state *x, double speed,
@@ -67,8 +74,8 @@ static void set_along(const congested *c, const face_slot *f, const face_state *
 {
     const double open = x->scale * x->aperture;
     const double free = open * fmax(0.0, c->jam_density * (speed - forward));
-    const double inner = 1.0 / x->drives.slower;
-    const double slope = fmin(inner, forward_slope / (c->slip_rate * speed * x->drives.faster));
+    const double inner = 1.0 / x->drives->slower;
+    const double slope = fmin(inner, forward_slope / (c->slip_rate * speed * x->drives->faster));
 
     f->law->slope[f->at] = (float)slope;
     f->law->offset[f->at] = (float)((1.0 - slope / inner) * free);
@@ -130,7 +137,7 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
     const ptrdiff_t n_columns = s->n1 + (axis == 0), n_rows = s->n2 + axis;
 
     for (ptrdiff_t j = 0; j < n_rows; j++) {
-        for (ptrdiff_t i = 0; i < n_columns; i++) {
+        for (ptrdiff_t i = 0; c->is_stale[axis][j] && i < n_columns; i++) {
             const size_t at = (size_t)(j * n_columns + i);
             const size_t belt = c->belt[axis][at];
             const double factor = s->factors[belt], aperture = c->aperture[axis][at];
@@ -146,10 +153,12 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
                 .lateral = under->turn == 0.0 ? c->lateral[belt] : lateral_most * vec2_length(v_t),
                 .stat_e = aperture > 0.0 ? factor * c->slide[axis][at] / aperture : 0.0,
                 .stat_t = (axis == 0 ? 1.0 : -1.0) * factor * c->transverse[axis][at],
-                .drives = congested__drives(c, belt)
+                .grip = under->turn == 0.0 ? c->drives[belt].grip : grip_of(c, vec2_length(v_t)),
+                .drives = &c->drives[belt]
             };
             set_face(c, &f, &x);
         }
+        c->is_stale[axis][j] = false;
     }
 }
 
@@ -158,7 +167,7 @@ static double steepness_of(const macro_solver *s, const congested *c, int axis, 
                            ptrdiff_t j)
 {
     const size_t belt = c->belt[axis][(size_t)(j * (s->n1 + (axis == 0)) + i)];
-    const congested_drives drives = congested__drives(c, belt);
+    const congested_drives drives = c->drives[belt];
     const vec2 v = belt_velocity(&c->belts[belt], place_of(&s->def.grid, axis, i, j));
     const double speed = vec2_length(v);
     const double cosine = speed > 0.0 ? (axis == 0 ? v.x : v.y) / speed : 1.0;
@@ -199,7 +208,8 @@ static void set_uniform(const macro_solver *s, congested *c)
                      .belt_e = speed,
                      .lateral = c->lateral[0],
                      .stat_e = speed,
-                     .drives = congested__drives(c, 0) };
+                     .grip = c->drives[0].grip,
+                     .drives = &c->drives[0] };
 
     set_face(c, &slot, &x);
     if (speed == 0.0)
@@ -252,21 +262,30 @@ static double most_across(const macro_solver *s, const congested *c, size_t belt
     return most;
 }
 
-void congested_update(macro_solver *s)
+// What belts do at their present speeds.
+static void set_belts(const macro_solver *s, congested *c)
 {
-    congested *c = s->congested;
-
     c->has_standing = c->has_moving = false;
     for (size_t k = 0; k < c->n_belts; k++) {
-        const bool is_standing = s->factors[k] * vec2_length(c->belts[k].velocity) == 0.0;
+        const double speed = s->factors[k] * vec2_length(c->belts[k].velocity);
+        const bool is_standing = speed == 0.0;
         c->has_standing |= is_standing;
         c->has_moving |= !is_standing;
         c->lateral[k] = most_across(s, c, k);
         // Cargo that is held back slips little on its own belt, where friction is lambda |slip|, and fast across one that it is
         // pushed onto, where it is tanh(lambda |slip|); the laws are linear.
         const double slip = c->slip_rate * s->factors[k] * c->onto[k];
-        c->chi[k] = slip > 0.0 ? slip / tanh(slip) : 1.0;
+        c->drives[k] = drives_of(c, k, speed, slip > 0.0 ? slip / tanh(slip) : 1.0);
     }
+}
+
+void congested_update(macro_solver *s, bool have_changed)
+{
+    congested *c = s->congested;
+
+    for (int axis = 0; have_changed && axis < 2; axis++)
+        memset(c->is_stale[axis], true, (size_t)(s->n2 + axis) * sizeof *c->is_stale[axis]);
+    set_belts(s, c);
     set_axis(s, c, 0);
     set_axis(s, c, 1);
     if (c->has_drives)
