@@ -172,18 +172,6 @@ bf_status compare_figures_of(const compare_curve *curve, compare_figures *ret_fi
     return BF_OK;
 }
 
-static void measure_sides(const compare_curve *a, const compare_curve *b, compare_measures *m)
-{
-    m->drain_time_a = drain_time(a);
-    m->drain_time_b = drain_time(b);
-    m->drain_gap = m->drain_time_b - m->drain_time_a;
-    m->rate_a = mean_rate(a, m->t_start, m->t_end);
-    m->rate_b = mean_rate(b, m->t_start, m->t_end);
-    m->throughput_a = measure_passage(a, m->t_start, m->t_end).throughput;
-    m->throughput_b = measure_passage(b, m->t_start, m->t_end).throughput;
-    m->throughput_gap = m->throughput_b - m->throughput_a;
-}
-
 bf_status compare_curves(const compare_curve *a, const compare_curve *b,
                          compare_measures *ret_measures, bf_error *err)
 {
@@ -200,7 +188,14 @@ bf_status compare_curves(const compare_curve *a, const compare_curve *b,
                        "and %.9g s to %.9g s",
                        a->t[0], a->t[a->n - 1], b->t[0], b->t[b->n - 1]);
     measure_gap((cursor){ .curve = a }, (cursor){ .curve = b }, &m);
-    measure_sides(a, b, &m);
+    m.drain_time_a = drain_time(a);
+    m.drain_time_b = drain_time(b);
+    m.drain_gap = m.drain_time_b - m.drain_time_a;
+    m.rate_a = mean_rate(a, m.t_start, m.t_end);
+    m.rate_b = mean_rate(b, m.t_start, m.t_end);
+    m.throughput_a = measure_passage(a, m.t_start, m.t_end).throughput;
+    m.throughput_b = measure_passage(b, m.t_start, m.t_end).throughput;
+    m.throughput_gap = m.throughput_b - m.throughput_a;
     *ret_measures = m;
     return BF_OK;
 }
@@ -260,18 +255,6 @@ static double carry(const double *a, double mass_a, const double *b, double mass
     return sum;
 }
 
-static void compare_cells(const float *a, const float *b, size_t n, compare_distance *d)
-{
-    double gaps = 0.0, all = 0.0;
-
-    for (size_t k = 0; k < n; k++) {
-        gaps += fabs((double)a[k] - (double)b[k]);
-        all += fabs((double)a[k]) + fabs((double)b[k]);
-    }
-    d->mean_abs = gaps / (double)n;
-    d->l1 = all > 0.0 ? gaps / all : (double)NAN;
-}
-
 bf_status compare_densities(const bf_grid *grid, const float *a, const float *b,
                             compare_distance *ret_distance, bf_error *err)
 {
@@ -285,7 +268,14 @@ bf_status compare_densities(const bf_grid *grid, const float *a, const float *b,
     marginals of_b = { .x = sums + n1 + n2, .y = sums + 2 * n1 + n2 };
     gather(grid, a, &of_a);
     gather(grid, b, &of_b);
-    compare_cells(a, b, grid_cells(grid), &d);
+    const size_t n = grid_cells(grid);
+    double gaps = 0.0, all = 0.0;
+    for (size_t k = 0; k < n; k++) {
+        gaps += fabs((double)a[k] - (double)b[k]);
+        all += fabs((double)a[k]) + fabs((double)b[k]);
+    }
+    d.mean_abs = gaps / (double)n;
+    d.l1 = all > 0.0 ? gaps / all : (double)NAN;
     d.emd_x = carry(of_a.x, of_a.mass, of_b.x, of_b.mass, n1, grid->d1);
     d.emd_y = carry(of_a.y, of_a.mass, of_b.y, of_b.mass, n2, grid->d2);
     memory_free(sums);

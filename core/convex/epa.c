@@ -202,14 +202,6 @@ static bool fill_up(polytope *p)
     return true;
 }
 
-static void take_simplex(polytope *p, const gjk__simplex *start)
-{
-    p->n_points = 0;
-    for (int k = 0; k < start->n; k++)
-        if (p->n_points == 0 || measure_off(p, start->point[k].at) > 1e3 * ROUNDING * p->size)
-            p->point[p->n_points++] = start->point[k];
-}
-
 static void make_tetrahedron(polytope *p)
 {
     static const int corners[4][3] = { { 0, 1, 2 }, { 0, 3, 1 }, { 1, 3, 2 }, { 0, 2, 3 } };
@@ -297,7 +289,10 @@ gjk_result epa__penetrate(const gjk_pair *pair, const gjk__simplex *start, vec3 
 
     p.pair = pair;
     p.size = minkowski__size(pair);
-    take_simplex(&p, start);
+    p.n_points = 0;
+    for (int k = 0; k < start->n; k++)
+        if (p.n_points == 0 || measure_off(&p, start->point[k].at) > 1e3 * ROUNDING * p.size)
+            p.point[p.n_points++] = start->point[k];
     if (!fill_up(&p))
         return touch_flat(&p, axis);
     make_tetrahedron(&p);

@@ -25,19 +25,6 @@ static bool try_direction(const gjk_pair *pair, vec3 normal, double gain, gjk_re
     return true;
 }
 
-/// The witnesses are the deepest vertex of the other hull and its foot on the face.
-static void try_faces(const gjk_pair *pair, gjk_result *best)
-{
-    for (size_t face = 0; face < pair->a->n_faces; face++)
-        if (try_direction(pair, pair->a->normal[face], 0.0, best))
-            best->on_a = vec3_along(best->on_b, -best->distance, best->normal);
-    for (size_t face = 0; face < pair->b->n_faces; face++) {
-        vec3 inward = vec3_scale(pair->b->normal[face], -1.0);
-        if (try_direction(pair, mat3_apply(&pair->rotation, inward), 0.0, best))
-            best->on_b = vec3_along(best->on_a, best->distance, best->normal);
-    }
-}
-
 static vec3 vertex_of_b(const gjk_pair *pair, size_t k)
 {
     return vec3_add(mat3_apply(&pair->rotation, hull_vertex(pair->b, k)), pair->translation);
@@ -74,7 +61,15 @@ static void try_edges(const gjk_pair *pair, const hull_edge *of_a, const hull_ed
 
 void features__search(const gjk_pair *pair, gjk_result *touch)
 {
-    try_faces(pair, touch);
+    // The witnesses are the deepest vertex of the other hull and its foot on the face.
+    for (size_t face = 0; face < pair->a->n_faces; face++)
+        if (try_direction(pair, pair->a->normal[face], 0.0, touch))
+            touch->on_a = vec3_along(touch->on_b, -touch->distance, touch->normal);
+    for (size_t face = 0; face < pair->b->n_faces; face++) {
+        vec3 inward = vec3_scale(pair->b->normal[face], -1.0);
+        if (try_direction(pair, mat3_apply(&pair->rotation, inward), 0.0, touch))
+            touch->on_b = vec3_along(touch->on_a, touch->distance, touch->normal);
+    }
     for (size_t i = 0; i < pair->a->n_edges; i++)
         for (size_t j = 0; j < pair->b->n_edges; j++)
             try_edges(pair, &pair->a->edge[i], &pair->b->edge[j], touch);

@@ -33,29 +33,19 @@ static void select_one(gjk__simplex *s, int i)
     *s = (gjk__simplex){ 1, { s->point[i] }, { 1.0 } };
 }
 
-static void select_two(gjk__simplex *s, int i, int j, double weight_j)
-{
-    *s = (gjk__simplex){ 2, { s->point[i], s->point[j] }, { 1.0 - weight_j, weight_j } };
-}
-
-static void select_three(gjk__simplex *s, int i, int j, int k, const double *weights)
-{
-    *s = (gjk__simplex){ 3,
-                         { s->point[i], s->point[j], s->point[k] },
-                         { weights[0], weights[1], weights[2] } };
-}
-
 static void reduce_segment(gjk__simplex *s, int i, int j)
 {
     vec3 along = vec3_sub(s->point[j].at, s->point[i].at);
     double length_squared = vec3_dot(along, along), t = -vec3_dot(s->point[i].at, along);
 
-    if (t <= 0.0 || length_squared == 0.0)
+    if (t <= 0.0 || length_squared == 0.0) {
         select_one(s, i);
-    else if (t >= length_squared)
+    } else if (t >= length_squared) {
         select_one(s, j);
-    else
-        select_two(s, i, j, t / length_squared);
+    } else {
+        const double weight_j = t / length_squared;
+        *s = (gjk__simplex){ 2, { s->point[i], s->point[j] }, { 1.0 - weight_j, weight_j } };
+    }
 }
 
 /// Reduce to the part of triangle i, j, k that is nearest to the origin, by the regions around it.
@@ -71,7 +61,9 @@ static void reduce_triangle(gjk__simplex *s, int i, int j, int k)
 
     if (area > 0.0 && u > 0.0 && v > 0.0 && w > 0.0) {
         double sum = u + v + w;
-        select_three(s, i, j, k, (double[]){ u / sum, v / sum, w / sum });
+        *s = (gjk__simplex){ 3,
+                             { s->point[i], s->point[j], s->point[k] },
+                             { u / sum, v / sum, w / sum } };
         return;
     }
     const int sides[3][2] = { { i, j }, { j, k }, { i, k } };

@@ -166,18 +166,6 @@ static bool is_between(const hull *h, size_t k, double tolerance)
     return false;
 }
 
-/// Remove the vertices that are not marked.
-static void compact_vertices(hull *h, const bool *is_kept)
-{
-    double kept[HULL_VERTICES_MAX][3];
-    size_t n = 0;
-
-    for (size_t k = 0; k < h->n_vertices; k++)
-        if (is_kept[k])
-            memcpy(kept[n++], (double[]){ h->x[k], h->y[k], h->z[k] }, sizeof kept[0]);
-    hull_set_points((const double(*)[3])kept, n, h);
-}
-
 static void drop_straight(hull *h, double tolerance)
 {
     bool is_kept[HULL_VERTICES_MAX];
@@ -185,8 +173,14 @@ static void drop_straight(hull *h, double tolerance)
     for (size_t k = h->n_vertices; k-- > 0;) {
         for (size_t m = 0; m < h->n_vertices; m++)
             is_kept[m] = m != k || !is_between(h, k, tolerance);
-        if (!is_kept[k])
-            compact_vertices(h, is_kept);
+        if (!is_kept[k]) {
+            double kept[HULL_VERTICES_MAX][3];
+            size_t n_kept = 0;
+            for (size_t m = 0; m < h->n_vertices; m++)
+                if (is_kept[m])
+                    memcpy(kept[n_kept++], (double[]){ h->x[m], h->y[m], h->z[m] }, sizeof kept[0]);
+            hull_set_points((const double(*)[3])kept, n_kept, h);
+        }
     }
 }
 

@@ -66,19 +66,6 @@ static void take_face(const hull *h, size_t face, const mat3 *turn, vec3 shift, 
             vec3_add(mat3_apply(turn, hull_vertex(h, h->corner[k])), shift);
 }
 
-/// Clip by the planes through the sides of a face.
-static void clip_by_sides(const hull *h, size_t face, ring *polygon)
-{
-    size_t first = h->first[face], last = h->first[face + 1];
-
-    for (size_t k = first; k < last && polygon->n > 0; k++) {
-        vec3 start = hull_vertex(h, h->corner[k]);
-        vec3 end = hull_vertex(h, h->corner[k + 1 < last ? k + 1 : first]);
-        vec3 inward = vec3_cross(h->normal[face], vec3_sub(end, start));
-        clip(polygon, inward, vec3_dot(inward, start));
-    }
-}
-
 /// All corners of a polygon as points below a plane, with their weights; normal points out of the
 /// solid. No depth is less than `least`.
 static void weigh_points(const ring *polygon, vec3 normal, double offset, double least,
@@ -161,7 +148,14 @@ static void find_at_face(const hull *h, size_t face, const hull *other, const ma
     if (m->depth <= -near)
         return;
     take_face(other, hull_facing(other, vertex, against), turn, shift, &polygon);
-    clip_by_sides(h, face, &polygon);
+    // Clip by the planes through the sides of a face.
+    size_t first = h->first[face], last = h->first[face + 1];
+    for (size_t k = first; k < last && polygon.n > 0; k++) {
+        vec3 start = hull_vertex(h, h->corner[k]);
+        vec3 end = hull_vertex(h, h->corner[k + 1 < last ? k + 1 : first]);
+        vec3 inward = vec3_cross(h->normal[face], vec3_sub(end, start));
+        clip(&polygon, inward, vec3_dot(inward, start));
+    }
     take_points(&polygon, normal, h->offset[face], near, m);
     m->is_least = m->n > 0 && is_deepest(m, near);
 }
@@ -210,14 +204,6 @@ static void find_at_edges(const gjk_pair *pair, const hull_edge *of_a, const hul
                                     m->depth, CROSSING };
 }
 
-/// Turn a region from b's frame, where its normal points to a, into a's.
-static void turn_over(const gjk_pair *pair, manifold *m)
-{
-    m->normal = mat3_apply(&pair->rotation, vec3_scale(m->normal, -1.0));
-    for (size_t k = 0; k < m->n; k++)
-        m->point[k].at = vec3_add(mat3_apply(&pair->rotation, m->point[k].at), pair->translation);
-}
-
 void manifold_find(const gjk_pair *pair, manifold_feature feature, double near,
                    manifold *ret_manifold)
 {
@@ -229,7 +215,11 @@ void manifold_find(const gjk_pair *pair, manifold_feature feature, double near,
         mat3 back = mat3_between(&pair->rotation, &still);
         vec3 shift = vec3_scale(mat3_apply(&back, pair->translation), -1.0);
         find_at_face(pair->b, feature.of_b, pair->a, &back, shift, near, ret_manifold);
-        turn_over(pair, ret_manifold);
+        // Turn a region from b's frame, where its normal points to a, into a's.
+        ret_manifold->normal = mat3_apply(&pair->rotation, vec3_scale(ret_manifold->normal, -1.0));
+        for (size_t k = 0; k < ret_manifold->n; k++)
+            ret_manifold->point[k].at =
+                vec3_add(mat3_apply(&pair->rotation, ret_manifold->point[k].at), pair->translation);
     } else {
         find_at_edges(pair, &pair->a->edge[feature.of_a], &pair->b->edge[feature.of_b], near,
                       ret_manifold);

@@ -224,18 +224,6 @@ static bool find_rooms(const feed_density *d, const feed_line *line, double dema
     return is_enough;
 }
 
-// Adds a density to a cell as far as it is free, and the rest to the one behind it.
-static void fill_cell(const feed_density *d, const cell_entry *c, double amount,
-                      const feed_field *field)
-{
-    const double first = c->inner != c->cell ? fmin(amount, free_in(d, c->cell, field)) : amount;
-
-    if (first > 0.0)
-        field->add(field->context, c->cell, first, c->at);
-    if (amount > first)
-        field->add(field->context, c->inner, amount - first, c->at);
-}
-
 // Spreads a demand, a sum of densities, over the cells of a line. Returns what they took.
 static double fill_line(feed_density *d, const feed_line *line, double demand,
                         const feed_field *field)
@@ -249,22 +237,18 @@ static double fill_line(feed_density *d, const feed_line *line, double demand,
         // The cells with the lowest levels come first: once one takes its share, so do all that follow.
         const double amount =
             fmin(d->rooms[k].room, weight > c->weight ? left * (c->weight / weight) : left);
-        fill_cell(d, c, amount, field);
+        // Adds a density to a cell as far as it is free, and the rest to the one behind it.
+        const double first =
+            c->inner != c->cell ? fmin(amount, free_in(d, c->cell, field)) : amount;
+        if (first > 0.0)
+            field->add(field->context, c->cell, first, c->at);
+        if (amount > first)
+            field->add(field->context, c->inner, amount - first, c->at);
         taken += amount;
         left = fmax(left - amount, 0.0);
         weight -= c->weight;
     }
     return taken;
-}
-
-static void admit(feed_density *d, size_t k, const feed_field *field)
-{
-    feed_state *state = &d->states[k];
-    const double waiting = state->offered - state->admitted - state->discarded;
-
-    if (!state->is_held && waiting > 0.0)
-        state->admitted +=
-            d->parts_per_cell * fill_line(d, &d->lines[k], waiting / d->parts_per_cell, field);
 }
 
 static void discard(feed_density *d, size_t k, double t)
@@ -285,7 +269,11 @@ void feed_density_advance(feed_density *d, double t, const feed_field *field)
     for (size_t n = 0; n < d->n_feeds; n++) {
         const size_t k = (turn + n) % d->n_feeds;
         d->states[k].offered = feed_arrivals_until(d->lines[k].arrivals, t);
-        admit(d, k, field);
+        feed_state *state = &d->states[k];
+        const double waiting = state->offered - state->admitted - state->discarded;
+        if (!state->is_held && waiting > 0.0)
+            state->admitted +=
+                d->parts_per_cell * fill_line(d, &d->lines[k], waiting / d->parts_per_cell, field);
         discard(d, k, t);
     }
 }

@@ -75,11 +75,6 @@ feed_parts *feed_parts_destroy(feed_parts *p)
     return NULL;
 }
 
-static feed_line_span usable_places(const feed_parts *p, const scene_feed *f, const feed_part *part)
-{
-    return feed_line_usable(&p->around, f, &p->footprints[part->kind], part->heading);
-}
-
 static scene_pose pose_at(const scene_feed *f, double place, double heading)
 {
     const vec2 at = feed_line_at(f, place);
@@ -235,7 +230,9 @@ static bf_status find_place(feed_parts *p, size_t k, const feed_part *part, cons
                             bool *ret_found, scene_pose *ret_pose, bf_error *err)
 {
     const scene_feed *f = &p->scene->feeds[k];
-    const search in = { f, part, room, usable_places(p, f, part) };
+    const search in = {
+        f, part, room, feed_line_usable(&p->around, f, &p->footprints[part->kind], part->heading)
+    };
     const double low = in.places.low, high = in.places.high;
 
     *ret_found = false;

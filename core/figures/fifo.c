@@ -23,18 +23,6 @@ void fifo_fini(fifo *f)
     *f = (fifo){ .corners = NULL };
 }
 
-// Drops every second corner, but neither the first nor the last.
-static void thin_out(fifo *f)
-{
-    const fifo_corner last = f->corners[f->n - 1];
-    size_t n = 0;
-
-    for (size_t k = 0; k < f->n - 1; k += 2)
-        f->corners[n++] = f->corners[k];
-    f->corners[n++] = last;
-    f->n = n;
-}
-
 static void enter(fifo *f, double t, double level)
 {
     fifo_corner *last = &f->corners[f->n - 1];
@@ -44,8 +32,15 @@ static void enter(fifo *f, double t, double level)
         *last = (fifo_corner){ t, level };
         return;
     }
-    if (f->n == FIFO_CORNERS)
-        thin_out(f);
+    if (f->n == FIFO_CORNERS) {
+        // Drops every second corner, but neither the first nor the last.
+        const fifo_corner newest = f->corners[f->n - 1];
+        size_t n = 0;
+        for (size_t k = 0; k < f->n - 1; k += 2)
+            f->corners[n++] = f->corners[k];
+        f->corners[n++] = newest;
+        f->n = n;
+    }
     f->corners[f->n++] = (fifo_corner){ t, level };
 }
 

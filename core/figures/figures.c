@@ -145,18 +145,6 @@ static double area(double dt, double from, double to)
     return dt * (0.5 * (from + to));
 }
 
-static void sample_counter(counter_sums *c, bool was_warm, bool is_warm, double dt, double content)
-{
-    for (int k = 0; k < QUEUE_STATES; k++) {
-        c->states_integral[k] += was_warm ? area(dt, c->states_before[k], c->states[k]) : 0.0;
-        c->states_before[k] = c->states[k];
-        c->states[k] = 0.0;
-    }
-    c->content_integral += was_warm ? area(dt, c->content, content) : 0.0;
-    c->content_max = is_warm ? fmax(c->content_max, content) : 0.0;
-    c->content = content;
-}
-
 // What an outlet lets through it does not hold: as much enters as leaves.
 static void sample_flow(figures *f, size_t k, bool was_warm, const figures_now *now)
 {
@@ -190,18 +178,6 @@ static void sample_feed(figures *f, size_t k, bool was_warm, double t, const fee
                     was_warm ? &f->waits[k] : NULL);
     }
     sums->balance = *b;
-}
-
-// What falls goes without a time in the domain, as if it were what had been there for longest.
-static void sample_inside(figures *f, const figures_now *now, quantiles *to)
-{
-    const double gone = now->exited + now->fallen;
-    const double fallen = fmin(now->fallen - f->run.fallen, gone - f->inside.out.level);
-
-    if (fallen > 0.0)
-        fifo_sample(&f->inside, now->t, now->entered, f->inside.out.level + fallen, NULL);
-    fifo_sample(&f->inside, now->t, now->entered, gone, to);
-    f->run.fallen = now->fallen;
 }
 
 // held: what could have left and was kept from it.
@@ -238,15 +214,33 @@ void figures_sample(figures *f, const figures_now *now)
     f->are_ages_old = true;
     if (figures_ends_warmup(f, now->t))
         begin(f, now);
-    for (size_t k = 0; k < f->s->n_counters; k++)
-        sample_counter(&f->counters[k], was_warm, f->run.is_warm, now->t - f->run.t,
-                       now->counters[k]);
+    for (size_t k = 0; k < f->s->n_counters; k++) {
+        counter_sums *c = &f->counters[k];
+        const double dt = now->t - f->run.t;
+        const double content = now->counters[k];
+        for (int state = 0; state < QUEUE_STATES; state++) {
+            c->states_integral[state] +=
+                was_warm ? area(dt, c->states_before[state], c->states[state]) : 0.0;
+            c->states_before[state] = c->states[state];
+            c->states[state] = 0.0;
+        }
+        c->content_integral += was_warm ? area(dt, c->content, content) : 0.0;
+        c->content_max = f->run.is_warm ? fmax(c->content_max, content) : 0.0;
+        c->content = content;
+    }
     for (size_t k = 0; k < f->n_flows; k++)
         sample_flow(f, k, was_warm, now);
     for (size_t k = 0; k < f->s->n_feeds; k++)
         sample_feed(f, k, was_warm, now->t, &now->feeds[k]);
-    if (!f->has_exits)
-        sample_inside(f, now, was_warm ? &f->residence : NULL);
+    if (!f->has_exits) {
+        // What falls goes without a time in the domain, as if it were what had been there for longest.
+        const double gone = now->exited + now->fallen;
+        const double fallen = fmin(now->fallen - f->run.fallen, gone - f->inside.out.level);
+        if (fallen > 0.0)
+            fifo_sample(&f->inside, now->t, now->entered, f->inside.out.level + fallen, NULL);
+        fifo_sample(&f->inside, now->t, now->entered, gone, was_warm ? &f->residence : NULL);
+        f->run.fallen = now->fallen;
+    }
     if (f->run.is_warm)
         f->run.queue_end = fmax(f->run.queue_end, queue_length(&f->queue));
     if (f->run.is_warm && f->s->n_feeds == 0)

@@ -132,14 +132,6 @@ static flow_estimate flow_estimate_of(const steady_flow *flow, size_t n)
 
 // ---- both flows
 
-// Time until h, which falls with its root, is large enough against what is inside more than at the start.
-static double time_to_agree(const steady *s, double half_width, double difference)
-{
-    const double ratio = difference / (agreement * half_width);
-
-    return ratio * ratio * (s->t - s->t_start);
-}
-
 // What is said of a run with chance: first what is missing.
 static steady_estimate estimate_of_chance(const steady *s, bool is_strict)
 {
@@ -158,10 +150,13 @@ static steady_estimate estimate_of_chance(const steady *s, bool is_strict)
     if (is_strict && (isnan(out.independent) || !(half_width > 0.0) ||
                       in.half_width < least_of_both * out.independent))
         return e;
-    if (difference > agreement * bound)
-        e.needs = time_to_agree(s, half_width, difference);
-    else
+    if (difference > agreement * bound) {
+        // Time until h, which falls with its root, is large enough against what is inside more than at the start.
+        const double ratio = difference / (agreement * half_width);
+        e.needs = ratio * ratio * (s->t - s->t_start);
+    } else {
         e.half_width = half_width;
+    }
     return e;
 }
 

@@ -26,19 +26,15 @@ static uint64_t staying(const thinned *c, uint64_t n)
     return n / c->every + (n % c->every != 0);
 }
 
-static void drop_every_second(thinned *c)
-{
-    c->every *= 2;
-    for (uint64_t k = 1; k < staying(c, c->n_taken); k++) {
-        c->t[k] = c->t[2 * k];
-        c->values[k] = c->values[2 * k];
-    }
-}
-
 void thinned_add(thinned *c, double t, double value)
 {
-    if (c->n_taken == c->every * THINNED_SAMPLES)
-        drop_every_second(c);
+    if (c->n_taken == c->every * THINNED_SAMPLES) {
+        c->every *= 2;
+        for (uint64_t k = 1; k < staying(c, c->n_taken); k++) {
+            c->t[k] = c->t[2 * k];
+            c->values[k] = c->values[2 * k];
+        }
+    }
     const uint64_t at = staying(c, c->n_taken++);
     c->t[at] = t;
     c->values[at] = value;

@@ -196,26 +196,21 @@ static void spread_all(arc_corners *c, const arc_grid *a, double sign)
         }
 }
 
-static void update_corners(arc_corners *c, const arc_grid *a)
-{
-    for (size_t n = 0; n < c->n2; n++)
-        for (size_t m = 0; m < c->n1; m++) {
-            const size_t at = n * c->n1 + m, i = c->i_first + m, j = c->j_first + n;
-            const double radius = line_radius(a, i, j);
-            c->line[at] = radius > 0.0;
-            c->radius[at] = radius > 0.0 ? radius : own_radius(a, i, j);
-        }
-    spread_all(c, a, 1.0);
-    spread_all(c, a, -1.0);
-}
-
 void arc_faces_update(arc_faces *faces, const velocity_field *f, const scene *s,
                       const surroundings *around)
 {
     for (size_t k = 0; k < faces->n; k++) {
-        const arc_grid a = { f, s, around, &around->belts[faces->arcs[k].arc],
-                             fmax(f->grid.d1, f->grid.d2) };
-        update_corners(&faces->arcs[k], &a);
+        arc_corners *c = &faces->arcs[k];
+        const arc_grid a = { f, s, around, &around->belts[c->arc], fmax(f->grid.d1, f->grid.d2) };
+        for (size_t n = 0; n < c->n2; n++)
+            for (size_t m = 0; m < c->n1; m++) {
+                const size_t at = n * c->n1 + m, i = c->i_first + m, j = c->j_first + n;
+                const double radius = line_radius(&a, i, j);
+                c->line[at] = radius > 0.0;
+                c->radius[at] = radius > 0.0 ? radius : own_radius(&a, i, j);
+            }
+        spread_all(c, &a, 1.0);
+        spread_all(c, &a, -1.0);
     }
 }
 

@@ -29,15 +29,6 @@ static vec2 shift_of(const surroundings *around, const scene_obstacle *obstacle)
     return vec2_scale(upstream, -SCENE_TOLERANCE);
 }
 
-static closed_line line_of(const surroundings_piece *piece, vec2 shift)
-{
-    vec2 start = vec2_add(piece->start, shift);
-    vec2 before = vec2_scale(piece->along, -SCENE_TOLERANCE);
-    vec2 to = vec2_scale(piece->along, piece->length + SCENE_TOLERANCE);
-
-    return (closed_line){ vec2_add(start, before), vec2_add(start, to) };
-}
-
 bool closed_lines_visit_one(const surroundings *around, const scene_obstacle *obstacle,
                             closed_lines_fn *visit, void *context)
 {
@@ -45,7 +36,10 @@ bool closed_lines_visit_one(const surroundings *around, const scene_obstacle *ob
 
     for (size_t m = 0; m + 1 < obstacle->n_points; m++) {
         surroundings_piece piece = surroundings_piece_of(around, obstacle, m);
-        closed_line l = line_of(&piece, shift);
+        vec2 start = vec2_add(piece.start, shift);
+        vec2 before = vec2_scale(piece.along, -SCENE_TOLERANCE);
+        vec2 to = vec2_scale(piece.along, piece.length + SCENE_TOLERANCE);
+        closed_line l = { vec2_add(start, before), vec2_add(start, to) };
         if (visit(context, &l))
             return true;
     }

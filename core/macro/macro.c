@@ -146,17 +146,6 @@ static double stable_step(const macro_def *def)
     return 1.0 / (def->scheme == SCENE_SCHEME_MUSCL ? rate1 + rate2 : fmax(rate1, rate2));
 }
 
-static bf_status check_stability(const macro_def *def, bf_error *err)
-{
-    const double stable = stable_step(def);
-
-    if (def->dt <= stable * (1.0 + cfl_slack))
-        return BF_OK;
-    return bf_fail(err, BF_EINPUT, "/macro/step_s",
-                   "a step of %.9g s is unstable; the largest stable one (CFL) is %.9g s", def->dt,
-                   stable);
-}
-
 static ptrdiff_t round_up(ptrdiff_t n)
 {
     return (n + BLOCK_CELLS - 1) / BLOCK_CELLS * BLOCK_CELLS;
@@ -330,10 +319,12 @@ static bf_status copy_off(macro_solver *s, const macro_def *def)
 
 bf_status macro_create(const macro_def *def, macro_solver **ret_solver, bf_error *err)
 {
-    const bf_status status = check_stability(def, err);
+    const double stable = stable_step(def);
 
-    if (status != BF_OK)
-        return status;
+    if (!(def->dt <= stable * (1.0 + cfl_slack)))
+        return bf_fail(err, BF_EINPUT, "/macro/step_s",
+                       "a step of %.9g s is unstable; the largest stable one (CFL) is %.9g s",
+                       def->dt, stable);
     macro_solver *s = memory_alloc(1, sizeof *s);
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");

@@ -79,18 +79,6 @@ static void update_uniform(const double *rho, double lambda, double v, block_spa
     note_largest(out, run, largest);
 }
 
-// The update of a run along x2 of what the one along x1 has left, with the fluxes north and south of the row.
-static void update_x2(double lambda, const double *north, const double *south, block_span run,
-                      row_update *out)
-{
-    simd largest = simd_all(0.0);
-
-    for (ptrdiff_t i = run.first * BLOCK_CELLS; i < run.last * BLOCK_CELLS; i += SIMD_LANES)
-        largest = update(simd_load(out->rho + i), lambda, simd_load(north + i),
-                         simd_load(south + i), false, out->rho + i, largest);
-    note_largest(out, run, largest);
-}
-
 // The stage of row r along x1, whose density is in span before and after.
 static void sweep_x1(macro_band *band, ptrdiff_t r, block_span span, row_update *out)
 {
@@ -200,7 +188,13 @@ static void finish_row(macro_band *band, ptrdiff_t r, block_span span, row_updat
     for (size_t w = 0; w < macro__words(s); w++)
         band->todo[w] = band->flux2_set[r & 1][w] | band->flux2_set[(r + 1) & 1][w];
     while (block_set_next_run(band->todo, macro__words(s), &b, &run)) {
-        update_x2(lambda, band->flux2[(r + 1) & 1], band->flux2[r & 1], run, out);
+        // The update of a run along x2 of what the one along x1 has left, with the fluxes north and south of the row.
+        const double *north = band->flux2[(r + 1) & 1], *south = band->flux2[r & 1];
+        simd largest = simd_all(0.0);
+        for (ptrdiff_t i = run.first * BLOCK_CELLS; i < run.last * BLOCK_CELLS; i += SIMD_LANES)
+            largest = update(simd_load(out->rho + i), lambda, simd_load(north + i),
+                             simd_load(south + i), false, out->rho + i, largest);
+        note_largest(out, run, largest);
         span = block_span_hull(span, run);
     }
     block_set_clear(active, macro__words(s));

@@ -54,17 +54,6 @@ static double offset_of(uint64_t k)
     return multiple - floor(multiple);
 }
 
-// Drops every second tracer; those that stay stand for twice as much.
-static void thin(tracers *t)
-{
-    const uint64_t n = (t->state.n + 1) / 2;
-
-    for (uint64_t k = 1; k < n; k++)
-        t->inside[k] = t->inside[2 * k];
-    t->state.n = n;
-    t->state.portion *= 2.0;
-}
-
 // Counts a density that enters with tracers like *like, and places those that stand for it.
 static void enter(tracers *t, const macro_tracer *like, double density)
 {
@@ -72,8 +61,14 @@ static void enter(tracers *t, const macro_tracer *like, double density)
 
     state->sum += density;
     while (state->sum >= state->begin + offset_of(state->n_made) * state->portion) {
-        if (state->n == TRACERS_MOST)
-            thin(t);
+        if (state->n == TRACERS_MOST) {
+            // Drops every second tracer; those that stay stand for twice as much.
+            const uint64_t n = (t->state.n + 1) / 2;
+            for (uint64_t k = 1; k < n; k++)
+                t->inside[k] = t->inside[2 * k];
+            t->state.n = n;
+            t->state.portion *= 2.0;
+        }
         t->inside[state->n++] = *like;
         state->n_made++;
         state->begin += state->portion;

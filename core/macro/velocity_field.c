@@ -69,16 +69,6 @@ typedef struct lattice {
     double offset2;
 } lattice;
 
-static double face_x(const lattice *l, size_t i)
-{
-    return l->grid->lower1 + ((double)i + l->offset1) * l->grid->d1;
-}
-
-static double face_y(const lattice *l, size_t j)
-{
-    return l->grid->lower2 + ((double)j + l->offset2) * l->grid->d2;
-}
-
 /// A real index as one of 0 .. n.
 static size_t clamp_index(double index, size_t n)
 {
@@ -178,20 +168,6 @@ static void sampler_prepare(sampler *k, const scene *s)
         }
     }
     qsort(k->borders, k->n_borders, sizeof *k->borders, compare_borders);
-}
-
-/// Choose the segments whose bands may touch the row at y, in their order.
-static void choose_near(sampler *k, double y)
-{
-    k->n_near = 0;
-    for (size_t m = 0; m < k->n_segments; m++) {
-        const regions_segment *g = &k->segments[m];
-        const surroundings_piece *piece = &g->piece;
-        double end = piece->start.y + piece->length * piece->along.y;
-        double extent = regions_extent(g) + k->margin;
-        if (fmin(piece->start.y, end) - extent <= y && y <= fmax(piece->start.y, end) + extent)
-            k->near[k->n_near++] = g;
-    }
 }
 
 /// Mark the faces of the row at y that are near a border. Rows come upwards.
@@ -319,11 +295,20 @@ static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int 
     k->n_begun = k->n_active = 0;
     for (size_t j = 0; j < l->n_rows; j++) {
         const size_t base = j * l->n_columns;
-        double y = face_y(l, j);
-        choose_near(k, y);
+        double y = l->grid->lower2 + ((double)j + l->offset2) * l->grid->d2;
+        // Choose the segments whose bands may touch the row at y, in their order.
+        k->n_near = 0;
+        for (size_t m = 0; m < k->n_segments; m++) {
+            const regions_segment *g = &k->segments[m];
+            const surroundings_piece *piece = &g->piece;
+            double end = piece->start.y + piece->length * piece->along.y;
+            double extent = regions_extent(g) + k->margin;
+            if (fmin(piece->start.y, end) - extent <= y && y <= fmax(piece->start.y, end) + extent)
+                k->near[k->n_near++] = g;
+        }
         mark_row(k, l, y);
         for (size_t i = 0; i < l->n_columns;) {
-            const vec2 at = { face_x(l, i), y };
+            const vec2 at = { l->grid->lower1 + ((double)i + l->offset1) * l->grid->d1, y };
             const regions_velocity e = evaluate_any(k, l, at, component, ret->belt != NULL);
             const size_t arc = k->arcs.n > 0 ? arc_of(k, l, at, component, &e) : s->n_belts;
             const bool is_arc = arc < s->n_belts;
@@ -363,16 +348,6 @@ static bool is_behind_gap(const surroundings *around, vec2 centre, vec2 to_face)
            is_off_at(around, vec2_add(centre, to_face));
 }
 
-static bool is_cell_off(const surroundings *around, const bf_grid *g, vec2 centre)
-{
-    const vec2 along = half_cell(g, 0), across = half_cell(g, 1);
-
-    return is_off_at(around, centre) || is_behind_gap(around, centre, along) ||
-           is_behind_gap(around, centre, vec2_scale(along, -1.0)) ||
-           is_behind_gap(around, centre, across) ||
-           is_behind_gap(around, centre, vec2_scale(across, -1.0));
-}
-
 /// Find the cells that carry nothing.
 static bf_status find_off(const scene *s, velocity_field *f)
 {
@@ -385,7 +360,11 @@ static bf_status find_off(const scene *s, velocity_field *f)
     for (size_t c = 0; f->off != NULL && c < n_cells; c++) {
         const vec2 centre = { grid_x1(&f->grid, c % f->grid.n1),
                               grid_x2(&f->grid, c / f->grid.n1) };
-        f->off[c] = is_cell_off(&around, &f->grid, centre);
+        const vec2 along = half_cell(&f->grid, 0), across = half_cell(&f->grid, 1);
+        f->off[c] = is_off_at(&around, centre) || is_behind_gap(&around, centre, along) ||
+                    is_behind_gap(&around, centre, vec2_scale(along, -1.0)) ||
+                    is_behind_gap(&around, centre, across) ||
+                    is_behind_gap(&around, centre, vec2_scale(across, -1.0));
     }
     return f->off != NULL ? BF_OK : BF_ENOMEM;
 }

@@ -58,18 +58,6 @@ static void make_steps(void *context, int index, int n_members, team_barrier *ba
     task->progress = m.progress;
 }
 
-// Makes single steps, n at most. Returns how many.
-static uint64_t run_team(const driver_solver *solver, void *state, uint64_t n, bool *ret_suspect)
-{
-    team_task task = { .solver = solver, .state = state, .n_wanted = n };
-    const int n_threads = solver->begin(state, &task.progress);
-
-    team_run(n_threads, make_steps, &task);
-    solver->end(state, task.n_made, task.outcome, &task.progress);
-    *ret_suspect = task.outcome == DRIVER_SUSPECT;
-    return task.n_made;
-}
-
 bf_status driver_advance(const driver_solver *solver, void *state, uint64_t n, bf_error *err)
 {
     bf_status status = BF_OK;
@@ -81,8 +69,14 @@ bf_status driver_advance(const driver_solver *solver, void *state, uint64_t n, b
             return status;
         if (solver->advance_tile != NULL)
             n_made = solver->advance_tile(state, n, &n_most, &is_suspect);
-        if (n_made == 0)
-            n_made = run_team(solver, state, n_most, &is_suspect);
+        if (n_made == 0) {
+            team_task task = { .solver = solver, .state = state, .n_wanted = n_most };
+            const int n_threads = solver->begin(state, &task.progress);
+            team_run(n_threads, make_steps, &task);
+            solver->end(state, task.n_made, task.outcome, &task.progress);
+            is_suspect = task.outcome == DRIVER_SUSPECT;
+            n_made = task.n_made;
+        }
         n -= n_made;
         if (is_suspect && (status = solver->check(state, err)) != BF_OK)
             return status;

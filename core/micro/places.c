@@ -6,15 +6,6 @@
 
 #include <math.h>
 
-static size_t count_pieces(const micro_def *def)
-{
-    size_t n = 0;
-
-    for (size_t k = 0; k < def->n_obstacles; k++)
-        n += def->obstacles[k].n_points - 1;
-    return n;
-}
-
 bf_status places_init(const micro_def *def, places *ret_places, bf_error *err)
 {
     // The belts choose the upstream sides of plates; afterwards only the domain and its edges are needed.
@@ -24,7 +15,10 @@ bf_status places_init(const micro_def *def, places *ret_places, bf_error *err)
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         around.edges[side] = def->edges[side];
     p.footprints = memory_alloc(def->n_kinds, sizeof *p.footprints);
-    p.pieces = memory_alloc(count_pieces(def), sizeof *p.pieces);
+    size_t n = 0;
+    for (size_t k = 0; k < def->n_obstacles; k++)
+        n += def->obstacles[k].n_points - 1;
+    p.pieces = memory_alloc(n, sizeof *p.pieces);
     if (p.footprints == NULL || p.pieces == NULL) {
         places_fini(&p);
         *ret_places = p;
@@ -111,15 +105,6 @@ static void visit_part(const question *q, size_t part)
         q->visit(q->context, part, &place);
 }
 
-static void visit_cell(const places *p, const question *q, size_t cell)
-{
-    for (uint32_t at = p->cells.first[cell]; at < p->cells.first[cell + 1]; at++) {
-        const uint32_t part = p->cells.order[at];
-        if (polygon_segment_distance(p->centres[part], q->a, q->b) <= q->distance)
-            visit_part(q, part);
-    }
-}
-
 // The cells of a column near the line; the outer columns go on without end.
 static void visit_column(const places *p, const question *q, size_t column)
 {
@@ -132,8 +117,14 @@ static void visit_column(const places *p, const question *q, size_t column)
     if (!polygon_clip_segment(&a, &b, lower, upper))
         return;
     const size_t last = neighbours_row(c, fmax(a.y, b.y) + q->distance);
-    for (size_t row = neighbours_row(c, fmin(a.y, b.y) - q->distance); row <= last; row++)
-        visit_cell(p, q, neighbours_cell(c, column, row));
+    for (size_t row = neighbours_row(c, fmin(a.y, b.y) - q->distance); row <= last; row++) {
+        const size_t cell = neighbours_cell(c, column, row);
+        for (uint32_t at = p->cells.first[cell]; at < p->cells.first[cell + 1]; at++) {
+            const uint32_t part = p->cells.order[at];
+            if (polygon_segment_distance(p->centres[part], q->a, q->b) <= q->distance)
+                visit_part(q, part);
+        }
+    }
 }
 
 static void visit_near(const places *p, const question *q)
@@ -193,18 +184,6 @@ static void compare_part(void *context, size_t part, const micro_place *place)
     n->is_free = n->is_free && !shape_overlaps(n->footprint, n->pose, other, place->pose);
 }
 
-// The pose seen from a plate that has moved.
-static scene_pose turn_back(const plate_motion *motion, const places_piece *piece, double t,
-                            scene_pose pose)
-{
-    const plate_motion_place place = plate_motion_at(motion, piece->obstacle, t);
-    const plate_motion_pose of = plate_motion_pose_at(motion, piece->obstacle, place);
-    const plate_motion_pose back = plate_motion_inverse(&of);
-    const vec2 at = plate_motion_move(&back, (vec2){ pose.x, pose.y });
-
-    return (scene_pose){ at.x, at.y, pose.heading - place.angle };
-}
-
 static bool is_clear_of_piece(const places_parts *parts, const places_piece *piece,
                               const newcomer *n)
 {
@@ -215,8 +194,14 @@ static bool is_clear_of_piece(const places_parts *parts, const places_piece *pie
 
     if (piece->moves && !plate_motion_is_present(motion, piece->obstacle, parts->t))
         return true;
-    if (piece->moves)
-        pose = turn_back(motion, piece, parts->t, pose);
+    if (piece->moves) {
+        // The pose seen from a plate that has moved.
+        const plate_motion_place place = plate_motion_at(motion, piece->obstacle, parts->t);
+        const plate_motion_pose of = plate_motion_pose_at(motion, piece->obstacle, place);
+        const plate_motion_pose back = plate_motion_inverse(&of);
+        const vec2 at = plate_motion_move(&back, (vec2){ pose.x, pose.y });
+        pose = (scene_pose){ at.x, at.y, pose.heading - place.angle };
+    }
     return polygon_segment_distance((vec2){ pose.x, pose.y }, c[0], c[1]) > range ||
            !shape_overlaps_polygon(n->footprint, pose, c, 4);
 }

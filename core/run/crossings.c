@@ -96,21 +96,6 @@ static double length_of_parts(const scene *s, vec2 along)
 
 // ---- the line of a beam
 
-/// The mean velocity of the belts under a line times its length, zero off all of them.
-static vec2 velocity_below(const surroundings *around, const line_cell *cells, size_t n,
-                           const bf_grid *grid)
-{
-    vec2 sum = { 0.0, 0.0 };
-
-    for (size_t k = 0; k < n; k++) {
-        const vec2 at = { grid_x1(grid, cells[k].cell % grid->n1),
-                          grid_x2(grid, cells[k].cell / grid->n1) };
-        const vec2 belt = surroundings_velocity_under(around, at);
-        sum = vec2_add(sum, vec2_scale(belt, cells[k].length));
-    }
-    return sum;
-}
-
 /// The part of a line in the domain. False: there is none.
 static bool clip(const scene *s, vec2 line[2])
 {
@@ -197,7 +182,14 @@ static bf_status create_eye(crossings *c, size_t index, bf_error *err)
     bf_status status = line_cells_find(&grid, beam[0], beam[1], &below, &n, err);
     if (status != BF_OK)
         return status;
-    const vec2 velocity = velocity_below(&around, below, n, &grid);
+    // The mean velocity of the belts under a line times its length, zero off all of them.
+    vec2 velocity = { 0.0, 0.0 };
+    for (size_t k = 0; k < n; k++) {
+        const vec2 at = { grid_x1(&grid, below[k].cell % grid.n1),
+                          grid_x2(&grid, below[k].cell / grid.n1) };
+        const vec2 belt = surroundings_velocity_under(&around, at);
+        velocity = vec2_add(velocity, vec2_scale(belt, below[k].length));
+    }
     memory_free(below);
     const double speed = vec2_length(velocity);
     if (speed > 0.0) {
@@ -265,15 +257,6 @@ static crossing_flow flow_of(const crossings *c, const crossing *eye, const cros
                             density > 0.0 ? carried / density : speed / eye->weight };
 }
 
-/// The gap before the next part where `present` break the beam in the mean.
-static double gap_before(const crossings *c, const crossing *eye, double present)
-{
-    const double fixed = pow(fmin(present / eye->lanes, 1.0), eye->lanes);
-
-    return c->shape == 0 ? 1.0
-                         : fixed + (1.0 - fixed) * draws_gap(&eye->from, eye->state.part, c->shape);
-}
-
 bool crossings_advance(crossings *c, size_t index, const crossings_field *field)
 {
     crossing *eye = &c->eyes[index];
@@ -290,7 +273,11 @@ bool crossings_advance(crossings *c, size_t index, const crossings_field *field)
         const double came = travel + state->due / across;
         was_free = was_free || came > state->held;
         state->held = came + eye->chord;
-        state->due += gap_before(c, eye, across * eye->chord);
+        // The gap before the next part, where across * chord parts break the beam in the mean.
+        const double fixed = pow(fmin(across * eye->chord / eye->lanes, 1.0), eye->lanes);
+        state->due += c->shape == 0 ? 1.0
+                                    : fixed + (1.0 - fixed) *
+                                                  draws_gap(&eye->from, eye->state.part, c->shape);
         state->part++;
     }
     state->held = fmax(state->held - travel, 0.0);

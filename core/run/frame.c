@@ -201,16 +201,6 @@ static uint64_t size_of_field(const frame *f, const field *k)
     return count_of(f, &k->n) * count_of(f, &k->m) * (k->kind == FIELD_REST ? 1 : k->item_size);
 }
 
-// Room for the whole frame, so that a large one is not moved while it is written.
-static bf_status reserve_frame(const frame *f, bf_buffer *out)
-{
-    uint64_t n = FRAME_HEADER_BYTES + ALIGNMENT + DIGEST_BYTES;
-
-    for (const field *k = fields_of[f->type]; k->kind != FIELD_END; k++)
-        n += size_of_field(f, k);
-    return buffer_reserve(out, n) == NULL ? BF_ENOMEM : BF_OK;
-}
-
 bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err)
 {
     static const char padding[ALIGNMENT] = { 0 };
@@ -218,7 +208,11 @@ bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err)
     const size_t start = out->n;
 
     BF_CHECK(f->type >= FRAME_JOB && f->type < FRAME_TYPE_COUNT);
-    bf_status status = reserve_frame(f, out);
+    // Room for the whole frame, so that a large one is not moved while it is written.
+    uint64_t n = FRAME_HEADER_BYTES + ALIGNMENT + DIGEST_BYTES;
+    for (const field *k = fields_of[f->type]; k->kind != FIELD_END; k++)
+        n += size_of_field(f, k);
+    bf_status status = buffer_reserve(out, n) == NULL ? BF_ENOMEM : BF_OK;
     if (status == BF_OK)
         status = buffer_append(out, head, sizeof head);
     for (const field *k = fields_of[f->type]; status == BF_OK && k->kind != FIELD_END; k++)
@@ -275,15 +269,6 @@ static bool take_field(reader *r, const field *k, frame *f)
     return true;
 }
 
-// An error's texts must be terminated, and its code must be known.
-static void tidy_error(bf_error *e)
-{
-    if ((unsigned)e->code >= BF_STATUS_COUNT)
-        e->code = BF_ECORRUPT;
-    e->pointer[sizeof e->pointer - 1] = '\0';
-    e->text[sizeof e->text - 1] = '\0';
-}
-
 // Reads the header; *ret_length is that of the whole frame.
 static bf_status read_header(const char *bytes, frame_type *ret_type, uint64_t *ret_n_payload,
                              uint64_t *ret_length, bf_error *err)
@@ -325,8 +310,14 @@ static bf_status read_payload(const char *bytes, uint64_t n, frame *f, bf_error 
         is_whole = take_field(&r, k, f);
     if (!is_whole || r.n_left != 0)
         return bf_fail(err, BF_ECORRUPT, "", "a frame of type %d has a wrong length", (int)f->type);
-    if (f->type == FRAME_ERROR)
-        tidy_error(&f->error.error);
+    if (f->type == FRAME_ERROR) {
+        // An error's texts must be terminated, and its code must be known.
+        bf_error *e = &f->error.error;
+        if ((unsigned)e->code >= BF_STATUS_COUNT)
+            e->code = BF_ECORRUPT;
+        e->pointer[sizeof e->pointer - 1] = '\0';
+        e->text[sizeof e->text - 1] = '\0';
+    }
     if (f->type == FRAME_CHANGE)
         f->change.id[sizeof f->change.id - 1] = '\0';
     return BF_OK;

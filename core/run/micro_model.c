@@ -310,21 +310,6 @@ static int compare_rows(const void *left, const void *right)
     return (a->id > b->id) - (a->id < b->id);
 }
 
-// The parts in the domain, by their ids.
-static void copy_present(micro_run *run, size_t n_values, double *ret_rows)
-{
-    if (run->n_rows > 0)
-        qsort(run->rows, run->n_rows, sizeof *run->rows, compare_rows);
-    for (size_t k = 0; k < run->n_rows; k++) {
-        const part_row *row = &run->rows[k];
-        const micro_part part = micro_part_of(run->solver, row->part);
-        *ret_rows++ = (double)row->id;
-        *ret_rows++ = run->feeds.tags[row->part].kind;
-        fill_row(&part, micro_is_planar(run->solver), ret_rows);
-        ret_rows += n_values;
-    }
-}
-
 static void copy_parts(void *solver, double *ret_rows)
 {
     micro_run *run = solver;
@@ -332,7 +317,16 @@ static void copy_parts(void *solver, double *ret_rows)
     const size_t n_values = is_planar ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL;
 
     if (run->scene->n_feeds > 0) {
-        copy_present(run, n_values, ret_rows);
+        if (run->n_rows > 0)
+            qsort(run->rows, run->n_rows, sizeof *run->rows, compare_rows);
+        for (size_t k = 0; k < run->n_rows; k++) {
+            const part_row *row = &run->rows[k];
+            const micro_part part = micro_part_of(run->solver, row->part);
+            *ret_rows++ = (double)row->id;
+            *ret_rows++ = run->feeds.tags[row->part].kind;
+            fill_row(&part, micro_is_planar(run->solver), ret_rows);
+            ret_rows += n_values;
+        }
         return;
     }
     for (size_t k = 0; k < micro_parts(run->solver); k++) {

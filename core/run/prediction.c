@@ -60,18 +60,6 @@ static prediction_kind kind_of_micro(const micro_def *def)
     return is_implicit ? PREDICTION_SPATIAL_IMPLICIT : PREDICTION_SPATIAL_VERLET;
 }
 
-// What depends on the grid; a snapshot of either model has one.
-static void set_grid(const scene *s, const prediction_load *load, double *amounts)
-{
-    const bf_grid grid = scene_grid(s);
-    const double n_cells = (double)grid_cells(&grid);
-    const double n_snapshots = scene_snapshots(s) * load->time / s->duration;
-
-    amounts[PREDICTION_RUN] = 1.0;
-    amounts[PREDICTION_CELLS] = n_cells;
-    amounts[PREDICTION_SNAPSHOT_CELLS] = n_cells * n_snapshots;
-}
-
 static void set_macro(const scene *s, const prediction_load *load, prediction_work *work)
 {
     const bf_grid grid = scene_grid(s);
@@ -128,7 +116,13 @@ bf_status prediction_work_of(const scene *s, run_model model, prediction_work *r
     if (status != BF_OK)
         return status;
     *ret_work = (prediction_work){ .kind = PREDICTION_KIND_COUNT };
-    set_grid(s, &load, ret_work->amounts);
+    // What depends on the grid; a snapshot of either model has one.
+    const bf_grid grid = scene_grid(s);
+    const double n_cells = (double)grid_cells(&grid);
+    const double n_snapshots = scene_snapshots(s) * load.time / s->duration;
+    ret_work->amounts[PREDICTION_RUN] = 1.0;
+    ret_work->amounts[PREDICTION_CELLS] = n_cells;
+    ret_work->amounts[PREDICTION_SNAPSHOT_CELLS] = n_cells * n_snapshots;
     if (model == RUN_MICRO)
         return set_micro(s, &load, ret_work, err);
     set_macro(s, &load, ret_work);

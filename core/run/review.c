@@ -91,18 +91,6 @@ static void find_crossed(standing *c)
     }
 }
 
-static void find_standing(standing *c)
-{
-    for (size_t e = 0; e < c->s->n_eyes; e++) {
-        bool is_any = false, all_stand = true;
-        for (size_t k = 0; k < c->s->n_belts; k++) {
-            is_any = is_any || c->crosses[e][k];
-            all_stand = all_stand && (!c->crosses[e][k] || c->stands[k]);
-        }
-        c->stands_under[e] = is_any && all_stand;
-    }
-}
-
 /// True if what stops a belt starts it again, too, after a time.
 static bool starts_again(const standing *c, const scene_action *stop)
 {
@@ -179,7 +167,14 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
         c.stands[k] = true;
     while (changes) {
         changes = false;
-        find_standing(&c);
+        for (size_t e = 0; e < s->n_eyes; e++) {
+            bool is_any = false, all_stand = true;
+            for (size_t k = 0; k < s->n_belts; k++) {
+                is_any = is_any || c.crosses[e][k];
+                all_stand = all_stand && (!c.crosses[e][k] || c.stands[k]);
+            }
+            c.stands_under[e] = is_any && all_stand;
+        }
         for (size_t k = 0; k < s->n_belts; k++) {
             if (!c.stands[k] || stays(&c, k))
                 continue;

@@ -504,18 +504,6 @@ static bf_status serve_request(run *r, unsigned request, const run_sink *sink, b
     return status;
 }
 
-// Steps until the next result or tick is due, but not so many that a request waits for long.
-static uint64_t count_steps(const run *r)
-{
-    const uint64_t dues[] = { r->snapshots.step, control_next(&r->control, r->step),
-                              r->plan.n_steps, r->step + r->plan.n_advance };
-    uint64_t next = r->samples.step;
-
-    for (size_t k = 0; k < sizeof dues / sizeof *dues; k++)
-        next = dues[k] < next ? dues[k] : next;
-    return next - r->step;
-}
-
 bf_status run_execute(run *r, const run_sink *sink, bf_error *err)
 {
     bf_status status = emit_begin(r, sink, err);
@@ -530,7 +518,13 @@ bf_status run_execute(run *r, const run_sink *sink, bf_error *err)
             if (status != BF_OK || (request & RUN_STOP) != 0)
                 return status;
         }
-        const uint64_t n = count_steps(r);
+        // Steps until the next result or tick is due, but not so many that a request waits for long.
+        const uint64_t dues[] = { r->snapshots.step, control_next(&r->control, r->step),
+                                  r->plan.n_steps, r->step + r->plan.n_advance };
+        uint64_t next = r->samples.step;
+        for (size_t k = 0; k < sizeof dues / sizeof *dues; k++)
+            next = dues[k] < next ? dues[k] : next;
+        const uint64_t n = next - r->step;
         status = r->backend->advance(r->solver, n, err);
         r->step += n;
         if (status == BF_OK)

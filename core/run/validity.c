@@ -198,16 +198,6 @@ static void note_plates(findings *f, const layout *of)
 
 // ---- belts
 
-static void note_walls(findings *f, const layout *of)
-{
-    static const char *const sides[SCENE_SIDE_COUNT] = { [SCENE_WEST] = "west",
-                                                         [SCENE_EAST] = "east",
-                                                         [SCENE_SOUTH] = "south",
-                                                         [SCENE_NORTH] = "north" };
-
-    note(f, VALIDITY_WALL, of->wall_angle.value, "/edges/%s", sides[of->wall_angle.index]);
-}
-
 static size_t count_velocities(const scene *s)
 {
     size_t n = 0;
@@ -229,14 +219,6 @@ static bool has_slopes(const scene *s)
     for (size_t k = 0; k < s->n_belts; k++)
         has = has || s->belts[k].incline != 0.0;
     return has;
-}
-
-static void note_inclines(findings *f)
-{
-    for (size_t k = 0; k < f->s->n_belts; k++)
-        if (f->s->belts[k].incline != 0.0)
-            note(f, VALIDITY_INCLINE, f->s->belts[k].incline * 180.0 / M_PI,
-                 "/belts/%zu/incline_deg", k);
 }
 
 static void note_speeds(findings *f)
@@ -262,17 +244,6 @@ static void note_speeds(findings *f)
     }
     if (n_schedules > 0.0)
         note(f, VALIDITY_SCHEDULES, n_schedules, "/belts");
-}
-
-static void note_acceleration(findings *f)
-{
-    const double speed = scene_belt_speed(f->s), gravity = f->s->micro.gravity,
-                 friction = belt_slope_least_drive(f->s->n_belts, f->s->belts,
-                                                   &f->s->micro.contact[SCENE_CONVEYOR_CARGO]);
-
-    note(f, VALIDITY_ACCELERATION,
-         friction * gravity > 0.0 ? 0.5 * speed * speed / (friction * gravity * f->diameter) : NAN,
-         "/belts");
 }
 
 static void note_turns(findings *f)
@@ -318,19 +289,6 @@ static double belt_capacity(const scene *s, const scene_belt *belt)
 }
 
 // ---- feeds
-
-static void note_batches(findings *f)
-{
-    for (size_t k = 0; k < f->s->n_feeds; k++) {
-        const scene_feed *feed = &f->s->feeds[k];
-        const bool is_list = feed->demand == SCENE_DEMAND_SCHEDULE;
-        double batch = !is_list && feed->arrivals == SCENE_ARRIVALS_BATCH ? feed->batch_size : 1.0;
-        for (size_t i = 0; is_list && i < feed->schedule.n && feed->schedule.counts != NULL; i++)
-            batch = fmax(batch, feed->schedule.counts[i]);
-        if (batch > 1.0)
-            note(f, VALIDITY_BATCH, batch, "/feeds/%zu", k);
-    }
-}
 
 static bf_status sum_feeds(findings *f, bf_error *err)
 {
@@ -621,21 +579,41 @@ static void note_figures(findings *f, const layout *of)
                          n_velocities == 1 && n_arcs == 0 && !has_slopes(f->s) && !f->is_moving;
 
     note_motions(f);
-    note_batches(f);
+    for (size_t k = 0; k < f->s->n_feeds; k++) {
+        const scene_feed *feed = &f->s->feeds[k];
+        const bool is_list = feed->demand == SCENE_DEMAND_SCHEDULE;
+        double batch = !is_list && feed->arrivals == SCENE_ARRIVALS_BATCH ? feed->batch_size : 1.0;
+        for (size_t i = 0; is_list && i < feed->schedule.n && feed->schedule.counts != NULL; i++)
+            batch = fmax(batch, feed->schedule.counts[i]);
+        if (batch > 1.0)
+            note(f, VALIDITY_BATCH, batch, "/feeds/%zu", k);
+    }
     if (is_free)
         return;
     note_plates(f, of);
     note(f, VALIDITY_BELTS, (double)n_velocities, "/belts");
     note_count(f, VALIDITY_ARCS, n_arcs, "/belts");
-    note_inclines(f);
+    for (size_t k = 0; k < f->s->n_belts; k++)
+        if (f->s->belts[k].incline != 0.0)
+            note(f, VALIDITY_INCLINE, f->s->belts[k].incline * 180.0 / M_PI,
+                 "/belts/%zu/incline_deg", k);
     note_turns(f);
     for (size_t k = 0; k < f->s->n_belts && n_velocities > 1 && f->s->n_feeds > 0; k++)
         note(f, VALIDITY_TRANSFER, 100.0 * f->rate / belt_capacity(f->s, &f->s->belts[k]),
              "/belts/%zu", k);
-    note_walls(f, of);
+    static const char *const sides[SCENE_SIDE_COUNT] = { [SCENE_WEST] = "west",
+                                                         [SCENE_EAST] = "east",
+                                                         [SCENE_SOUTH] = "south",
+                                                         [SCENE_NORTH] = "north" };
+    note(f, VALIDITY_WALL, of->wall_angle.value, "/edges/%s", sides[of->wall_angle.index]);
     note_heap(f, of);
     note_speeds(f);
-    note_acceleration(f);
+    const double speed = scene_belt_speed(f->s), gravity = f->s->micro.gravity,
+                 friction = belt_slope_least_drive(f->s->n_belts, f->s->belts,
+                                                   &f->s->micro.contact[SCENE_CONVEYOR_CARGO]);
+    note(f, VALIDITY_ACCELERATION,
+         friction * gravity > 0.0 ? 0.5 * speed * speed / (friction * gravity * f->diameter) : NAN,
+         "/belts");
     note_cargo(f);
     note_frictions(f);
     note_constants(f);

@@ -84,20 +84,6 @@ static void check_words(const scene *s, bf_faults *faults)
         faults_add(faults, "/micro/path", "is not a path");
 }
 
-/// Note what a run's end and its key figures cannot be.
-static void check_course(const scene *s, bf_faults *faults)
-{
-    if ((unsigned)s->until >= SCENE_UNTIL_COUNT)
-        faults_add(faults, "/until", "is not an end of a run");
-    if (s->until == SCENE_UNTIL_STEADY && s->n_feeds == 0)
-        faults_add(faults, "/until", "nothing becomes steady without a feed");
-    if (s->warmup > 0.0 && s->duration > 0.0 && s->warmup >= s->duration)
-        faults_add(faults, "/warmup_s", "must be shorter than duration_s, %.15g s, not %.15g s",
-                   s->duration, s->warmup);
-    if ((double)s->substream > scene_range_seed.maximum)
-        faults_add(faults, "/substream", "must be below 2^53");
-}
-
 static bool is_interval(double low, double high)
 {
     return fabs(low) <= SCENE_LENGTH_MAX && fabs(high) <= SCENE_LENGTH_MAX && low < high;
@@ -179,17 +165,6 @@ static void check_counters(const scene *s, bf_faults *faults)
         check_interval(counter->rect.x_min, counter->rect.x_max, k, "x_m", faults);
         check_interval(counter->rect.y_min, counter->rect.y_max, k, "y_m", faults);
     }
-}
-
-static void check_items(const scene *s, bf_faults *faults)
-{
-    scene__check_belts(s, faults);
-    scene__check_obstacles(s, faults);
-    scene__check_feeds(s, faults);
-    scene__check_photo_eyes(s, faults);
-    scene__check_actions(s, faults);
-    check_counters(s, faults);
-    check_windows(&s->output, faults);
 }
 
 static const number_rule kind_rules[] = {
@@ -416,10 +391,24 @@ void scene_check(scene *s, bf_faults *faults)
     size_t n_domain = faults->n;
     scene__check_numbers(s, "", number_rules, sizeof number_rules / sizeof *number_rules, faults);
     check_words(s, faults);
-    check_course(s, faults);
+    if ((unsigned)s->until >= SCENE_UNTIL_COUNT)
+        faults_add(faults, "/until", "is not an end of a run");
+    if (s->until == SCENE_UNTIL_STEADY && s->n_feeds == 0)
+        faults_add(faults, "/until", "nothing becomes steady without a feed");
+    if (s->warmup > 0.0 && s->duration > 0.0 && s->warmup >= s->duration)
+        faults_add(faults, "/warmup_s", "must be shorter than duration_s, %.15g s, not %.15g s",
+                   s->duration, s->warmup);
+    if ((double)s->substream > scene_range_seed.maximum)
+        faults_add(faults, "/substream", "must be below 2^53");
     check_cargo(s, faults);
     goods_check(s, faults);
-    check_items(s, faults);
+    scene__check_belts(s, faults);
+    scene__check_obstacles(s, faults);
+    scene__check_feeds(s, faults);
+    scene__check_photo_eyes(s, faults);
+    scene__check_actions(s, faults);
+    check_counters(s, faults);
+    check_windows(&s->output, faults);
     if (faults->n == n_before)
         check_sizes(s, faults);
     size_t n_others = faults->n;

@@ -144,16 +144,6 @@ static void check_failures(const scene *s, bf_faults *faults)
     }
 }
 
-static void check_incline(const scene_belt *belt, const char *pointer, bf_faults *faults)
-{
-    if (!(fabs(belt->incline) <= SCENE_INCLINE_MAX))
-        faults_add(faults, pointer, "must be between -45 and 45 degrees");
-    else if (belt->incline != 0.0 && belt->arc.is_given)
-        faults_add(faults, pointer, "must be 0: curves are level");
-    else if (belt->incline != 0.0 && vec2_length(belt->velocity) == 0.0)
-        faults_add(faults, pointer, "needs a velocity_m_s, in whose direction the belt rises");
-}
-
 void scene__check_belts(const scene *s, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE];
@@ -179,7 +169,12 @@ void scene__check_belts(const scene *s, bf_faults *faults)
                 faults, pointer,
                 "needs a friction above 0 in contacts/conveyor_cargo, which other belts have");
         snprintf(pointer, sizeof pointer, "/belts/%zu/incline_deg", k);
-        check_incline(belt, pointer, faults);
+        if (!(fabs(belt->incline) <= SCENE_INCLINE_MAX))
+            faults_add(faults, pointer, "must be between -45 and 45 degrees");
+        else if (belt->incline != 0.0 && belt->arc.is_given)
+            faults_add(faults, pointer, "must be 0: curves are level");
+        else if (belt->incline != 0.0 && vec2_length(belt->velocity) == 0.0)
+            faults_add(faults, pointer, "needs a velocity_m_s, in whose direction the belt rises");
         snprintf(pointer, sizeof pointer, "/belts/%zu", k);
         belt_speeds_check(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
@@ -200,20 +195,6 @@ static const number_rule obstacle_rules[] = {
     RULE("/band_m", scene_obstacle, band, scene_range_length),
     RULE("/slide_width_m", scene_obstacle, slide_width, scene_range_length),
 };
-
-static void check_path(const scene_obstacle *obstacle, size_t k, bf_faults *faults)
-{
-    char pointer[BF_POINTER_SIZE];
-    size_t n = obstacle->n_points;
-    // Two points may have been given in another form than a path.
-    bool whole = n == 2;
-
-    snprintf(pointer, sizeof pointer, "/obstacles/%zu%s", k, whole ? "" : "/path_m");
-    if (n < 2 || n > SCENE_POINTS_MAX)
-        faults_add(faults, pointer, "must have 2 to %d points, not %zu", SCENE_POINTS_MAX, n);
-    else
-        (void)scene__check_points(obstacle->path, n, pointer, whole, faults);
-}
 
 /// Note what is wrong with the shifts of an obstacle; pointer is that of its motion.
 static void check_shifts(const scene_obstacle *o, const char *pointer, bf_faults *faults)
@@ -264,7 +245,15 @@ void scene__check_obstacles(const scene *s, bf_faults *faults)
     for (size_t k = 0; k < s->n_obstacles; k++) {
         const scene_obstacle *obstacle = &s->obstacles[k];
         scene__check_id(s->obstacles, sizeof *s->obstacles, "obstacles", k, faults);
-        check_path(obstacle, k, faults);
+        char of_path[BF_POINTER_SIZE];
+        size_t n = obstacle->n_points;
+        // Two points may have been given in another form than a path.
+        bool whole = n == 2;
+        snprintf(of_path, sizeof of_path, "/obstacles/%zu%s", k, whole ? "" : "/path_m");
+        if (n < 2 || n > SCENE_POINTS_MAX)
+            faults_add(faults, of_path, "must have 2 to %d points, not %zu", SCENE_POINTS_MAX, n);
+        else
+            (void)scene__check_points(obstacle->path, n, of_path, whole, faults);
         snprintf(pointer, sizeof pointer, "/obstacles/%zu", k);
         scene__check_numbers(obstacle, pointer, obstacle_rules,
                              sizeof obstacle_rules / sizeof *obstacle_rules, faults);

@@ -417,20 +417,6 @@ static bool closes_but_for_gaps(measuring *m)
     return closes;
 }
 
-static void add_plate(const measuring *m, const piece *p, size_t body, layout *out)
-{
-    const bool closes = closes_domain(m, body);
-    const double acute = angle_of(p->along, p->belt);
-    const double angle = !closes && ends_in_corner(m, p) ? 180.0 - acute : acute;
-
-    if (closes)
-        out->opening = (layout_figure){ 0.0, p->obstacle };
-    if (angle < out->least.value)
-        out->least = (layout_figure){ angle, p->obstacle };
-    if (angle > out->greatest.value)
-        out->greatest = (layout_figure){ angle, p->obstacle };
-}
-
 static void measure_plates(const measuring *m, layout *out)
 {
     size_t last = SIZE_MAX, last_of_all = SIZE_MAX;
@@ -443,7 +429,15 @@ static void measure_plates(const measuring *m, layout *out)
             continue;
         out->n_plates += p->obstacle != last;
         last = p->obstacle;
-        add_plate(m, p, body_of(m, k), out);
+        const bool closes = closes_domain(m, body_of(m, k));
+        const double acute = angle_of(p->along, p->belt);
+        const double angle = !closes && ends_in_corner(m, p) ? 180.0 - acute : acute;
+        if (closes)
+            out->opening = (layout_figure){ 0.0, p->obstacle };
+        if (angle < out->least.value)
+            out->least = (layout_figure){ angle, p->obstacle };
+        if (angle > out->greatest.value)
+            out->greatest = (layout_figure){ angle, p->obstacle };
     }
     out->n_guides -= out->n_plates;
 }

@@ -27,20 +27,6 @@ void mix_count(const scene *s, size_t n, size_t ret_counts[SCENE_KINDS_MAX])
     }
 }
 
-// Fisher and Yates: all orders have the same probability.
-static void shuffle(uint32_t *kinds, size_t n, uint64_t seed)
-{
-    bf_random random;
-
-    random_init(&random, seed);
-    for (size_t left = n; left > 1; left--) {
-        size_t k = (size_t)(random_unit(&random) * (double)left);
-        uint32_t last = kinds[left - 1];
-        kinds[left - 1] = kinds[k];
-        kinds[k] = last;
-    }
-}
-
 bf_status mix_draw(const scene *s, size_t n, uint32_t **ret_kinds, bf_error *err)
 {
     size_t counts[SCENE_KINDS_MAX], at = 0;
@@ -57,7 +43,15 @@ bf_status mix_draw(const scene *s, size_t n, uint32_t **ret_kinds, bf_error *err
         for (size_t k = 0; k < counts[kind]; k++)
             kinds[at++] = kind;
     }
-    shuffle(kinds, n, s->cargo_seed);
+    // Fisher and Yates: all orders have the same probability.
+    bf_random random;
+    random_init(&random, s->cargo_seed);
+    for (size_t left = n; left > 1; left--) {
+        size_t k = (size_t)(random_unit(&random) * (double)left);
+        uint32_t last = kinds[left - 1];
+        kinds[left - 1] = kinds[k];
+        kinds[k] = last;
+    }
     *ret_kinds = kinds;
     return BF_OK;
 }

@@ -88,11 +88,6 @@ static size_t find_bucket(const overlap_grid *c, size_t level, int64_t column, i
     return (size_t)((mixed ^ mixed >> 32) + (uint64_t)column) & (c->n_buckets - 1);
 }
 
-static const shape_footprint *footprint_of(const overlap_grid *c, size_t k)
-{
-    return &c->footprints[mix_kind(c->kinds, k)];
-}
-
 static int64_t cell_at(const overlap_level *level, double place)
 {
     return (int64_t)floor(place / level->cell);
@@ -173,7 +168,7 @@ bool overlap_grid_overlaps(overlap_grid *c, size_t part, scene_pose pose, size_t
 {
     candidate own;
 
-    own.footprint = footprint_of(c, part);
+    own.footprint = &c->footprints[mix_kind(c->kinds, part)];
     own.centre = (vec2){ pose.x, pose.y };
     shape_place(own.footprint, pose, own.corners);
     c->steps += STEPS_BEGIN + own.footprint->n_corners;

@@ -41,23 +41,6 @@ double placement_excess(const surroundings *around, const shape_footprint *footp
     return excess + shape_extent(footprint, pose.heading, outward);
 }
 
-static void place_hexagonal(const scene_initial *initial, scene_pose *ret_poses)
-{
-    double row_distance = initial->spacing * (sqrt(3.0) / 2.0);
-
-    for (size_t row = 0; row < initial->n_rows; row++) {
-        double x = initial->first.x + (row % 2 == 1 ? 0.5 * initial->spacing : 0.0);
-        double y = initial->first.y + (double)row * row_distance;
-        for (size_t column = 0; column < initial->n_columns; column++)
-            *ret_poses++ = (scene_pose){ x + (double)column * initial->spacing, y, 0.0 };
-    }
-}
-
-static const shape_footprint *footprint_of(const overlap_grid *c, size_t k)
-{
-    return &c->footprints[mix_kind(c->kinds, k)];
-}
-
 static bool is_inside(const surroundings *around, const shape_footprint *footprint, scene_pose pose)
 {
     const double clear = -(1.0 + 1e-9) * footprint->bounding_radius;
@@ -85,7 +68,7 @@ static size_t fill_region(const scene *s, uint64_t steps_max, const bf_faults *c
          left > 0 && n < s->initial.n_random && c->steps <= steps_max &&
          !faults_are_cancelled(check);
          left--) {
-        const shape_footprint *footprint = footprint_of(c, n);
+        const shape_footprint *footprint = &c->footprints[mix_kind(c->kinds, n)];
         scene_pose pose = { .heading = 0.0 };
         pose.x = region->x_min + random_unit(&random) * (region->x_max - region->x_min);
         pose.y = region->y_min + random_unit(&random) * (region->y_max - region->y_min);
@@ -212,9 +195,16 @@ bf_status placement_make_within(const scene *s, uint64_t steps_max, const bf_fau
     }
     if (s->initial.type == SCENE_INITIAL_POSITIONS && p.n > 0)
         memcpy(p.poses, s->initial.poses, p.n * sizeof *p.poses);
-    else if (s->initial.type == SCENE_INITIAL_HEXAGONAL)
-        place_hexagonal(&s->initial, p.poses);
-    else if (s->initial.type == SCENE_INITIAL_RANDOM)
+    else if (s->initial.type == SCENE_INITIAL_HEXAGONAL) {
+        scene_pose *next = p.poses;
+        double row_distance = s->initial.spacing * (sqrt(3.0) / 2.0);
+        for (size_t row = 0; row < s->initial.n_rows; row++) {
+            double x = s->initial.first.x + (row % 2 == 1 ? 0.5 * s->initial.spacing : 0.0);
+            double y = s->initial.first.y + (double)row * row_distance;
+            for (size_t column = 0; column < s->initial.n_columns; column++)
+                *next++ = (scene_pose){ x + (double)column * s->initial.spacing, y, 0.0 };
+        }
+    } else if (s->initial.type == SCENE_INITIAL_RANDOM)
         status = place_random(s, p.kinds, steps_max, check, p.poses, err);
     if (status != BF_OK) {
         placement_fini(&p);

@@ -51,17 +51,6 @@ static size_t strip_at(const plate_findings *f, double y)
     return (size_t)fmin(fmax(floor((y - f->bottom) / f->height), 0.0), (double)f->n_strips - 1.0);
 }
 
-/// As many strips as hold about as many parts each as there are strips, but none lower than a part.
-static void lay_strips(plate_findings *f)
-{
-    const scene_rect *d = &f->s->domain;
-    const double height = d->y_max - d->y_min, n_most = ceil(sqrt((double)f->p->n));
-
-    f->bottom = d->y_min;
-    f->height = fmax(height / fmax(n_most, 1.0), 2.0 * f->radius);
-    f->n_strips = (size_t)fmax(ceil(height / f->height), 1.0);
-}
-
 static void sort_places(plate_findings *f)
 {
     const scene_pose *poses = f->p->poses;
@@ -81,15 +70,6 @@ static void sort_places(plate_findings *f)
         if (f->ends[strip] > first)
             qsort(f->places + first, f->ends[strip] - first, sizeof *f->places, compare_places);
     }
-}
-
-/// The first place of a strip at or beyond x.
-static size_t find_first(const plate_findings *f, size_t strip, double x)
-{
-    const size_t first = strip == 0 ? 0 : f->ends[strip - 1];
-
-    return first +
-           search_count(&f->places[first].x, sizeof *f->places, f->ends[strip] - first, x, false);
 }
 
 /// The box about what of a plate lies at heights from y_min to y_max.
@@ -127,7 +107,9 @@ static void check_strip(plate_findings *f, const scene_obstacle *obstacle, const
     char room[BF_POINTER_SIZE];
 
     f->steps += STEPS_STRIP;
-    for (size_t i = find_first(f, strip, box.x_min - margin);
+    const size_t first = strip == 0 ? 0 : f->ends[strip - 1];
+    for (size_t i = first + search_count(&f->places[first].x, sizeof *f->places,
+                                         f->ends[strip] - first, box.x_min - margin, false);
          i < f->ends[strip] && f->places[i].x <= box.x_max + margin && !has_ended(f); i++) {
         size_t k = f->places[i].part;
         scene_pose at = f->p->poses[k];
@@ -180,7 +162,12 @@ bf_status placement_check_plates(const scene *s, const scene_placement *p, bf_fa
     mix_footprints(s, f.footprints);
     for (size_t k = 0; k < s->n_cargo; k++)
         f.radius = fmax(f.radius, f.footprints[k].bounding_radius);
-    lay_strips(&f);
+    // As many strips as hold about as many parts each as there are strips, but none lower than a part.
+    const scene_rect *d = &f.s->domain;
+    const double height = d->y_max - d->y_min, n_most = ceil(sqrt((double)f.p->n));
+    f.bottom = d->y_min;
+    f.height = fmax(height / fmax(n_most, 1.0), 2.0 * f.radius);
+    f.n_strips = (size_t)fmax(ceil(height / f.height), 1.0);
     f.ends = memory_alloc(f.n_strips, sizeof *f.ends);
     f.places = memory_alloc(p->n, sizeof *f.places);
     if (f.ends != NULL && f.places != NULL) {

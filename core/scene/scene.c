@@ -27,20 +27,6 @@ static const scene_contact paper_contacts[SCENE_PAIR_COUNT] = {
 
 static const scene_rect unknown_rect = { NAN, NAN, NAN, NAN };
 
-static scene_macro default_macro(void)
-{
-    return (scene_macro){ .step = NAN,
-                          .closure = SCENE_CONGESTED,
-                          .jam_density = 0.93,
-                          .scheme = SCENE_SCHEME_ROE,
-                          .heaviside = SCENE_HEAVISIDE_SHARP,
-                          .heaviside_width = 0.05,
-                          .dispersion = NAN,
-                          .packing = NAN,
-                          .mollifier = paper_mollifier,
-                          .initial_mollifier = NAN };
-}
-
 static scene_micro default_micro(void)
 {
     scene_micro micro = { .integrator = SCENE_INTEGRATOR_AUTO,
@@ -74,7 +60,16 @@ void scene_init(scene *s)
     s->output = (scene_output){ .curve_every = 0.01, .snapshot_every = 0.1 };
     s->jam_time = SCENE_JAM_TIME;
     s->steady_precision = 0.05;
-    s->macro = default_macro();
+    s->macro = (scene_macro){ .step = NAN,
+                              .closure = SCENE_CONGESTED,
+                              .jam_density = 0.93,
+                              .scheme = SCENE_SCHEME_ROE,
+                              .heaviside = SCENE_HEAVISIDE_SHARP,
+                              .heaviside_width = 0.05,
+                              .dispersion = NAN,
+                              .packing = NAN,
+                              .mollifier = paper_mollifier,
+                              .initial_mollifier = NAN };
     s->micro = default_micro();
     s->surfaces = (scene_surfaces){ SCENE_SURFACE_COUNT, SCENE_SURFACE_COUNT };
 }

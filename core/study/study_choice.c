@@ -24,11 +24,6 @@ bool study_has_chance(const study *s, size_t point)
     return s->definition.has_chance && s->places[point].model != STUDY_MACRO;
 }
 
-static bool is_sweep(const study_definition *d)
-{
-    return d->method <= STUDY_SOBOL || d->method == STUDY_SCREEN;
-}
-
 // The model whose points are compared: of a screening the microscopic one as soon as it has said something.
 static size_t first_compared(const study *s)
 {
@@ -73,17 +68,9 @@ static bf_status make_candidates(const study *s, candidates *ret_c, bf_error *er
     return BF_OK;
 }
 
-static void free_candidates(candidates *c)
-{
-    memory_free(c->points);
-    memory_free(c->systems);
-    memory_free(c->are_in);
-    memory_free(c->values);
-}
-
 static bool is_known(const study *s, const candidates *c)
 {
-    bool is = is_sweep(&s->definition);
+    bool is = s->definition.method <= STUDY_SOBOL || s->definition.method == STUDY_SCREEN;
 
     for (size_t k = 0; k < c->n; k++)
         is = is && (c->systems[k].n >= 2 || !study_has_chance(s, c->points[k]));
@@ -215,6 +202,9 @@ bf_status study_choose(const study *s, bool *ret_is_in, study_choice *ret_choice
         choice.n_candidates = c.n;
         *ret_choice = choice;
     }
-    free_candidates(&c);
+    memory_free(c.points);
+    memory_free(c.systems);
+    memory_free(c.are_in);
+    memory_free(c.values);
     return status;
 }

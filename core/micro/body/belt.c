@@ -137,18 +137,6 @@ static void add_point(const body_state *s, const body_body *body, const micro_la
     p->middle = vec3_along(p->middle, fabs(force), point->at);
 }
 
-/// Radius of gyration of the pressure about the vertical.
-static double find_gyration(const belt_pressure *p)
-{
-    double sum = 0.0;
-
-    for (size_t k = 0; k < p->n; k++) {
-        double x = p->at[k].x - p->middle.x, y = p->at[k].y - p->middle.y;
-        sum += fabs(p->force[k]) * (x * x + y * y);
-    }
-    return sqrt(sum / p->sum);
-}
-
 static void find_pressure(const body_state *s, const body_body *body, belt_pressure *p)
 {
     const micro_law *law = &s->kinds[body->kind].belt_law;
@@ -169,7 +157,13 @@ static void find_pressure(const body_state *s, const body_body *body, belt_press
     if (p->sum <= 0.0)
         return;
     p->middle = vec3_scale(p->middle, 1.0 / p->sum);
-    p->gyration = find_gyration(p);
+    // Radius of gyration of the pressure about the vertical.
+    double sum = 0.0;
+    for (size_t k = 0; k < p->n; k++) {
+        double x = p->at[k].x - p->middle.x, y = p->at[k].y - p->middle.y;
+        sum += fabs(p->force[k]) * (x * x + y * y);
+    }
+    p->gyration = sqrt(sum / p->sum);
 }
 
 /// The sums for a body with a whole face in contact, without its points: the force in a point p of the

@@ -53,18 +53,6 @@ static void note_radius(body_state *s, double radius)
     s->bounding_radius_min = fmin(s->bounding_radius_min, radius);
 }
 
-/// The extremes of all parts that there may be, and lengths that follow.
-static void find_extremes(body_state *s)
-{
-    s->bounding_radius_min = s->n > 0 || s->def.n_parts_expected > 0 ? DBL_MAX : 1.0;
-    for (size_t k = 0; k < s->n; k++)
-        note_radius(s, s->bounding_radius[k]);
-    for (size_t k = 0; s->def.n_parts_expected > 0 && k < s->n_kinds; k++)
-        note_radius(s, s->kinds[k].shape.radius);
-    s->list.skin = SKIN * s->bounding_radius_min;
-    s->map_range = s->bounding_radius_max;
-}
-
 /// Copy the definition without its arrays.
 static void take_def(body_state *s, const micro_def *def)
 {
@@ -128,20 +116,6 @@ static void write_pairs(body_state *s)
     }
 }
 
-/// Set the links of neighbours with smaller ids: pairs come up in the order in which they stand at the part
-/// with the smaller id.
-static void link_back(body_state *s)
-{
-    const neighbours_list *list = &s->list;
-    size_t *cursor = s->cursor;
-
-    memcpy(cursor, s->first_pair, s->n * sizeof *cursor);
-    for (size_t k = 0; k < s->n; k++)
-        for (size_t at = list->start[k]; at < list->start[k + 1]; at++)
-            if (list->neighbour[at] < k)
-                s->links[at] = (uint32_t)cursor[list->neighbour[at]]++;
-}
-
 bf_status body__list(body_state *s, bf_error *err)
 {
     const neighbours_parts parts = { .x = &s->bodies->x.x,
@@ -157,7 +131,15 @@ bf_status body__list(body_state *s, bf_error *err)
     if (count_pairs(s) != BF_OK || s->first_pair[s->n] > UINT32_MAX)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the pairs of neighbours");
     write_pairs(s);
-    link_back(s);
+    // Set the links of neighbours with smaller ids: pairs come up in the order in which they stand at the part
+    // with the smaller id.
+    const neighbours_list *list = &s->list;
+    size_t *cursor = s->cursor;
+    memcpy(cursor, s->first_pair, s->n * sizeof *cursor);
+    for (size_t k = 0; k < s->n; k++)
+        for (size_t at = list->start[k]; at < list->start[k + 1]; at++)
+            if (list->neighbour[at] < k)
+                s->links[at] = (uint32_t)cursor[list->neighbour[at]]++;
     body_pair *swap = s->pairs;
     size_t swap_capacity = s->pairs_capacity;
     s->pairs = s->spare;
@@ -215,7 +197,14 @@ static bf_status create(const micro_def *def, micro_common **ret_state, bf_error
         (status = init_arrays(s, def->n_parts, err)) == BF_OK &&
         (status = body__belt_init(s, def, err)) == BF_OK) {
         place_parts(s, def);
-        find_extremes(s);
+        // The extremes of all parts that there may be, and lengths that follow.
+        s->bounding_radius_min = s->n > 0 || s->def.n_parts_expected > 0 ? DBL_MAX : 1.0;
+        for (size_t k = 0; k < s->n; k++)
+            note_radius(s, s->bounding_radius[k]);
+        for (size_t k = 0; s->def.n_parts_expected > 0 && k < s->n_kinds; k++)
+            note_radius(s, s->kinds[k].shape.radius);
+        s->list.skin = SKIN * s->bounding_radius_min;
+        s->map_range = s->bounding_radius_max;
         if (def->integrator == MICRO_IMPLICIT)
             status = body__implicit_init(s, err);
         if (status == BF_OK)

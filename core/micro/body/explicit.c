@@ -30,20 +30,6 @@ static void find_block_forces(const driver_member *m, size_t block)
         body__find_pair_force(s, &s->pairs[p], &s->reports[block]);
 }
 
-/// Add the forces of the neighbours of part k.
-static void add_pairs(const body_state *s, size_t k, body_load *load)
-{
-    for (size_t at = s->list.start[k]; at < s->list.start[k + 1]; at++) {
-        const body_pair *pair = &s->pairs[s->links[at]];
-        if (!pair->has_force)
-            continue;
-        bool is_a = pair->a == k;
-        load->force =
-            is_a ? vec3_sub(load->force, pair->force) : vec3_add(load->force, pair->force);
-        load->torque = vec3_add(load->torque, is_a ? pair->torque_a : pair->torque_b);
-    }
-}
-
 /// Solve m x = b by Cramer's rule.
 static vec3 solve(const mat3 *m, vec3 b)
 {
@@ -93,18 +79,6 @@ static double drift(body_body *body, double dt)
     return vec3_dot(way, way);
 }
 
-static body_load load_of(body_state *s, size_t k, body_report *report)
-{
-    double mass = s->kinds[s->bodies[k].kind].mass;
-    body_load load = { .torque = { 0.0, 0.0, 0.0 } };
-
-    add_pairs(s, k, &load);
-    body__add_boundary_forces(s, k, &load, report);
-    body__add_belt_forces(s, k, &load);
-    load.force = vec3_along(load.force, mass, body__gravity(s, k));
-    return load;
-}
-
 void body__move(body_state *s, size_t k, body_report *report)
 {
     body_body *body = &s->bodies[k];
@@ -129,8 +103,22 @@ static void move_part(body_state *s, size_t k, bool is_first, body_report *repor
 
     // The first step is forward Euler, with the initial velocities.
     if (!is_first) {
-        body_load load = load_of(s, k, report);
-        double dt_over_mass = dt / s->kinds[body->kind].mass;
+        double mass = s->kinds[body->kind].mass;
+        body_load load = { .torque = { 0.0, 0.0, 0.0 } };
+        // Add the forces of the neighbours of part k.
+        for (size_t at = s->list.start[k]; at < s->list.start[k + 1]; at++) {
+            const body_pair *pair = &s->pairs[s->links[at]];
+            if (!pair->has_force)
+                continue;
+            bool is_a = pair->a == k;
+            load.force =
+                is_a ? vec3_sub(load.force, pair->force) : vec3_add(load.force, pair->force);
+            load.torque = vec3_add(load.torque, is_a ? pair->torque_a : pair->torque_b);
+        }
+        body__add_boundary_forces(s, k, &load, report);
+        body__add_belt_forces(s, k, &load);
+        load.force = vec3_along(load.force, mass, body__gravity(s, k));
+        double dt_over_mass = dt / mass;
         body->v =
             vec3_along(vec3_scale(body->v, 1.0 - s->def.damping * dt), dt_over_mass, load.force);
         body->w = body__integrate_spin(s, body, load.torque);

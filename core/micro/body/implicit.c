@@ -231,16 +231,6 @@ static void sweep(const driver_member *m, driver_work *work)
     driver_split_groups(m, z->colour, BODY_COLOURS + 1, BODY_SLICE, work);
 }
 
-static void note_constraint(const body_state *s, const body_constraint *p, body_report *report)
-{
-    double half_width = s->kinds[s->bodies[p->b].kind].half_width;
-
-    if (p->a != BODY_STATIC)
-        half_width = fmin(half_width, s->kinds[s->bodies[p->a].kind].half_width);
-    if (p->belt_kind == NULL && p->batch->normal_impulse[p->lane] > 0.0 && p->depth > 0.0)
-        body__note(report, p->b, p->a, p->depth, half_width);
-}
-
 /// Store the warm starts of a block, and move its parts.
 static void move_block(const driver_member *m, size_t block)
 {
@@ -249,8 +239,13 @@ static void move_block(const driver_member *m, size_t block)
     const body_block_buffer *buffer = &z->buffers[block];
 
     for (size_t k = buffer->first; k < buffer->first + buffer->n; k++) {
-        body_implicit__store_warm_start(&z->constraints[k]);
-        note_constraint(s, &z->constraints[k], &s->reports[block]);
+        const body_constraint *p = &z->constraints[k];
+        body_implicit__store_warm_start(p);
+        double half_width = s->kinds[s->bodies[p->b].kind].half_width;
+        if (p->a != BODY_STATIC)
+            half_width = fmin(half_width, s->kinds[s->bodies[p->a].kind].half_width);
+        if (p->belt_kind == NULL && p->batch->normal_impulse[p->lane] > 0.0 && p->depth > 0.0)
+            body__note(&s->reports[block], p->b, p->a, p->depth, half_width);
     }
     for (size_t k = body__first_of(block); k < body__last_of(s, block); k++) {
         if (s->common.presence[k])

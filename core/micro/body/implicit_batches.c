@@ -39,25 +39,20 @@ static void add_to_batch(body_constraint *constraint, size_t lane, body_batch *b
     batch->n = (uint32_t)lane + 1;
 }
 
-/// Give each constraint of a pair its colour, in the order of the parts.
-static void choose_colours(body_solver *z, size_t n_blocks, size_t *count)
-{
-    for (size_t block = 0; block < n_blocks; block++) {
-        const body_block_buffer *buffer = &z->buffers[block];
-        for (size_t k = buffer->first; k < buffer->first + buffer->n_pairs; k++) {
-            body_constraint *p = &z->constraints[k];
-            p->colour = colours_take(&z->used_colours[p->a], &z->used_colours[p->b], BODY_COLOURS);
-            count[p->colour]++;
-        }
-    }
-}
-
 static void batch_pairs(const body_state *s, body_solver *z)
 {
     size_t at[BODY_COLOURS + 1] = { 0 };
 
     memset(z->used_colours, 0, s->n * sizeof *z->used_colours);
-    choose_colours(z, s->n_blocks, at);
+    // Give each constraint of a pair its colour, in the order of the parts.
+    for (size_t block = 0; block < s->n_blocks; block++) {
+        const body_block_buffer *buffer = &z->buffers[block];
+        for (size_t k = buffer->first; k < buffer->first + buffer->n_pairs; k++) {
+            body_constraint *p = &z->constraints[k];
+            p->colour = colours_take(&z->used_colours[p->a], &z->used_colours[p->b], BODY_COLOURS);
+            at[p->colour]++;
+        }
+    }
     z->colour[0] = 0;
     for (int c = 0; c <= BODY_COLOURS; c++) {
         const size_t width = c < BODY_COLOURS ? BODY_BATCH : 1;
@@ -153,17 +148,6 @@ static void fill_vector(vec3 from, size_t lane, body_lanes *to)
     to[2][lane] = from.z;
 }
 
-/// The velocity of the boundary.
-static void fill_surface(const body_constraint *p, size_t lane, body_batch *batch)
-{
-    vec3 velocity = { 0.0, 0.0, 0.0 };
-
-    if (p->moving != NULL)
-        velocity = body__surface_velocity(p->moving, p->axis[2], p->lever[0]);
-    fill_vector(velocity, lane, batch->surface);
-    batch->surface[3][lane] = p->moving != NULL ? p->moving->spin : 0.0;
-}
-
 static void fill_belt(const body_constraint *p, size_t lane, body_batch *batch)
 {
     const micro_law *law = &p->law;
@@ -226,7 +210,12 @@ static void fill_lane(const body_state *s, const body_constraint *p, size_t lane
         fill_vector(p->lever[0], lane, batch->lever[0]);
         return;
     }
-    fill_surface(p, lane, batch);
+    // The velocity of the boundary.
+    vec3 velocity = { 0.0, 0.0, 0.0 };
+    if (p->moving != NULL)
+        velocity = body__surface_velocity(p->moving, p->axis[2], p->lever[0]);
+    fill_vector(velocity, lane, batch->surface);
+    batch->surface[3][lane] = p->moving != NULL ? p->moving->spin : 0.0;
     fill_inertia(s, p, lane, batch);
     if (batch->is_belt)
         fill_belt(p, lane, batch);

@@ -28,13 +28,6 @@ static body_contact_point contact_point_of(const contact_points *from, size_t k)
     return (body_contact_point){ point->at, contact->hull.normal, point->depth, point->weight };
 }
 
-static contact_points list_contact_points(const body_contact *contact)
-{
-    size_t n = contact->is_closed_form ? contact->n_points : contact->hull.n;
-
-    return (contact_points){ contact, n, contact->is_closed_form ? n : contact->hull.n_below };
-}
-
 /// Middle and mean normal of the points that overlap; of all points where none does.
 static vec3 find_middle(const contact_points *from, vec3 *ret_normal)
 {
@@ -53,14 +46,6 @@ static vec3 find_middle(const contact_points *from, vec3 *ret_normal)
     return vec3_scale(middle, 1.0 / sum);
 }
 
-static void add_weighted(body_constraint_point *to, const body_constraint_point *from)
-{
-    to->x += from->weight * from->x;
-    to->y += from->weight * from->y;
-    to->depth += from->weight * from->depth;
-    to->weight += from->weight;
-}
-
 /// The weighted mean of n points of a face.
 static body_constraint_point join_points(const body_constraint_point *points, size_t n)
 {
@@ -68,8 +53,12 @@ static body_constraint_point join_points(const body_constraint_point *points, si
 
     if (n == 1)
         return points[0];
-    for (size_t k = 0; k < n; k++)
-        add_weighted(&joint, &points[k]);
+    for (size_t k = 0; k < n; k++) {
+        joint.x += points[k].weight * points[k].x;
+        joint.y += points[k].weight * points[k].y;
+        joint.depth += points[k].weight * points[k].depth;
+        joint.weight += points[k].weight;
+    }
     joint.x /= joint.weight;
     joint.y /= joint.weight;
     joint.depth /= joint.weight;
@@ -112,20 +101,6 @@ static size_t reduce_points(body_constraint_point *points, size_t n, size_t most
     return most;
 }
 
-/// Reduce the points of a contact in place of which the constraint has fewer.
-static void take_fewer(const contact_points *from, size_t most_below, body_constraint_point *points,
-                       body_constraint *p)
-{
-    body_constraint_point *coming = &points[from->n_below];
-    const size_t n_below = reduce_points(points, from->n_below, most_below);
-    const size_t n_coming =
-        reduce_points(coming, from->n - from->n_below, BODY_CONSTRAINT_POINTS - n_below);
-
-    memcpy(p->point, points, n_below * sizeof *points);
-    memcpy(&p->point[n_below], coming, n_coming * sizeof *points);
-    p->n = (uint32_t)(n_below + n_coming);
-}
-
 /// Take all points of the contact, in the axes of the constraint, those that overlap first; fewer if it has more than there
 /// is room for.
 static void take_points(const contact_points *from, vec3 middle, body_constraint *p)
@@ -143,8 +118,16 @@ static void take_points(const contact_points *from, vec3 middle, body_constraint
             p->normal[k] = body_implicit__to_axes(p, contact_point.normal);
     }
     p->n = (uint32_t)from->n;
-    if (!has_room)
-        take_fewer(from, most_below, points, p);
+    if (!has_room) {
+        // Reduce the points of a contact in place of which the constraint has fewer.
+        body_constraint_point *coming = &points[from->n_below];
+        const size_t n_below = reduce_points(points, from->n_below, most_below);
+        const size_t n_coming =
+            reduce_points(coming, from->n - from->n_below, BODY_CONSTRAINT_POINTS - n_below);
+        memcpy(p->point, points, n_below * sizeof *points);
+        memcpy(&p->point[n_below], coming, n_coming * sizeof *points);
+        p->n = (uint32_t)(n_below + n_coming);
+    }
 }
 
 /// Take the impulse of the last step, in the axes of this one.
@@ -168,18 +151,12 @@ typedef struct constraint_source {
     const body_warm_start *before; // impulse of the previous step; NULL: none
 } constraint_source;
 
-static void set_axes(const constraint_source *source, vec3 normal, body_constraint *p)
-{
-    p->axis[2] = normal;
-    p->axis[0] = source->belt_kind != NULL ? (vec3){ 1.0, 0.0, 0.0 } : vec3_aside(normal);
-    p->axis[1] = vec3_cross(normal, p->axis[0]);
-}
-
 /// Make the constraint of a contact. Returns false, with undefined output, if it has no points.
 static bool make_constraint(const body_state *s, const constraint_source *source,
                             const body_contact *contact, body_constraint *ret_constraint)
 {
-    const contact_points from = list_contact_points(contact);
+    size_t n = contact->is_closed_form ? contact->n_points : contact->hull.n;
+    const contact_points from = { contact, n, contact->is_closed_form ? n : contact->hull.n_below };
     body_constraint *p = ret_constraint;
     vec3 normal;
 
@@ -194,7 +171,9 @@ static bool make_constraint(const body_state *s, const constraint_source *source
     p->moving = source->moving;
     p->is_flat = from.n == 1 || !contact->is_closed_form;
     p->law = *source->law;
-    set_axes(source, normal, p);
+    p->axis[2] = normal;
+    p->axis[0] = source->belt_kind != NULL ? (vec3){ 1.0, 0.0, 0.0 } : vec3_aside(normal);
+    p->axis[1] = vec3_cross(normal, p->axis[0]);
     p->lever[1] = vec3_sub(middle, s->bodies[p->b].x);
     if (p->a != BODY_STATIC)
         p->lever[0] = vec3_sub(middle, s->bodies[p->a].x);

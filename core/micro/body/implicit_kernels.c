@@ -222,19 +222,6 @@ static inline simd find_secant(const body_batch *p, size_t lane, simd impulse, s
                             simd_sqrt(slip_x * slip_x + slip_y * slip_y));
 }
 
-static inline void add_sliding(const body_batch *p, size_t lane, const lanes_point *points,
-                               const simd q[6], lanes_law *law)
-{
-    for (uint32_t k = 0; k < p->n_points; k++) {
-        const lanes_point *point = &points[k];
-        if (is_nowhere(point->impulse))
-            continue;
-        const simd secant =
-            find_secant(p, lane, point->impulse, q[0] - point->y * q[5], q[1] + point->x * q[5]);
-        add_secant(law, secant, point->x, point->y);
-    }
-}
-
 // The secant coefficient of (8), about the normal, with the radius of gyration of the pressure about its centre.
 static inline simd find_spin_secant(const body_batch *p, size_t lane, const lanes_point *points,
                                     simd x, simd y, simd impulse, simd divisor, simd spin)
@@ -334,8 +321,17 @@ static inline simd iterate(const body_batch *p, size_t lane, simd on, simd activ
         add_normals(p, lane, points, &law);
         if (p->is_belt)
             add_belt(p, lane, points, sum, q_end, &law);
-        else if (has_friction)
-            add_sliding(p, lane, points, q_end, &law);
+        else if (has_friction) {
+            for (uint32_t k = 0; k < p->n_points; k++) {
+                const lanes_point *point = &points[k];
+                if (is_nowhere(point->impulse))
+                    continue;
+                const simd secant =
+                    find_secant(p, lane, point->impulse, q_end[0] - point->y * q_end[5],
+                                q_end[1] + point->x * q_end[5]);
+                add_secant(&law, secant, point->x, point->y);
+            }
+        }
         solve_law(p, lane, &law, q, dq, more);
         for (int k = 0; k < 6; k++) {
             q_end[k] = q[k] + dq[k];
@@ -349,21 +345,16 @@ static inline simd iterate(const body_batch *p, size_t lane, simd on, simd activ
     return sum;
 }
 
-static inline void load_points(const body_batch *p, size_t lane, lanes_point *ret_points)
-{
-    for (uint32_t k = 0; k < p->n_points; k++) {
-        ret_points[k].x = simd_load(p->point[k].x + lane);
-        ret_points[k].y = simd_load(p->point[k].y + lane);
-        ret_points[k].impulse = simd_load(p->point[k].normal_impulse + lane);
-    }
-}
-
 static void solve_lanes(body_solver_body *bodies, body_batch *p, size_t lane)
 {
     lanes_point points[BODY_CONSTRAINT_POINTS];
     simd q[6], impulse[6], more[6] = { 0 }, impulses[BODY_CONSTRAINT_POINTS];
 
-    load_points(p, lane, points);
+    for (uint32_t k = 0; k < p->n_points; k++) {
+        points[k].x = simd_load(p->point[k].x + lane);
+        points[k].y = simd_load(p->point[k].y + lane);
+        points[k].impulse = simd_load(p->point[k].normal_impulse + lane);
+    }
     lanes_ends e = load_ends(bodies, p, lane);
     find_relative_velocity(p, lane, &e, q);
     const simd active = find_active(p, lane, q, points, impulses);

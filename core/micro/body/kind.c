@@ -54,13 +54,6 @@ static hull_mass mass_of(const scene_shape *shape, const hull *h)
                     { { { across, 0.0, 0.0 }, { 0.0, across, 0.0 }, { 0.0, 0.0, 0.5 * r * r } } } };
 }
 
-static void add_product(mat3 *m, double factor, vec3 a)
-{
-    m->row[0] = vec3_along(m->row[0], factor * a.x, a);
-    m->row[1] = vec3_along(m->row[1], factor * a.y, a);
-    m->row[2] = vec3_along(m->row[2], factor * a.z, a);
-}
-
 /// Moments of a face with weights as in manifold.h: half the two sides that meet in a corner, divided by the
 /// outline.
 static body_face weigh_face(const hull *h, size_t face_id)
@@ -80,7 +73,10 @@ static body_face weigh_face(const hull *h, size_t face_id)
         face.centre = vec3_along(face.centre, weight[k] / outline, hull_vertex(h, corner[k]));
     for (size_t k = 0; k < n; k++) {
         vec3 off = vec3_sub(hull_vertex(h, corner[k]), face.centre);
-        add_product(&face.spread, weight[k] / outline, off);
+        const double factor = weight[k] / outline;
+        face.spread.row[0] = vec3_along(face.spread.row[0], factor * off.x, off);
+        face.spread.row[1] = vec3_along(face.spread.row[1], factor * off.y, off);
+        face.spread.row[2] = vec3_along(face.spread.row[2], factor * off.z, off);
         face.skew = vec3_along(face.skew, weight[k] / outline * vec3_dot(off, off), off);
         face.radius = fmax(face.radius, vec3_length(off));
     }

@@ -80,19 +80,6 @@ bool body__is_absent(const body_state *s, uint32_t plate)
     return s->moving != NULL && s->moving[plate].recess == INFINITY;
 }
 
-static void recess_points(body_contact *contact, double recess, double margin)
-{
-    size_t n = 0;
-
-    for (size_t k = 0; k < contact->n_points; k++) {
-        body_contact_point point = contact->points[k];
-        point.depth -= recess;
-        if (point.depth > -margin)
-            contact->points[n++] = point;
-    }
-    contact->n_points = n;
-}
-
 // Points that still overlap stay the first.
 static void recess_hull(manifold *m, double recess, double margin)
 {
@@ -118,10 +105,18 @@ void body__recess_contact(const body_state *s, uint32_t plate, double margin, bo
 {
     const double recess = s->moving != NULL ? s->moving[plate].recess : 0.0;
 
-    if (recess > 0.0 && contact->is_closed_form)
-        recess_points(contact, recess, margin);
-    else if (recess > 0.0)
+    if (recess > 0.0 && contact->is_closed_form) {
+        size_t n = 0;
+        for (size_t k = 0; k < contact->n_points; k++) {
+            body_contact_point point = contact->points[k];
+            point.depth -= recess;
+            if (point.depth > -margin)
+                contact->points[n++] = point;
+        }
+        contact->n_points = n;
+    } else if (recess > 0.0) {
         recess_hull(&contact->hull, recess, margin);
+    }
 }
 
 vec3 body__surface_velocity(const body_moving *moving, vec3 n, vec3 to)

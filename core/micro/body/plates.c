@@ -97,17 +97,6 @@ static void join_plates(body_state *s, double bend)
     }
 }
 
-static void make_plates(body_state *s, const scene_obstacle *obstacle)
-{
-    for (size_t first = 0, last = 1; last < obstacle->n_points; first = last++) {
-        while (last + 1 < obstacle->n_points && is_straight(obstacle, last))
-            last++;
-        s->plates[s->n_plates++] = make_plate(s, obstacle, first, last);
-        if (first > 0)
-            join_plates(s, measure_bend(obstacle, first));
-    }
-}
-
 /// True if a point is beyond the start (end = 0) or the end (end = 1) of a plate.
 static bool is_beyond(const body_plate *plate, int end, double x, double y)
 {
@@ -278,7 +267,13 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
     for (size_t k = 0; k < def->n_obstacles; k++) {
         const size_t first = s->n_plates;
-        make_plates(s, &def->obstacles[k]);
+        for (size_t start = 0, last = 1; last < def->obstacles[k].n_points; start = last++) {
+            while (last + 1 < def->obstacles[k].n_points && is_straight(&def->obstacles[k], last))
+                last++;
+            s->plates[s->n_plates++] = make_plate(s, &def->obstacles[k], start, last);
+            if (start > 0)
+                join_plates(s, measure_bend(&def->obstacles[k], start));
+        }
         if (scene_obstacle_moves(&def->obstacles[k]))
             body__add_moving_plates(s, def, k, first);
     }

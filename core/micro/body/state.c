@@ -83,16 +83,6 @@ static vec2 half_sides(const body_body *body, const body_kind *kind, vec2 along)
     return half;
 }
 
-static micro_place tilted_place(const body_body *body, const body_kind *kind, double heading)
-{
-    const vec2 half = half_sides(body, kind, shape_direction(heading));
-
-    return (micro_place){ .kind = body->kind,
-                          .pose = { body->x.x, body->x.y, heading },
-                          .radius = hypot(half.x, half.y),
-                          .half = half };
-}
-
 micro_place body__place(const void *state, size_t k)
 {
     const body_state *s = state;
@@ -102,8 +92,14 @@ micro_place body__place(const void *state, size_t k)
     const mat3 r = mat3_of_quat(q);
     const vec3 origin = vec3_sub(body->x, mat3_apply(&r, kind->centre));
 
-    if (r.row[2].z < FLAT)
-        return tilted_place(body, kind, atan2(r.row[1].x, r.row[0].x));
+    if (r.row[2].z < FLAT) {
+        const double heading = atan2(r.row[1].x, r.row[0].x);
+        const vec2 half = half_sides(body, kind, shape_direction(heading));
+        return (micro_place){ .kind = body->kind,
+                              .pose = { body->x.x, body->x.y, heading },
+                              .radius = hypot(half.x, half.y),
+                              .half = half };
+    }
     return (micro_place){ .kind = body->kind,
                           .is_flat = true,
                           .pose = { origin.x, origin.y, atan2(r.row[1].x, r.row[0].x) },
@@ -164,33 +160,9 @@ static uint64_t save_warm_start(uint32_t a, uint32_t b, const body_warm_start *w
     return 1;
 }
 
-static uint64_t save_warm_starts(const body_state *s, checkpoint_writer *w)
-{
-    uint64_t n = 0;
-
-    for (size_t k = 0; k < s->n_pairs; k++)
-        n += save_warm_start(s->pairs[k].a, s->pairs[k].b, &s->pairs[k].warm_start, w);
-    for (size_t k = 0; k < s->n; k++)
-        for (size_t m = 0; m < BODY_WARM_STARTS; m++)
-            n += save_warm_start((uint32_t)k, BODY_STATIC, &s->implicit->warm_starts[k][m], w);
-    return n;
-}
-
 static bool is_empty(const body_memory *memory)
 {
     return memory->feature.kind == MANIFOLD_NONE && vec3_dot(memory->axis, memory->axis) == 0.0;
-}
-
-static saved_part save_part(const body_state *s, size_t k)
-{
-    const body_body *body = &s->bodies[k];
-
-    return (saved_part){ { body->x.x, body->x.y, body->x.z },
-                         { body->q.w, body->q.v.x, body->q.v.y, body->q.v.z },
-                         { body->v.x, body->v.y, body->v.z },
-                         { body->w.x, body->w.y, body->w.z },
-                         s->common.presence[k],
-                         body->kind };
 }
 
 static saved_pair save_memory(size_t a, size_t b, const body_memory *memory)
@@ -200,20 +172,6 @@ static saved_pair save_memory(size_t a, size_t b, const body_memory *memory)
                          { memory->axis.x, memory->axis.y, memory->axis.z },
                          memory->gap,
                          { memory->feature.kind, memory->feature.of_a, memory->feature.of_b, 0 } };
-}
-
-/// Append the plate memories of part k and count them in the header.
-static void save_plate_memories(const body_state *s, size_t k, checkpoint_writer *w,
-                                saved_header *header)
-{
-    for (size_t slot = 0; slot < BODY_PLATE_MEMORIES; slot++) {
-        const body_plate_memory *kept = &s->plate_memories[k][slot];
-        if (kept->plate == 0)
-            continue;
-        const saved_plate_memory saved = { save_memory(k, kept->plate - 1u, &kept->memory), slot };
-        header->n_plate_memories++;
-        checkpoint_write(w, &saved, sizeof saved);
-    }
 }
 
 void body__save(const void *state, checkpoint_writer *w)
@@ -227,7 +185,13 @@ void body__save(const void *state, checkpoint_writer *w)
 
     checkpoint_write(w, &header, sizeof header);
     for (size_t k = 0; k < s->n; k++) {
-        const saved_part part = save_part(s, k);
+        const body_body *body = &s->bodies[k];
+        const saved_part part = { { body->x.x, body->x.y, body->x.z },
+                                  { body->q.w, body->q.v.x, body->q.v.y, body->q.v.z },
+                                  { body->v.x, body->v.y, body->v.z },
+                                  { body->w.x, body->w.y, body->w.z },
+                                  s->common.presence[k],
+                                  body->kind };
         checkpoint_write(w, &part, sizeof part);
     }
     for (size_t k = 0; k < s->n_pairs; k++) {
@@ -238,23 +202,27 @@ void body__save(const void *state, checkpoint_writer *w)
         header.n_pairs++;
         checkpoint_write(w, &saved, sizeof saved);
     }
-    for (size_t k = 0; s->plate_memories != NULL && k < s->n; k++)
-        save_plate_memories(s, k, w, &header);
-    if (s->implicit != NULL)
-        header.n_warm_starts = save_warm_starts(s, w);
+    for (size_t k = 0; s->plate_memories != NULL && k < s->n; k++) {
+        for (size_t slot = 0; slot < BODY_PLATE_MEMORIES; slot++) {
+            const body_plate_memory *kept = &s->plate_memories[k][slot];
+            if (kept->plate == 0)
+                continue;
+            const saved_plate_memory saved = { save_memory(k, kept->plate - 1u, &kept->memory),
+                                               slot };
+            header.n_plate_memories++;
+            checkpoint_write(w, &saved, sizeof saved);
+        }
+    }
+    if (s->implicit != NULL) {
+        uint64_t n = 0;
+        for (size_t k = 0; k < s->n_pairs; k++)
+            n += save_warm_start(s->pairs[k].a, s->pairs[k].b, &s->pairs[k].warm_start, w);
+        for (size_t k = 0; k < s->n; k++)
+            for (size_t m = 0; m < BODY_WARM_STARTS; m++)
+                n += save_warm_start((uint32_t)k, BODY_STATIC, &s->implicit->warm_starts[k][m], w);
+        header.n_warm_starts = n;
+    }
     checkpoint_rewrite(w, start, &header, sizeof header);
-}
-
-static body_body load_part(const saved_part *saved)
-{
-    body_body body = { .x = { saved->x[0], saved->x[1], saved->x[2] },
-                       .q = { saved->q[0], { saved->q[1], saved->q[2], saved->q[3] } },
-                       .v = { saved->v[0], saved->v[1], saved->v[2] },
-                       .w = { saved->w[0], saved->w[1], saved->w[2] },
-                       .kind = saved->kind };
-
-    body.r = mat3_of_quat(body.q);
-    return body;
 }
 
 /// How many faces and edges two hulls have; the cuboid of a plate has 6 and 12.
@@ -295,7 +263,13 @@ static bool load_parts(body_state *s, checkpoint_reader *r)
         if (!checkpoint_read(r, &saved, sizeof saved) || saved.presence >= MICRO_PRESENCE_COUNT ||
             saved.kind >= s->n_kinds)
             return false;
-        s->bodies[k] = load_part(&saved);
+        body_body body = { .x = { saved.x[0], saved.x[1], saved.x[2] },
+                           .q = { saved.q[0], { saved.q[1], saved.q[2], saved.q[3] } },
+                           .v = { saved.v[0], saved.v[1], saved.v[2] },
+                           .w = { saved.w[0], saved.w[1], saved.w[2] },
+                           .kind = saved.kind };
+        body.r = mat3_of_quat(body.q);
+        s->bodies[k] = body;
         s->common.presence[k] = (uint8_t)saved.presence;
         s->belt_cache[k].clearance = -1.0;
         s->bounding_radius[k] = s->kinds[saved.kind].shape.radius;

@@ -78,20 +78,6 @@ static void set_constants(disk_state *s, const micro_def *def)
     s->displacement_bound = s->last_bound = INFINITY;
 }
 
-static disk_kind make_kind(const disk_state *s, const micro_kind *kind)
-{
-    const double r = kind->shape.radius;
-
-    // Theta = m r^2 / 2.
-    return (disk_kind){
-        .part = { .radius = r,
-                  .compliance = contact_law_compliance(&kind->material, s->def.modulus_reduction),
-                  .inv_mass = 1.0 / kind->mass },
-        .spin_deceleration = 2.0 * s->belt.friction * s->def.gravity * kind->spin_radius / (r * r),
-        .height = kind->shape.height
-    };
-}
-
 static bf_status copy_kinds(disk_state *s, const micro_def *def)
 {
     s->n_kinds = def->n_kinds;
@@ -100,7 +86,16 @@ static bf_status copy_kinds(disk_state *s, const micro_def *def)
         return BF_ENOMEM;
     s->radius_min = INFINITY;
     for (size_t k = 0; k < def->n_kinds; k++) {
-        s->kinds[k] = make_kind(s, &def->kinds[k]);
+        const micro_kind *kind = &def->kinds[k];
+        const double r = kind->shape.radius;
+        // Theta = m r^2 / 2.
+        s->kinds[k] = (disk_kind){ .part = { .radius = r,
+                                             .compliance = contact_law_compliance(
+                                                 &kind->material, s->def.modulus_reduction),
+                                             .inv_mass = 1.0 / kind->mass },
+                                   .spin_deceleration = 2.0 * s->belt.friction * s->def.gravity *
+                                                        kind->spin_radius / (r * r),
+                                   .height = kind->shape.height };
         s->radius_min = fmin(s->radius_min, s->kinds[k].part.radius);
         s->radius_max = fmax(s->radius_max, s->kinds[k].part.radius);
     }

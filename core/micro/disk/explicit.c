@@ -254,18 +254,6 @@ void disk__plan_tiles(disk_state *s)
     tiles->n_steps = most - most % s->n_partitions;
 }
 
-// Saves the parts of a block.
-static void back_up_block(disk_state *s, const disk_block *block)
-{
-    const size_t last = block[1].group_first * DISK_GROUP;
-
-    for (size_t slot = block->group_first * DISK_GROUP; slot < last; slot++) {
-        const disk *part = &s->now[slot];
-        s->tiling.backup[slot] =
-            (disk_backup){ part->x, part->y, part->vx, part->vy, part->spin, s->heading[slot] };
-    }
-}
-
 static void advance_block(tile *w, int member, int of_step, size_t of_block)
 {
     disk_state *s = w->s;
@@ -277,8 +265,14 @@ static void advance_block(tile *w, int member, int of_step, size_t of_block)
     step.forces = forces_of(s, (size_t)member);
     step.now = of_step % 2 == 0 ? s->now : s->next;
     step.next = of_step % 2 == 0 ? s->next : s->now;
-    if (of_step == 0)
-        back_up_block(s, block);
+    if (of_step == 0) {
+        const size_t last = block[1].group_first * DISK_GROUP;
+        for (size_t slot = block->group_first * DISK_GROUP; slot < last; slot++) {
+            const disk *part = &s->now[slot];
+            s->tiling.backup[slot] =
+                (disk_backup){ part->x, part->y, part->vx, part->vy, part->spin, s->heading[slot] };
+        }
+    }
     s->kernels->add_boundary_forces(&step, block->candidate_first, block[1].candidate_first,
                                     extremes);
     s->kernels->advance(&step, block->group_first, block[1].group_first, extremes);
@@ -387,16 +381,6 @@ static void put_back(disk_state *s)
     s->tiling.n_put_back++;
 }
 
-static void accept(disk_state *s, uint64_t n, driver_outcome outcome,
-                   const driver_progress *progress)
-{
-    for (size_t k = 0; k < s->n_border_parts; k++)
-        if (s->border_parts[k].gone == DISK_GOING)
-            s->border_parts[k].gone = DISK_GONE;
-    end(s, n, outcome, progress);
-    s->tiling.n_made++;
-}
-
 static uint64_t advance_tile(void *state, uint64_t n, uint64_t *ret_most, bool *ret_suspect)
 {
     disk_state *s = state;
@@ -418,7 +402,11 @@ static uint64_t advance_tile(void *state, uint64_t n, uint64_t *ret_most, bool *
         put_back(s);
         return 0;
     }
-    accept(s, n_steps, outcome, &progress);
+    for (size_t k = 0; k < s->n_border_parts; k++)
+        if (s->border_parts[k].gone == DISK_GOING)
+            s->border_parts[k].gone = DISK_GONE;
+    end(s, n_steps, outcome, &progress);
+    s->tiling.n_made++;
     *ret_suspect = outcome == DRIVER_SUSPECT;
     return n_steps;
 }

@@ -151,12 +151,6 @@ INLINED void boundary_forces_lanes(const explicit_step *step, const pair_law *la
         all->ratio = simd_max(overlap / radius, all->ratio);
 }
 
-static void clear_forces(disk *rows)
-{
-    for (size_t k = 0; k < DISK_GROUP; k++)
-        rows[k].x = rows[k].y = rows[k].vx = rows[k].vy = 0.0;
-}
-
 // Adds the forces of SIMD_LANES candidates, of which n are valid. *group is that of the candidate before.
 INLINED void store_forces(const explicit_step *step, const candidate_lanes *t, size_t n,
                           const simd_quad *forces, uint32_t *group)
@@ -165,7 +159,9 @@ INLINED void store_forces(const explicit_step *step, const candidate_lanes *t, s
         disk *to = &step->next[t->slot[k]];
         if (t->slot[k] / DISK_GROUP != *group) {
             *group = t->slot[k] / DISK_GROUP;
-            clear_forces(&step->next[*group * DISK_GROUP]);
+            disk *rows = &step->next[*group * DISK_GROUP];
+            for (size_t row = 0; row < DISK_GROUP; row++)
+                rows[row].x = rows[row].y = rows[row].vx = rows[row].vy = 0.0;
         }
         to->x += forces->column[0][k];
         to->y += forces->column[1][k];

@@ -27,12 +27,6 @@ typedef struct pair_contact {
     double *forces;
 } pair_contact;
 
-static inline void clear_forces(double *forces)
-{
-    for (size_t k = 0; k < DISK_PAIR_DOUBLES; k++)
-        simd_store(forces + k * SIMD_LANES, simd_all(0.0));
-}
-
 INLINED simd contact_distance_of(const pair_law *law, const pair_contact *c, bool uniform)
 {
     return uniform ? law->contact_distance : c->own.column[1] + c->other.column[1];
@@ -60,7 +54,8 @@ INLINED bool find_overlap(const pair_law *law, const disk *rows, const uint32_t 
     const simd range = contact_distance_of(law, c, uniform);
     if (simd_less(distance2, range * range) != 0)
         return true;
-    clear_forces(c->forces);
+    for (size_t k = 0; k < DISK_PAIR_DOUBLES; k++)
+        simd_store(c->forces + k * SIMD_LANES, simd_all(0.0));
     return false;
 }
 

@@ -13,11 +13,6 @@ typedef struct slots {
     size_t first, last; // first <= slot < last
 } slots;
 
-static size_t count_blocks(const disk_state *s)
-{
-    return (s->n_padded / DISK_GROUP + DISK_BLOCK_GROUPS - 1) / DISK_BLOCK_GROUPS;
-}
-
 static slots slots_of(const disk_state *s, size_t block)
 {
     const size_t size = (size_t)DISK_BLOCK_GROUPS * DISK_GROUP, first = block * size;
@@ -127,7 +122,7 @@ static bf_status reserve(disk_state *s, size_t n_pairs, size_t most)
 
 bf_status disk__pair_up(disk_state *s)
 {
-    const size_t n_blocks = count_blocks(s);
+    const size_t n_blocks = (s->n_padded / DISK_GROUP + DISK_BLOCK_GROUPS - 1) / DISK_BLOCK_GROUPS;
     uint32_t *first = s->list.pair_first;
     uint64_t n_pairs = 0, most = 0;
 

@@ -111,14 +111,6 @@ static bool holds(double skin, double displacement_bound, double move)
     return neighbours_holds(skin, displacement_bound + 1.25 * move);
 }
 
-// The list with the skin that pairs are chosen from.
-static bf_status rebuild(disk_state *s, implicit_state *z, bf_error *err)
-{
-    s->skin = z->skin;
-    disk_implicit__unlocate(s, z);
-    return disk__rebuild(s, err);
-}
-
 // The list and the pairs as the next step needs them. The list alone is rebuilt if it was made at another
 // time than the pairs, as after a load.
 static bf_status refresh(void *state, bf_error *err)
@@ -130,8 +122,11 @@ static bf_status refresh(void *state, bf_error *err)
 
     bf_status status = BF_OK;
 
-    if (must_choose || !holds(s->skin, s->displacement_bound, move))
-        status = rebuild(s, z, err);
+    if (must_choose || !holds(s->skin, s->displacement_bound, move)) {
+        s->skin = z->skin;
+        disk_implicit__unlocate(s, z);
+        status = disk__rebuild(s, err);
+    }
     if (status == BF_OK && must_choose)
         status = disk_implicit__choose(s, z, err);
     if (status == BF_OK && !z->is_current)
@@ -263,16 +258,6 @@ static void make_phases(driver_member *m, double travel)
     driver_split(m, 0, (size_t)s->n_partitions, update_partition);
 }
 
-static void raise_overlaps(const implicit_state *z, driver_extremes *largest)
-{
-    for (size_t k = 0; k < z->group_piece[IMPLICIT_GROUPS]; k++) {
-        const implicit_piece *p = &z->pieces[k];
-        largest->overlap = p->overlap > largest->overlap ? p->overlap : largest->overlap;
-        largest->overlap_share =
-            p->overlap_share > largest->overlap_share ? p->overlap_share : largest->overlap_share;
-    }
-}
-
 static driver_outcome step(driver_member *m)
 {
     const disk_state *s = m->state;
@@ -286,7 +271,14 @@ static driver_outcome step(driver_member *m)
     p->last_bound = s->def.dt * sqrt(e.speed2);
     p->pair_bound += p->last_bound + travel;
     p->displacement_bound += p->last_bound + travel;
-    raise_overlaps(z, &p->largest);
+    for (size_t k = 0; k < z->group_piece[IMPLICIT_GROUPS]; k++) {
+        const implicit_piece *piece = &z->pieces[k];
+        p->largest.overlap =
+            piece->overlap > p->largest.overlap ? piece->overlap : p->largest.overlap;
+        p->largest.overlap_share = piece->overlap_share > p->largest.overlap_share
+                                       ? piece->overlap_share
+                                       : p->largest.overlap_share;
+    }
     driver_wait(m);
     if (!isfinite(e.sum) || p->last_bound > 0.5 * s->radius_min ||
         micro__is_pressed(p->largest.overlap_share, &s->def))

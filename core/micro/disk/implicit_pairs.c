@@ -166,23 +166,13 @@ static void add_pair(choice *c, uint32_t id, uint32_t other_id, uint8_t colour)
     c->pairs[c->n++] = (implicit_pair){ .id = { id, other_id } };
 }
 
-// The pairs of a part with those of higher ids; those without a colour go to the last group.
-static void collect_of_part(const disk_state *s, choice *c, uint32_t slot)
+// All pairs, those of parts in the order of ids: colours must not depend on the order
+// of slots, which depends on earlier steps.
+static void collect_pairs(const disk_state *s, choice *c)
 {
-    for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
-        uint32_t other = disk__neighbour(s, slot, row);
-        if (other == s->void_slot || s->id_of[other] < s->id_of[slot])
-            continue;
-        const uint32_t colour = colours_take(&c->used[slot], &c->used[other], IMPLICIT_COLOURS);
-        add_pair(c, s->id_of[slot], s->id_of[other], (uint8_t)(IMPLICIT_BOUNDARY + colour));
-    }
-}
-
-// The candidates, which stand by slot: a part's first one to group 0 and so on.
-static void collect_candidates(const disk_state *s, choice *c)
-{
+    memset(c->used, 0, s->n_padded * sizeof *c->used);
+    // The candidates, which stand by slot: a part's first one to group 0 and so on.
     uint8_t group = 0;
-
     for (size_t k = 0; k < s->n_candidates; k++) {
         disk_candidate t = s->candidates[k];
         bool is_another = k > 0 && s->candidates[k - 1].slot == t.slot;
@@ -191,18 +181,19 @@ static void collect_candidates(const disk_state *s, choice *c)
         add_pair(c, s->id_of[t.slot], IMPLICIT_FEATURE + t.feature,
                  group < IMPLICIT_BOUNDARY ? group : IMPLICIT_REST);
     }
-}
-
-// All pairs, those of parts in the order of ids: colours must not depend on the order
-// of slots, which depends on earlier steps.
-static void collect_pairs(const disk_state *s, choice *c)
-{
-    memset(c->used, 0, s->n_padded * sizeof *c->used);
-    collect_candidates(s, c);
     for (size_t id = 0; id < s->n; id++) {
         c->first[id] = (uint32_t)c->n;
-        if (s->slot_of[id] < s->n_live)
-            collect_of_part(s, c, s->slot_of[id]);
+        if (s->slot_of[id] < s->n_live) {
+            const uint32_t slot = s->slot_of[id];
+            for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
+                uint32_t other = disk__neighbour(s, slot, row);
+                if (other == s->void_slot || s->id_of[other] < s->id_of[slot])
+                    continue;
+                const uint32_t colour =
+                    colours_take(&c->used[slot], &c->used[other], IMPLICIT_COLOURS);
+                add_pair(c, s->id_of[slot], s->id_of[other], (uint8_t)(IMPLICIT_BOUNDARY + colour));
+            }
+        }
     }
     c->first[s->n] = (uint32_t)c->n;
 }
@@ -234,16 +225,6 @@ static void take_impulses(const disk_state *s, const implicit_state *z, choice *
         pair->normal = z->blocks[at / IMPLICIT_WIDTH].normal[at % IMPLICIT_WIDTH];
         pair->sliding = z->blocks[at / IMPLICIT_WIDTH].sliding[at % IMPLICIT_WIDTH];
     }
-}
-
-// Where each group begins if pairs are sorted by groups.
-static void count_groups(const choice *c, size_t ret_group[IMPLICIT_GROUPS + 1])
-{
-    memset(ret_group, 0, (IMPLICIT_GROUPS + 1) * sizeof *ret_group);
-    for (size_t k = 0; k < c->n; k++)
-        ret_group[c->colour[k] + 1]++;
-    for (size_t g = 0; g < IMPLICIT_GROUPS; g++)
-        ret_group[g + 1] += ret_group[g];
 }
 
 // Add a pair to its group, which has n so far.
@@ -283,7 +264,11 @@ bf_status disk_implicit__choose(disk_state *s, implicit_state *z, bf_error *err)
         return status;
     collect_pairs(s, &c);
     take_impulses(s, z, &c);
-    count_groups(&c, group);
+    memset(group, 0, (IMPLICIT_GROUPS + 1) * sizeof *group);
+    for (size_t k = 0; k < c.n; k++)
+        group[c.colour[k] + 1]++;
+    for (size_t g = 0; g < IMPLICIT_GROUPS; g++)
+        group[g + 1] += group[g];
     if ((status = disk_implicit__cut(s, z, group, err)) == BF_OK)
         place_pairs(s, z, &c);
     return status;

@@ -12,14 +12,6 @@ typedef struct box {
     double x_min, x_max, y_min, y_max;
 } box;
 
-static void add_point(box *b, double x, double y)
-{
-    b->x_min = fmin(b->x_min, x);
-    b->x_max = fmax(b->x_max, x);
-    b->y_min = fmin(b->y_min, y);
-    b->y_max = fmax(b->y_max, y);
-}
-
 // a times b, where 0 times infinity is 0.
 static double times(double a, double b)
 {
@@ -34,8 +26,12 @@ static box bound_face(const disk_face *f, double radius, double margin)
 
     for (int k = 0; k < 4; k++) {
         double a = along[k / 2], h = height[k % 2];
-        add_point(&b, f->px + times(a, f->ny) + times(h, f->nx),
-                  f->py - times(a, f->nx) + times(h, f->ny));
+        const double x = f->px + times(a, f->ny) + times(h, f->nx);
+        const double y = f->py - times(a, f->nx) + times(h, f->ny);
+        b.x_min = fmin(b.x_min, x);
+        b.x_max = fmax(b.x_max, x);
+        b.y_min = fmin(b.y_min, y);
+        b.y_max = fmax(b.y_max, y);
     }
     return b;
 }

@@ -86,20 +86,6 @@ void disk__count_contact(micro_totals *totals, double overlap, double radius)
     totals->overlap_share = fmax(totals->overlap_share, overlap / radius);
 }
 
-static void count_contacts_of(const disk_state *s, size_t slot, micro_totals *totals)
-{
-    const disk *part = &s->now[slot];
-
-    for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
-        uint32_t other = disk__neighbour(s, slot, row);
-        const disk *with = &s->now[other];
-        double dx = with->x - part->x, dy = with->y - part->y;
-        if (other > slot && other < s->n_live)
-            disk__count_contact(totals, part->radius + with->radius - sqrt(dx * dx + dy * dy),
-                                fmin(part->radius, with->radius));
-    }
-}
-
 micro_totals disk__measure(const void *state)
 {
     const disk_state *s = state;
@@ -122,8 +108,18 @@ micro_totals disk__measure(const void *state)
     if (pairs != NULL && pairs->is_current)
         disk_implicit__measure(s, pairs, &totals, &unused);
     else
-        for (size_t slot = 0; slot < s->n_live; slot++)
-            count_contacts_of(s, slot, &totals);
+        for (size_t slot = 0; slot < s->n_live; slot++) {
+            const disk *part = &s->now[slot];
+            for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
+                uint32_t other = disk__neighbour(s, slot, row);
+                const disk *with = &s->now[other];
+                double dx = with->x - part->x, dy = with->y - part->y;
+                if (other > slot && other < s->n_live)
+                    disk__count_contact(&totals,
+                                        part->radius + with->radius - sqrt(dx * dx + dy * dy),
+                                        fmin(part->radius, with->radius));
+            }
+        }
     for (size_t k = 0; k < s->n_candidates; k++) {
         const disk *part = &s->now[s->candidates[k].slot];
         bool counts;
