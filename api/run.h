@@ -24,6 +24,7 @@ enum {
 typedef struct api_annotations {
     char name[SCENE_NAME_SIZE]; ///< of a study fewer bytes: API_STUDY_NAME_SIZE
     char label[API_LABEL_SIZE]; ///< of runs
+    char line[API_LABEL_SIZE];  ///< the line that it belongs to
     char notes[API_NOTES_SIZE]; ///< of runs
     bool is_starred;            ///< of runs
 } api_annotations;
@@ -36,6 +37,9 @@ typedef struct api_run {
     int priority;               ///< higher runs first
     char label[API_LABEL_SIZE]; ///< the client's, "" if none
     char name[SCENE_NAME_SIZE]; ///< at first that of the scenario
+    char line[API_LABEL_SIZE];  ///< the line that it belongs to, "" if none
+    uint64_t
+        line_version; ///< which of the line's scenarios it has, from 1 in the order of their first use; 0: no line
     char notes[API_NOTES_SIZE]; ///< of its users, "" if none
     bool is_starred;            ///< its users want to find it again
     char closure

@@ -46,9 +46,10 @@ typedef struct api_list_query {
     int model;                  ///< run_model, or -1: any
     char owner[API_OWNER_SIZE]; ///< "": everybody's
     char label[API_LABEL_SIZE]; ///< "": any
+    char line[API_LABEL_SIZE];  ///< "": any
     char study[API_ID_SIZE];    ///< whose trials; "": only runs that are nobody's trials
     char search
-        [API_LABEL_SIZE]; ///< what name or label contains, A to Z as small letters; "": anything
+        [API_LABEL_SIZE]; ///< what name, label or line contains, A to Z as small letters; "": anything
     int64_t from_ms;      ///< accepted at this Unix time or later
     int64_t before_ms;    ///< accepted before it; 0: at any time
     bool is_starred;      ///< only starred ones

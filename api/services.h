@@ -39,6 +39,7 @@ typedef struct api_submission {
     run_model model;                ///< which solver
     int priority;                   ///< see API_PRIORITY_MAX
     char label[API_LABEL_SIZE];     ///< "" if none
+    char line[API_LABEL_SIZE];      ///< same
     char name[SCENE_NAME_SIZE];     ///< of the scenario
     char closure[API_CLOSURE_SIZE]; ///< see api_run
     bf_buffer scenario;             ///< the resolved document

@@ -62,6 +62,7 @@ typedef struct api_study {
     run_model model;                    ///< of its base
     int priority;                       ///< higher ones first, among studies
     char name[API_STUDY_NAME_SIZE];     ///< for people
+    char line[API_LABEL_SIZE];          ///< the line that it belongs to; "": none
     char owner[API_OWNER_SIZE];         ///< whose it is; "": nobody's
     uint64_t revision;                  ///< from 1, rises with every change: the ETag
     int64_t created_ms;                 ///< Unix time, ms
@@ -93,6 +94,7 @@ typedef struct api_trial {
 /// A study to be accepted.
 typedef struct api_study_submission {
     char name[API_STUDY_NAME_SIZE]; ///< for people
+    char line[API_LABEL_SIZE];      ///< see api_study
     study_method method;            ///< of the document
     run_model model;                ///< of the document
     int priority;                   ///< see api_submission
@@ -110,6 +112,7 @@ typedef struct api_study_submission {
 typedef struct api_study_query {
     int state;                  ///< api_study_state, or -1: any
     char owner[API_OWNER_SIZE]; ///< "": everybody's
+    char line[API_LABEL_SIZE];  ///< "": any
     char before[API_ID_SIZE];   ///< only those older than this id; "": from the newest
     size_t limit;               ///< 1 .. API_LIST_MAX
 } api_study_query;

@@ -18,7 +18,7 @@
 
 enum {
     API_HEADERS_MAX = 24,   ///< headers of a response
-    API_HEADER_SIZE = 1280, ///< bytes of a header's value with its terminator
+    API_HEADER_SIZE = 1600, ///< bytes of a header's value with its terminator
     API_PATH_MAX = 2048,    ///< bytes of a path or a query with its terminator
     API_WAIT_MAX_S = 60,    ///< longest time that an answer waits for a run
     API_COMPARE_MAX = 8,    ///< runs and measurements that are compared at once

@@ -22,7 +22,7 @@
 // Of the parameters of a list but for label, limit and cursor.
 enum {
     FILTERS_SIZE =
-        3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 2 * 3 * MOMENT_SIZE + 200
+        2 * 3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 2 * 3 * MOMENT_SIZE + 200
 };
 
 static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
@@ -148,6 +148,7 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     const char *parent = exchange__text(x, "study");
     const char *sort = exchange__text(x, "sort");
     const char *search = exchange__text(x, "search");
+    const char *line = exchange__text(x, "line");
     api_list_query list = {
         .state = -1,
         .model = -1,
@@ -160,6 +161,7 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
 
     snprintf(list.owner, sizeof list.owner, "%s", access_list_owner(x));
     memcpy(list.label, page->label, sizeof list.label);
+    snprintf(list.line, sizeof list.line, "%s", line == NULL ? "" : line);
     snprintf(list.search, sizeof list.search, "%s", search == NULL ? "" : search);
     for (char *c = list.search; *c != '\0'; c++) {
         if (*c >= 'A' && *c <= 'Z')
@@ -179,8 +181,8 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
 static void add_next_link(exchange *x, const exchange_page *page, const api_list_query *wanted,
                           api_run_list *list)
 {
-    static const char *const texts[] = { "status", "model",        "study",         "search",
-                                         "sort",   "created_from", "created_before" };
+    static const char *const texts[] = { "status", "model", "line",         "study",
+                                         "search", "sort",  "created_from", "created_before" };
     char filters[FILTERS_SIZE], *end = filters;
 
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
@@ -296,6 +298,7 @@ static bf_status annotate(exchange *x, const char *id, uint64_t revision, api_ru
     (void)revision;
     memcpy(annotations.name, record->name, sizeof annotations.name);
     memcpy(annotations.label, record->label, sizeof annotations.label);
+    memcpy(annotations.line, record->line, sizeof annotations.line);
     memcpy(annotations.notes, record->notes, sizeof annotations.notes);
     annotations.is_starred = record->is_starred;
     bf_status status = annotations_json_read(exchange__body(x), x->request->n_body,

@@ -65,15 +65,20 @@ bf_status handlers_studies_submit(exchange *x, bf_error *err)
 bf_status handlers_studies_list(exchange *x, bf_error *err)
 {
     const exchange_page page = exchange__page(x);
-    const char *state = exchange__text(x, "status");
+    const char *state = exchange__text(x, "status"), *line = exchange__text(x, "line");
     api_study_query wanted = { .state = -1, .limit = page.limit };
-    char filter[64] = "";
+    char filter[64 + 3 * API_LABEL_SIZE] = "";
 
     snprintf(wanted.owner, sizeof wanted.owner, "%s", access_list_owner(x));
     snprintf(wanted.before, sizeof wanted.before, "%s", page.cursor);
     if (state != NULL) {
         wanted.state = (int)api_study_state_find(state);
         snprintf(filter, sizeof filter, "&status=%s", state);
+    }
+    if (line != NULL) {
+        snprintf(wanted.line, sizeof wanted.line, "%s", line);
+        strcat(filter, "&line=");
+        exchange__encode(line, filter + strlen(filter));
     }
     api_study_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
@@ -111,6 +116,7 @@ static bf_status annotate(exchange *x, api_study *about, bf_error *err)
     api_annotations annotations = { .name = "" };
 
     memcpy(annotations.name, about->name, sizeof about->name);
+    memcpy(annotations.line, about->line, sizeof annotations.line);
     bf_status status =
         annotations_json_read(exchange__body(x), x->request->n_body, &annotations_json_study,
                               &annotations, &x->faults, err);

@@ -158,12 +158,18 @@ const param routes__run_label = { .name = "label",
                                   .most = API_LABEL_SIZE - 1,
                                   .help = "Only runs with this label" };
 
+const param routes__of_line = { .name = "line",
+                                .in = "query",
+                                .kind = &param_text,
+                                .most = API_LABEL_SIZE - 1,
+                                .help = "Only those that belong to this line" };
+
 const param routes__run_search = {
     .name = "search",
     .in = "query",
     .kind = &param_text,
     .most = API_LABEL_SIZE - 1,
-    .help = "Only runs whose name or label contains this, A to Z being the same as a to z"
+    .help = "Only runs whose name, label or line contains this, A to Z being the same as a to z"
 };
 
 const param routes__run_sort = {

@@ -88,12 +88,13 @@ static const route table[] = {
     READS("/v1/runs", handlers_runs_list, "Runs", "listRuns", .formats = "json",
           .params =
               PARAMS(&routes__run_status, &routes__run_model_word, &routes__run_label,
-                     &routes__run_study, &routes__run_search, &routes__run_sort,
+                     &routes__of_line, &routes__run_study, &routes__run_search, &routes__run_sort,
                      &routes__run_created_from, &routes__run_created_before, &routes__run_starred,
                      &routes__run_count, &routes__page_limit, &routes__run_cursor, CONDITIONS),
           .summary = "List runs, newest first or in another order",
           .help = "Filters narrow the list; the `next` link, where there is one, leads to the next "
-                  "page. `search`, `starred`, another `sort` and `count` look at the newest 50,000 "
+                  "page. `search`, `line`, `starred`, another `sort` and `count` look at the "
+                  "newest 50,000 "
                   "runs of the "
                   "list. Trials of a study are listed with `study` only.",
           .refusals = "404",
@@ -107,7 +108,7 @@ static const route table[] = {
     CHANGES(
         "PATCH", "/v1/runs/{id}", handlers_runs_annotate, "Runs", "annotateRun",
         .params = PARAMS(&routes__run_id, &routes__if_match),
-        .summary = "Rename a run, give it another label, note something of it",
+        .summary = "Rename a run, give it another label or line, note something of it",
         .help =
             "A JSON Merge Patch (RFC 7396): what is missing stays, null empties. Results, and the "
             "name in the scenario, stay as they are. `application/merge-patch+json` is taken, too.",
@@ -261,8 +262,8 @@ static const route table[] = {
       .answers = { { 201, "Study", "Location ETag Cache-Control Idempotent-Replayed",
                      "The study was accepted" } } },
     READS("/v1/studies", handlers_studies_list, "Studies", "listStudies", .formats = "json",
-          .params =
-              PARAMS(&routes__study_status, &routes__page_limit, &routes__page_cursor, CONDITIONS),
+          .params = PARAMS(&routes__study_status, &routes__of_line, &routes__page_limit,
+                           &routes__page_cursor, CONDITIONS),
           .summary = "List studies, newest first",
           .help = "The `next` link, where there is one, leads to older studies.",
           .answers = { { 200, "StudyList", CACHED " Link", "A page of studies" }, UNCHANGED }),
@@ -274,7 +275,8 @@ static const route table[] = {
               "follow a study, use its events rather than polling.",
           .answers = { { 200, "Study", CACHED, "The study" }, UNCHANGED }),
     CHANGES("PATCH", "/v1/studies/{id}", handlers_studies_annotate, "Studies", "annotateStudy",
-            .params = PARAMS(&routes__study_id, &routes__if_match), .summary = "Rename a study",
+            .params = PARAMS(&routes__study_id, &routes__if_match),
+            .summary = "Rename a study, give it another line",
             .help = "A JSON Merge Patch, as of a run.", .body = &annotations_json_study,
             .answers = { { 200, "Study", "ETag Cache-Control", "The study" } }),
     CHANGES(

@@ -32,12 +32,14 @@ static const member_kind member_patched_flag = { .text = "boolean or null",
 static const member run_members[] = {
     TEXT("name", name, SCENE_NAME_SIZE, "what it is called; the scenario keeps its own name"),
     TEXT("label", label, API_LABEL_SIZE, "what it is found by"),
+    TEXT("line", line, API_LABEL_SIZE, "the line that it belongs to"),
     TEXT("notes", notes, API_NOTES_SIZE, "what is worth knowing of it"),
     MEMBER("starred", patched_flag, offsetof(api_annotations, is_starred),
            "whether it is to be found again by `?starred=1`", .default_text = "as it is"),
 };
 static const member study_members[] = {
     TEXT("name", name, API_STUDY_NAME_SIZE, "what it is called; the document keeps its own name"),
+    TEXT("line", line, API_LABEL_SIZE, "the line that it belongs to"),
 };
 #undef TEXT
 

@@ -6,8 +6,8 @@
 #include "api/json/members.h"
 #include "api/services.h"
 
-extern const member_table annotations_json_run;   ///< name, label, notes and starred
-extern const member_table annotations_json_study; ///< name
+extern const member_table annotations_json_run;   ///< name, label, line, notes and starred
+extern const member_table annotations_json_study; ///< name and line
 
 /// Change *annotations by n bytes of a patch. BF_EINPUT: faults tell the places, and *annotations is as before.
 BF_MUST_CHECK bf_status annotations_json_read(const char *json, size_t n, const member_table *table,

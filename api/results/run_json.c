@@ -84,6 +84,13 @@ static bool has_owner(const void *item)
     return record->owner[0] != '\0';
 }
 
+static bool has_line(const void *item)
+{
+    const api_run *record = item;
+
+    return record->line[0] != '\0';
+}
+
 static bool has_notes(const void *item)
 {
     const api_run *record = item;
@@ -146,6 +153,11 @@ static const member run_members[] = {
     MEMBER("label", text, AT(label), "The client's own name of the run; empty if none was given"),
     MEMBER("priority", int, AT(priority), "Runs of higher priority are solved first"),
     MEMBER("name", text, AT(name), "Name of the scenario, unless it was renamed"),
+    MEMBER("line", text, AT(line), "The line that it belongs to", .applies = has_line),
+    MEMBER("line_version", size, AT(line_version),
+           "Which of the line's scenarios it has, from 1 in the order of their first use; names do "
+           "not count",
+           .applies = has_line),
     MEMBER("notes", text, AT(notes), "What its users noted of it", .applies = has_notes),
     MEMBER("starred", bool, AT(is_starred), "Its users want to find it again: true, or missing",
            .applies = is_starred),

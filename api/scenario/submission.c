@@ -17,6 +17,7 @@ typedef struct body {
     scene scenario;
     run_model model;
     char label[API_LABEL_SIZE];
+    char line[API_LABEL_SIZE];
     int priority;
     bool is_fresh;
     uint64_t replications;
@@ -34,6 +35,9 @@ static const member members[] = {
            .flags = MEMBER_INIT),
     MEMBER("label", text, AT(label), "the client's own name of the run", .limit = API_LABEL_SIZE,
            .flags = MEMBER_INIT),
+    MEMBER("line", text, AT(line),
+           "the line that it belongs to: runs of one with other scenarios are its versions",
+           .limit = API_LABEL_SIZE, .flags = MEMBER_INIT),
     MEMBER(
         "priority", int, AT(priority),
         "higher ones first; above 0 wants a token with the scope priority, where there are tokens",
@@ -110,6 +114,19 @@ bf_status submission_make(const scene *s, run_model model, api_submission *ret_s
     return status;
 }
 
+bf_status submission_identity(const char *scenario, size_t n, bf_buffer *out, bf_error *err)
+{
+    scene s;
+
+    bf_status status = scenario_read_resolved(scenario, n, &s, err);
+    if (status != BF_OK)
+        return status;
+    s.name[0] = '\0';
+    status = scenario_write(&s, out, err);
+    scene_fini(&s);
+    return status;
+}
+
 bf_status submission_read(const char *json, size_t n, json_in_texts *texts,
                           api_submission *ret_submission, bf_faults *faults, bf_error *err)
 {
@@ -127,6 +144,7 @@ bf_status submission_read(const char *json, size_t n, json_in_texts *texts,
         status = submission_make(&b.scenario, b.model, ret_submission, err);
     if (status == BF_OK) {
         snprintf(ret_submission->label, sizeof ret_submission->label, "%s", b.label);
+        snprintf(ret_submission->line, sizeof ret_submission->line, "%s", b.line);
         ret_submission->priority = b.priority;
         ret_submission->is_fresh = b.is_fresh;
         ret_submission->replications = b.replications;

@@ -1,6 +1,6 @@
 /// What a client submits: a scenario with the model to solve it with, as the body of a POST.
 ///
-///     {"scenario": {...}, "model": "macro", "label": "...", "priority": 0, "fresh": false, "replications": 1}
+///     {"scenario": {...}, "model": "macro", "label": "...", "line": "...", "priority": 0, "fresh": false, "replications": 1}
 ///
 /// Reading is as strict as scenario_read(); pointers are those of the body ("/scenario/belts/0").
 /// All but `scenario` may be left out.
@@ -35,10 +35,15 @@ BF_MUST_CHECK bf_status submission_read(const char *json, size_t n, json_in_text
                                         api_submission *ret_submission, bf_faults *faults,
                                         bf_error *err);
 
-/// Make the submission of a scenario that is resolved and checked for the model, with no label, priority or key. BF_OK:
+/// Make the submission of a scenario that is resolved and checked for the model, with no label, line, priority or key. BF_OK:
 /// *ret_submission is the caller's, submission_fini(). BF_ENOMEM.
 BF_MUST_CHECK bf_status submission_make(const scene *s, run_model model,
                                         api_submission *ret_submission, bf_error *err);
+
+/// Append what a resolved scenario of n bytes is without its name, the identity that submission_make() gives it. BF_ECORRUPT:
+/// it is damaged; BF_ENOMEM.
+BF_MUST_CHECK bf_status submission_identity(const char *scenario, size_t n, bf_buffer *out,
+                                            bf_error *err);
 
 /// What POST /v1/validate answers to a submission that is valid, and a part in it; the structs are the writer's own.
 extern const member_table submission_validation_members;

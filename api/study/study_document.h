@@ -12,6 +12,7 @@
 #pragma once
 
 #include "api/json/members.h"
+#include "api/measurements.h"
 #include "core/base/faults.h"
 #include "core/figures/figure.h"
 #include "core/run/run.h"
@@ -86,9 +87,10 @@ typedef struct study_document_method {
 
 /// The document. study_document_read(), study_document_fini().
 typedef struct study_document {
-    char name[STUDY_DOCUMENT_NAME];                        ///< for people
-    struct json_t *scenario;                               ///< of the base; owned
-    run_model model;                                       ///< of the base
+    char name[STUDY_DOCUMENT_NAME]; ///< for people
+    char line[API_LABEL_SIZE];      ///< in the service: the line that it belongs to
+    struct json_t *scenario;        ///< of the base; owned
+    run_model model;                ///< of the base
     study_document_parameter parameters[STUDY_PARAMETERS]; ///< n_parameters
     size_t n_parameters;                                   ///< 0: the base is repeated
     study_document_objective objectives[STUDY_VALUES];     ///< n_objectives; the first is optimised

@@ -15,6 +15,13 @@ static void write_state(json_out *w, const member *m, const void *item)
 
 static const member_kind member_state = { .type = "#StudyStatus", .write = write_state };
 
+static bool has_line(const void *item)
+{
+    const api_study *about = item;
+
+    return about->line[0] != '\0';
+}
+
 static bool has_owner(const void *item)
 {
     const api_study *about = item;
@@ -59,6 +66,7 @@ static const member study_members[] = {
     MEMBER("id", text, AT(id), "Identifier of the study", .type = "#Id"),
     MEMBER_OF("status", &member_state, AT(state), "State of the study"),
     MEMBER("name", text, AT(name), "For people; empty if none was given"),
+    MEMBER("line", text, AT(line), "The line that it belongs to", .applies = has_line),
     MEMBER("method", enum, AT(method), "How its points are chosen", .words = study_document_methods,
            .type = "#StudyMethodWord"),
     MEMBER("model", enum, AT(model), "Which solver its base asks for", .words = run_model_words,

@@ -294,6 +294,8 @@ static const member_table limit_table = { MEMBER_TABLE("studyLimits", limit_memb
 static const member members[] = {
     MEMBER("name", text, AT(name), "for people", .limit = STUDY_DOCUMENT_NAME,
            .flags = MEMBER_INIT),
+    MEMBER("line", text, AT(line), "of the service: the line that it belongs to",
+           .limit = API_LABEL_SIZE, .flags = MEMBER_INIT),
     MEMBER("base", object, 0, "what all trials have in common", .table = &base_table),
     MEMBER("parameters", array, AT(parameters),
            "what trials differ in; of list it may be empty: the base is repeated",

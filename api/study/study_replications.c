@@ -51,6 +51,8 @@ static bf_status write_document(const api_submission *base, bf_buffer *out, bf_e
 
     json_out_object(&w);
     write_name(&w, base);
+    if (base->line[0] != '\0')
+        json_out_key_string(&w, "line", base->line);
     json_out_key(&w, "base");
     json_out_object(&w);
     json_out_key(&w, "scenario");

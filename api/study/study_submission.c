@@ -110,6 +110,7 @@ static bf_status make_submission(const study_document *d, json_t *root,
     study_columns columns;
 
     snprintf(made.name, sizeof made.name, "%s", d->name);
+    snprintf(made.line, sizeof made.line, "%s", d->line);
     study_columns_of(d, &columns);
     write_tree(&w, root);
     bf_status status = json_out_status(&w, err);

@@ -17,7 +17,7 @@ enum { STUDY_SUBMISSION_TEXTS_MAX = 8 * 1024 * 1024 }; ///< bytes of all texts t
 extern const char study_submission_curve[];
 
 /// Read a document of n bytes and check it, its base, too. All faults that can be found are noted in *faults. BF_OK:
-/// *ret_submission has name, method, model, priority, limit, document and columns and is the caller's,
+/// *ret_submission has name, line, method, model, priority, limit, document and columns and is the caller's,
 /// study_submission_fini(). Else the status of the first fault, or BF_ENOMEM, or the failure of texts, and *ret_submission
 /// is untouched.
 BF_MUST_CHECK bf_status study_submission_read(const char *json, size_t n, json_in_texts *texts,

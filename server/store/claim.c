@@ -6,6 +6,7 @@
 // may be claimed in one step, in the commit in which another ends (store_finish()).
 
 #include "server/store/finish.h"
+#include "server/store/lines.h"
 #include "server/store/quotas.h"
 #include "server/store/studies.h"
 #include "server/store/texts.h"
@@ -292,10 +293,18 @@ static bf_status apply_annotate(store__connection *writer, store__operation *ope
         return status;
     memcpy(row->run.name, to->name, sizeof row->run.name);
     memcpy(row->run.label, to->label, sizeof row->run.label);
+    if (strcmp(row->run.line, to->line) != 0) {
+        memcpy(row->run.line, to->line, sizeof row->run.line);
+        status = store__renumber_version(writer, row, err);
+        if (status != BF_OK)
+            return status;
+    }
     memcpy(row->run.notes, to->notes, sizeof row->run.notes);
     row->run.is_starred = to->is_starred;
-    status = store__exec(writer, STORE__SQL_ANNOTATE_RUN, err, TEXT(to->name), TEXT(to->label),
-                         TEXT(to->notes), INTEGER(to->is_starred), INTEGER(row->rowid));
+    status =
+        store__exec(writer, STORE__SQL_ANNOTATE_RUN, err, TEXT(to->name), TEXT(to->label),
+                    TEXT(to->notes), INTEGER(to->is_starred), TEXT(row->run.line),
+                    INTEGER(row->run.line_version), TEXT(row->line_scenario), INTEGER(row->rowid));
     return status == BF_OK ? store__save_row(writer, row, err) : status;
 }
 

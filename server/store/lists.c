@@ -29,7 +29,7 @@ static list_way choose_list(const api_list_query *query)
     if (is_sorted(query))
         return (list_way){ query->sort.is_rising ? STORE__SQL_LIST_RISING : STORE__SQL_LIST_FALLING,
                            STORE__SQL_COUNT, false };
-    if (query->search[0] != '\0' || query->is_starred)
+    if (query->search[0] != '\0' || query->line[0] != '\0' || query->is_starred)
         return (list_way){ STORE__SQL_LIST_FOUND, STORE__SQL_COUNT, false };
     if (has_state && query->state < RUN_SUCCEEDED) // these are few
         return (list_way){ STORE__SQL_LIST_OPEN, STORE__SQL_COUNT, false };
@@ -86,6 +86,7 @@ static void bind_search(store__query *q, const api_list_query *query, const id_b
     store__bind(q, TEXT(bounds->from));
     store__bind(q, TEXT(bounds->before));
     store__bind(q, INTEGER(query->is_starred));
+    store__bind(q, TEXT(query->line));
 }
 
 // The path of the key in the figures, and the key behind which the page begins. path is used until the statement ends.
@@ -198,7 +199,8 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
 {
     const bool is_whole = query->state < 0 && query->model < 0 && query->label[0] == '\0' &&
                           query->owner[0] == '\0' && query->search[0] == '\0' &&
-                          query->from_ms == 0 && query->before_ms == 0 && !query->is_starred;
+                          query->line[0] == '\0' && query->from_ms == 0 && query->before_ms == 0 &&
+                          !query->is_starred;
     const id_bounds bounds = bounds_of(query);
 
     store__query q =

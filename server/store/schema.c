@@ -428,12 +428,22 @@ static const char schema_24[] =
 static const char schema_25[] =
     "ALTER TABLE studies ADD COLUMN suspect INTEGER NOT NULL DEFAULT 0;";
 
+// Lines that runs and studies belong to. `line_scenario` stands for a run's scenario without its name where it has a line.
+static const char schema_26[] =
+    "ALTER TABLE runs ADD COLUMN line TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE runs ADD COLUMN line_version INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE runs ADD COLUMN line_scenario TEXT NOT NULL DEFAULT '';"
+    "CREATE INDEX runs_by_line ON runs (owner, line, line_version) WHERE line <> '';"
+    "CREATE INDEX runs_by_line_scenario ON runs (owner, line, line_scenario) WHERE line <> '';"
+    "ALTER TABLE studies ADD COLUMN line TEXT NOT NULL DEFAULT '';";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
 const char *const store__migrations[] = { schema_1,  schema_2,  schema_3,  schema_4,  schema_5,
                                           schema_6,  schema_7,  schema_8,  schema_9,  schema_10,
                                           schema_11, schema_12, schema_13, schema_14, schema_15,
                                           schema_16, schema_17, schema_18, schema_19, schema_20,
-                                          schema_21, schema_22, schema_23, schema_24, schema_25 };
+                                          schema_21, schema_22, schema_23, schema_24, schema_25,
+                                          schema_26 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -17,6 +17,9 @@
     X(INTEGER, priority, run.priority)                                                             \
     X(TEXT, label, run.label)                                                                      \
     X(TEXT, name, run.name)                                                                        \
+    X(TEXT, line, run.line)                                                                        \
+    X(INTEGER, line_version, run.line_version)                                                     \
+    X(TEXT, line_scenario, line_scenario)                                                          \
     X(TEXT, notes, run.notes)                                                                      \
     X(INTEGER, starred, run.is_starred)                                                            \
     X(TEXT, closure, run.closure)                                                                  \
@@ -95,8 +98,12 @@
     X(MOVE_RUN, "UPDATE runs SET state = ?1, finished_ms = ?2 WHERE number = ?3")                  \
     X(UPDATE_RUN,                                                                                  \
       "UPDATE runs SET revision = ?" STORE__RUN_CHANGING(STORE__ASSIGN) " WHERE number = ?")       \
-    X(ANNOTATE_RUN,                                                                                \
-      "UPDATE runs SET name = ?1, label = ?2, notes = ?3, starred = ?4 WHERE number = ?5")         \
+    X(ANNOTATE_RUN, "UPDATE runs SET name = ?1, label = ?2, notes = ?3, starred = ?4, line = ?5, " \
+                    "line_version = ?6, line_scenario = ?7 WHERE number = ?8")                     \
+    X(LINE_VERSION, "SELECT coalesce((SELECT line_version FROM runs INDEXED BY "                   \
+                    "runs_by_line_scenario WHERE line <> '' AND owner = ?1 AND line = ?2 AND "     \
+                    "line_scenario = ?3 LIMIT 1), max(line_version) + 1, 1) FROM runs INDEXED BY " \
+                    "runs_by_line WHERE line <> '' AND owner = ?1 AND line = ?2")                  \
     X(DELETE_RUN, "DELETE FROM runs WHERE number = ?1")                                            \
     X(FIND_RUN, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id = ?1")                           \
     X(NEXT_RUNNING, "SELECT " STORE__RUN_COLUMNS                                                   \

@@ -21,27 +21,29 @@
 #define STORE__BY_OWNER "INDEXED BY runs_by_owner WHERE owner = ?6 AND owner <> ''"
 #define STORE__BY_LABEL "INDEXED BY runs_by_label WHERE label = ?5 AND label <> ''"
 
-/// Which runs a search, another order or a count takes, by ?3 to ?7 as above and ?8, what name or label contains, or '': of
+/// Which runs a search, another order or a count takes, by ?3 to ?7 as above and ?8, what name, label or line contains, or '': of
 /// the newest ones up to that with ?9 newer ones, so that it takes a bounded time; ?10 and ?11 not older than, older than,
-/// ?12 1: only starred ones.
+/// ?12 1: only starred ones, ?13 line or ''.
 #define STORE__FOUND                                                                               \
     "runs INDEXED BY runs_by_parent WHERE parent = ?7 AND (?3 < 0 OR model = ?3) "                 \
     "AND (?4 < 0 OR state = ?4) AND (?5 = '' OR label = ?5) AND (?6 = '' OR owner = ?6) "          \
-    "AND (?8 = '' OR instr(lower(name), ?8) > 0 OR instr(lower(label), ?8) > 0) "                  \
+    "AND (?8 = '' OR instr(lower(name), ?8) > 0 OR instr(lower(label), ?8) > 0 "                   \
+    "OR instr(lower(line), ?8) > 0) "                                                              \
     "AND id >= coalesce((SELECT id FROM runs WHERE parent = ?7 ORDER BY id DESC LIMIT 1 "          \
-    "OFFSET ?9), '') AND id >= ?10 AND id < ?11 AND starred >= ?12 "
+    "OFFSET ?9), '') AND id >= ?10 AND id < ?11 AND starred >= ?12 "                               \
+    "AND (?13 = '' OR line = ?13) "
 
-/// A page of them by their keys; ?13 an api_sort_by, ?14 the path of its figure, ?15 the key of the run before the page,
+/// A page of them by their keys; ?14 an api_sort_by, ?15 the path of its figure, ?16 the key of the run before the page,
 /// which may be NULL. `than` parts keys behind it from those before it.
 #define STORE__SORTED(direction, than)                                                             \
     "SELECT " STORE__RUN_COLUMNS ", sort_key FROM (SELECT number AS found, id AS found_id, "       \
-    "CASE ?13 WHEN 0 THEN id WHEN 1 THEN nullif(finished_ms, 0) "                                  \
+    "CASE ?14 WHEN 0 THEN id WHEN 1 THEN nullif(finished_ms, 0) "                                  \
     "WHEN 2 THEN substr(CAST(nullif(lower(name), '') AS BLOB), 1, 80) "                            \
     "WHEN 3 THEN substr(CAST(nullif(lower(label), '') AS BLOB), 1, 80) "                           \
     "WHEN 4 THEN model WHEN 5 THEN state "                                                         \
-    "ELSE json_extract(nullif(figures, ''), ?14) END AS sort_key "                                 \
-    "FROM " STORE__FOUND "AND (?1 = '~' OR (sort_key IS ?15 AND id < ?1) "                         \
-    "OR (?15 IS NOT NULL AND (sort_key " than " ?15 OR sort_key IS NULL))) "                       \
+    "ELSE json_extract(nullif(figures, ''), ?15) END AS sort_key "                                 \
+    "FROM " STORE__FOUND "AND (?1 = '~' OR (sort_key IS ?16 AND id < ?1) "                         \
+    "OR (?16 IS NOT NULL AND (sort_key " than " ?16 OR sort_key IS NULL))) "                       \
     "ORDER BY sort_key " direction " NULLS LAST, id DESC LIMIT ?2) "                               \
     "JOIN runs ON number = found ORDER BY sort_key " direction " NULLS LAST, found_id DESC"
 

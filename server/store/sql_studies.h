@@ -10,6 +10,7 @@
     X(INTEGER, model, study.model)                                                                 \
     X(INTEGER, priority, study.priority)                                                           \
     X(TEXT, name, study.name)                                                                      \
+    X(TEXT, line, study.line)                                                                      \
     X(TEXT, owner, study.owner)                                                                    \
     X(TEXT, client, client)                                                                        \
     X(INTEGER, created_ms, study.created_ms)                                                       \
@@ -64,11 +65,12 @@
                                      "VALUES (NULL" STORE__STUDY_LIST(STORE__VALUE) ")")           \
     X(UPDATE_STUDY,                                                                                \
       "UPDATE studies SET state = ?" STORE__STUDY_CHANGING(STORE__ASSIGN) " WHERE number = ?")     \
-    X(ANNOTATE_STUDY, "UPDATE studies SET name = ?1 WHERE number = ?2")                            \
+    X(ANNOTATE_STUDY, "UPDATE studies SET name = ?1, line = ?2 WHERE number = ?3")                 \
     X(DELETE_STUDY, "DELETE FROM studies WHERE number = ?1")                                       \
     X(FIND_STUDY, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE id = ?1")                    \
     X(LIST_STUDIES, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE id < ?1 "                  \
                     "AND stop_request < 2 AND (?3 < 0 OR state = ?3) AND (?4 = '' OR owner = ?4) " \
+                    "AND (?5 = '' OR line = ?5) "                                                  \
                     "ORDER BY id DESC LIMIT ?2")                                                   \
     X(COUNT_OPEN_STUDIES, "SELECT count(*) FROM studies WHERE state IN (0, 1, 5)")                 \
     X(COUNT_OPEN_STUDIES_OF,                                                                       \

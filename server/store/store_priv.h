@@ -16,7 +16,9 @@
 
 enum {
     STORE__DIGEST_SIZE = 32, ///< bytes of a SHA-256, which stands for the bytes themselves
-    STORE__PATH_SIZE = 1024, ///< bytes of a path with its terminator
+    STORE__LINE_SCENARIO_SIZE =
+        2 * STORE__DIGEST_SIZE + 1, ///< bytes of one in hexadecimal digits with its terminator
+    STORE__PATH_SIZE = 1024,        ///< bytes of a path with its terminator
 };
 
 /// Where a set of results is in its life. The values stand in the store: never renumber.
@@ -124,6 +126,8 @@ typedef struct store__row {
     uint64_t hand_backs;     ///< since the run last went on, of those who gave it back unsolved
     store_stop stop_request; ///< of a running run
     char external_id[STORE_EXTERNAL_ID_SIZE]; ///< of a running run; "": none
+    char line_scenario
+        [STORE__LINE_SCENARIO_SIZE]; ///< stands for its scenario among those of its line; "": no line
 } store__row;
 
 /// Start the preparing thread and the store's thread.

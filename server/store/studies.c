@@ -160,6 +160,7 @@ static void fill_row(const api_study_submission *submission, store__study *row)
     snprintf(row->client, sizeof row->client, "%s", submission->client);
     snprintf(about->owner, sizeof about->owner, "%s", submission->owner);
     snprintf(about->name, sizeof about->name, "%s", submission->name);
+    snprintf(about->line, sizeof about->line, "%s", submission->line);
     about->method = submission->method;
     about->model = submission->model;
     about->priority = submission->priority;
@@ -214,7 +215,7 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
 
     store__query q =
         store__start(reader, STORE__SQL_LIST_STUDIES, TEXT(before), INTEGER(query->limit + 1),
-                     INTEGER(query->state), TEXT(query->owner));
+                     INTEGER(query->state), TEXT(query->owner), TEXT(query->line));
     while (!list->has_more && store__next(&q, &status, err)) {
         status = read_study(&q, &row, err);
         list->has_more = list->n == query->limit;
@@ -271,7 +272,7 @@ typedef struct change_context {
     const char *id;
     uint64_t revision; ///< that it must have, or API_ANY_REVISION
     api_study_change change;
-    const char *name; ///< that it gets
+    const char *name, *line; ///< that it gets
     store__study row;
 } change_context;
 
@@ -338,8 +339,9 @@ static bf_status apply_annotate(store__connection *writer, store__operation *ope
     if (status != BF_OK)
         return status;
     snprintf(row->study.name, sizeof row->study.name, "%s", context->name);
+    snprintf(row->study.line, sizeof row->study.line, "%s", context->line);
     status = store__exec(writer, STORE__SQL_ANNOTATE_STUDY, err, TEXT(row->study.name),
-                         INTEGER(row->rowid));
+                         TEXT(row->study.line), INTEGER(row->rowid));
     return status == BF_OK ? store__save_study(writer, row, err) : status;
 }
 
@@ -347,7 +349,9 @@ bf_status store_annotate_study(store *s, const char *id, uint64_t revision,
                                const api_annotations *annotations, api_study *ret_study,
                                bf_error *err)
 {
-    change_context context = { .id = id, .revision = revision, .name = annotations->name };
+    change_context context = {
+        .id = id, .revision = revision, .name = annotations->name, .line = annotations->line
+    };
 
     bf_status status = store__write(s, apply_annotate, &context, err);
     if (status == BF_OK)

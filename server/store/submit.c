@@ -4,6 +4,7 @@
 
 #include "server/store/submit.h"
 #include "server/store/idempotency.h"
+#include "server/store/lines.h"
 #include "server/store/quotas.h"
 #include "server/store/store_priv.h"
 #include "server/store/texts.h"
@@ -158,6 +159,8 @@ static bf_status accept(store__connection *writer, void *of, api_acceptance *acc
 
     bf_status status = store__check_bytes(writer, context->store, record->owner, err);
     if (status == BF_OK)
+        status = store__number_version(writer, &context->row, &context->submission->identity, err);
+    if (status == BF_OK)
         status = accept_solved(writer, context->submission, context->digest, &context->row,
                                &is_solved, err);
     if (status == BF_OK && !is_solved)
@@ -192,6 +195,7 @@ static void fill_row(const api_submission *submission, store__row *row)
     record->model = submission->model;
     record->priority = submission->priority;
     snprintf(record->label, sizeof record->label, "%s", submission->label);
+    snprintf(record->line, sizeof record->line, "%s", submission->line);
     snprintf(record->name, sizeof record->name, "%s", submission->name);
     snprintf(record->closure, sizeof record->closure, "%s", submission->closure);
     record->created_ms = clock_unix_ms();

@@ -185,6 +185,7 @@ test("what stands beside a scenario has limits, too", async (t) => {
   const d = await daemon(t);
   for (const [member, last, next] of [
     ["label", "x".repeat(100), "x".repeat(101)],
+    ["line", "x".repeat(100), "x".repeat(101)],
     ["priority", 100, 101],
     ["priority", -100, -101],
   ]) {

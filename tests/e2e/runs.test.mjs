@@ -291,6 +291,39 @@ test("a run and a study are renamed, found by their new names, and keep their re
   assert.equal((await d.get(`/v1/studies/${study.json.id}`)).json.name, "after");
 });
 
+test("runs and studies belong to lines, whose scenarios are their versions", async (t) => {
+  const d = await daemon(t);
+  const submit = (changes, more) => d.submit(tiny(changes), { line: "hall 2", ...more });
+  const patch = (target, value) => d.request("PATCH", target, { body: JSON.stringify(value), headers: { "content-type": "application/json" } });
+  const yesterday = await submit({ name: "as built" });
+  const longer = await submit({ name: "longer", duration_s: 0.2 });
+  // The other model and another name make no other scenario.
+  const again = await submit({ name: "as built, again" }, { model: "micro" });
+  const alone = await d.submit(tiny({ duration_s: 0.2 }));
+  assert.deepEqual([yesterday, longer, again, alone].map(({ line, line_version: version }) => [line, version]),
+    [["hall 2", 1], ["hall 2", 2], ["hall 2", 1], [undefined, undefined]]);
+  const listed = async (target) => (await d.get(target)).json;
+  const { runs, total } = await listed("/v1/runs?line=hall%202&count=1");
+  assert.deepEqual([runs.map(({ id }) => id), total], [[again.id, longer.id, yesterday.id], 3]);
+  assert.deepEqual((await listed("/v1/runs?search=hall&sort=name")).runs.map(({ id }) => id), [yesterday.id, again.id, longer.id]);
+
+  const moved = await patch(`/v1/runs/${alone.id}`, { line: "hall 2" });
+  assert.equal(moved.json.line_version, 2, moved.text);
+  assert.equal((await patch(`/v1/runs/${alone.id}`, { line: null })).json.line_version, undefined);
+
+  const study = await d.post("/v1/studies", { line: "hall 2", base: { scenario: tiny() }, method: { type: "grid" },
+    parameters: [{ pointer: "/duration_s", range: [0.1, 0.2], steps: 2 }], objectives: [{ figure: "peak_density" }] });
+  assert.equal(study.json.line, "hall 2", study.text);
+  const other = await d.post("/v1/studies", { base: { scenario: tiny() }, method: { type: "list" }, parameters: [],
+    objectives: [{ figure: "peak_density" }] });
+  const studies = async () => (await listed("/v1/studies?line=hall%202")).studies.map(({ id }) => id);
+  assert.deepEqual(await studies(), [study.json.id]);
+  assert.equal((await patch(`/v1/studies/${other.json.id}`, { line: "hall 2" })).json.line, "hall 2");
+  assert.deepEqual(await studies(), [other.json.id, study.json.id]);
+  const pages = await d.get("/v1/studies?line=hall%202&limit=1");
+  assert.match(pages.headers.link, /&line=hall%202&/);
+});
+
 test("a removed run is gone with all it had", async (t) => {
   const d = await daemon(t);
   const run = await d.submit(tiny());

@@ -150,6 +150,7 @@ static bf_status do_annotate(api_store *store, const char *id, uint64_t revision
         return status;
     memcpy(item->record.name, annotations->name, sizeof item->record.name);
     memcpy(item->record.label, annotations->label, sizeof item->record.label);
+    memcpy(item->record.line, annotations->line, sizeof item->record.line);
     memcpy(item->record.notes, annotations->notes, sizeof item->record.notes);
     item->record.is_starred = annotations->is_starred;
     item->record.revision++;

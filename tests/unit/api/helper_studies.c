@@ -132,6 +132,7 @@ static bf_status do_annotate_study(api_store *store, const char *id, uint64_t re
     if (status != BF_OK)
         return status;
     snprintf(item->about.name, sizeof item->about.name, "%.100s", annotations->name);
+    memcpy(item->about.line, annotations->line, sizeof item->about.line);
     item->about.revision++;
     *ret_study = item->about;
     return BF_OK;

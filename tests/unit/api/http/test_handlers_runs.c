@@ -282,7 +282,7 @@ static void a_cursor_of_another_order_is_refused(void **state)
         ask_get("/v1/runs", queries[i], NULL, 400);
 }
 
-// The longest label, search, order and key there are, of bytes that need three each, still fit into the header.
+// The longest label, line, search, order and key there are, of bytes that need three each, still fit into the header.
 static void the_longest_link_fits(void **state)
 {
     char query[API_PATH_MAX] = "limit=200&status=cancelled&model=macro&count=1&starred=00001&"
@@ -294,9 +294,11 @@ static void the_longest_link_fits(void **state)
     (void)state;
     for (int i = 0; i < 100; i++)
         strcat(query, "%ff");
-    strcat(query, "&label=");
-    for (int i = 0; i < 100; i++)
-        strcat(query, "%ff");
+    for (int k = 0; k < 2; k++) {
+        strcat(query, k == 0 ? "&line=" : "&label=");
+        for (int i = 0; i < 100; i++)
+            strcat(query, "%ff");
+    }
     memset(key, 0xff, sizeof key - 1);
     ask_daemon.last_key = key;
     for (int i = 0; i < 2; i++) {
@@ -394,7 +396,10 @@ static void a_patch_changes_what_it_names(void **state)
     (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask("PATCH", RUN_1, NULL, "Content-Type: application/merge-patch+json\n",
-        "{\"name\": \"Monday\", \"notes\": \"as built\", \"starred\": true}", 200);
+        "{\"name\": \"Monday\", \"notes\": \"as built\", \"starred\": true, \"line\": "
+        "\"hall 2\"}",
+        200);
+    assert_true(ask_body_has("\"line\":\"hall 2\""));
     assert_true(ask_body_has("\"name\":\"Monday\""));
     assert_true(ask_body_has("\"notes\":\"as built\""));
     assert_true(ask_body_has("\"starred\":true"));
@@ -407,6 +412,9 @@ static void a_patch_changes_what_it_names(void **state)
     assert_string_equal(record->notes, "");
     assert_false(ask_body_has("\"notes\""));
     assert_true(record->is_starred);
+    assert_string_equal(record->line, "hall 2");
+    ask("PATCH", RUN_1, NULL, JSON_TYPE, "{\"line\": null}", 200);
+    assert_false(ask_body_has("\"line"));
     ask("PATCH", RUN_1, NULL, JSON_TYPE, "{\"starred\": null}", 200);
     assert_false(ask_body_has("\"starred\""));
     ask("PATCH", RUN_1, NULL, JSON_TYPE "If-Match: \"r2\"\n", "{}", 412);

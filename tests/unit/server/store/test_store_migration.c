@@ -348,6 +348,23 @@ static void check_half_way(helper_store *h)
     store_job_fini(&job);
 }
 
+// Runs that had no line get one; two of them have the same scenario.
+static void check_lines(store *s)
+{
+    static const struct {
+        const char *id;
+        uint64_t version;
+    } runs[] = { { kept, 1 }, { half_way, 2 }, { shared, 1 }, { micro, 1 } };
+    const api_annotations to = { .line = "hall 2" };
+    api_run record;
+
+    for (size_t k = 0; k < sizeof runs / sizeof *runs; k++) {
+        assert_int_equal(store_annotate(s, runs[k].id, API_ANY_REVISION, &to, &record, NULL),
+                         BF_OK);
+        assert_int_equal(record.line_version, runs[k].version);
+    }
+}
+
 // I1, I3, I8, I13 over a change of the program.
 static void a_store_of_version_4_is_there_with_all_it_had(void **state)
 {
@@ -388,6 +405,7 @@ static void a_store_of_version_4_is_there_with_all_it_had(void **state)
     assert_true(curve.n == 3 && at(&curve.values, 0) == 1.0 && at(&curve.values, 2) == 0.0);
     api_curve_fini(&curve);
     check_replay(h->store);
+    check_lines(h->store);
     check_half_way(h);
 }
 

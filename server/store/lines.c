@@ -1,0 +1,44 @@
+#include "server/store/lines.h"
+
+#include "server/store/texts.h"
+
+#include "api/scenario/submission.h"
+
+#include <sodium.h>
+#include <string.h>
+
+bf_status store__number_version(store__connection *writer, store__row *row,
+                                const bf_buffer *identity, bf_error *err)
+{
+    unsigned char digest[STORE__DIGEST_SIZE];
+    api_run *record = &row->run;
+    int64_t version = 0;
+
+    row->line_scenario[0] = '\0';
+    record->line_version = 0;
+    if (record->line[0] == '\0')
+        return BF_OK;
+    (void)crypto_hash_sha256(digest, (const unsigned char *)identity->bytes, identity->n);
+    (void)sodium_bin2hex(row->line_scenario, sizeof row->line_scenario, digest, sizeof digest);
+    const bf_status status =
+        store__find_number(writer, STORE__SQL_LINE_VERSION, &version, err, TEXT(record->owner),
+                           TEXT(record->line), TEXT(row->line_scenario));
+    record->line_version = (uint64_t)version;
+    return status;
+}
+
+bf_status store__renumber_version(store__connection *writer, store__row *row, bf_error *err)
+{
+    bf_buffer scenario = { 0 }, identity = { 0 };
+    bf_status status = BF_OK;
+
+    if (row->run.line[0] != '\0')
+        status = store__get_run_text(writer, row, STORE__TEXT_SCENARIO, &scenario, err);
+    if (status == BF_OK && row->run.line[0] != '\0')
+        status = submission_identity(scenario.bytes, scenario.n, &identity, err);
+    if (status == BF_OK)
+        status = store__number_version(writer, row, &identity, err);
+    buffer_fini(&identity);
+    buffer_fini(&scenario);
+    return status;
+}
