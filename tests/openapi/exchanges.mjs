@@ -9,6 +9,8 @@
 import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import path from "node:path";
 
+import { operationsOf } from "./operations.mjs";
+
 const isWriting = process.argv[2] === "--golden";
 const [documentFile, ...folders] = process.argv.slice(isWriting ? 3 : 2);
 const document = JSON.parse(readFileSync(documentFile, "utf8"));
@@ -58,13 +60,6 @@ function differencesFromGolden() {
   });
 }
 
-function operationsWithoutSuccess(kinds) {
-  const operations = Object.entries(document.paths).flatMap(([template, item]) =>
-    ["get", "post", "put", "patch", "delete"].filter((method) => item[method] !== undefined)
-      .map((method) => `${method.toUpperCase()} ${template}`));
-  return operations.filter((operation) => ![...kinds.keys()].some((kind) => kind.startsWith(`${operation} 2`)));
-}
-
 function check() {
   const kinds = new Map();
   const sums = folders.map((folder) => {
@@ -76,7 +71,9 @@ function check() {
     return `${path.basename(folder)}: ${total} exchanges, ${pairs.size} distinct pairs of request and response, `
       + `${ofFolder.size} kinds of them`;
   });
-  const faults = [...operationsWithoutSuccess(kinds).map((operation) => `no story had success with ${operation}`),
+  const withoutSuccess = operationsOf(document).filter((operation) =>
+    ![...kinds.keys()].some((kind) => kind.startsWith(`${operation} 2`)));
+  const faults = [...withoutSuccess.map((operation) => `no story had success with ${operation}`),
     ...differencesFromGolden()];
   for (const [kind, n] of [...kinds].sort()) console.log(`${String(n).padStart(6)} ${kind}`);
   for (const line of [...sums, ...faults]) console.log(line);
