@@ -249,17 +249,6 @@ static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, 
     return status;
 }
 
-static void remember(predictor *p, const char *id, double seconds)
-{
-    bool is_known;
-
-    lock_acquire(&p->lock);
-    entry *e = find_entry(p, id, &is_known);
-    if (!is_known || e->n_learned == 0)
-        set_entry(e, id, seconds, 0);
-    lock_release(&p->lock);
-}
-
 // Wait until somebody asks, or for the deadline to measure unasked; false: to be stopped. *ret_question is the next run, its
 // run_id "" where there is none.
 static bool take_next(predictor *p, int64_t unasked_ms, bool *ret_is_speed_asked,
@@ -285,27 +274,35 @@ static bool take_next(predictor *p, int64_t unasked_ms, bool *ret_is_speed_asked
 static void *run_loop(void *context)
 {
     predictor *p = context;
-    const int64_t unasked_ms = clock_monotonic_ms() + UNASKED_MS;
+    int64_t unasked_ms = clock_monotonic_ms() + UNASKED_MS;
     char quoted[LOG_QUOTED_SIZE];
-    bf_status status = BF_OK;
     question next;
     bool is_speed_asked;
-    bf_error err = { 0 };
 
     (void)setpriority(PRIO_PROCESS, (id_t)gettid(), LOWER_PRIORITY);
     prediction_learn_begin(&p->learned);
-    while (status == BF_OK && take_next(p, unasked_ms, &is_speed_asked, &next)) {
+    while (take_next(p, unasked_ms, &is_speed_asked, &next)) {
         double seconds = (double)NAN;
-        status = learn_news(p, &err);
+        bf_error err = { 0 };
+        bf_status status = learn_news(p, &err);
         if (status == BF_OK && next.run_id[0] != '\0')
             status = predict(p, next.run_id, &seconds, &err);
-        if (isfinite(seconds))
-            remember(p, next.id, seconds);
+        if (isfinite(seconds)) {
+            bool is_known;
+            lock_acquire(&p->lock);
+            entry *e = find_entry(p, next.id, &is_known);
+            if (!is_known || e->n_learned == 0)
+                set_entry(e, next.id, seconds, 0);
+            lock_release(&p->lock);
+        }
         if (status == BF_OK && is_speed_asked)
             status = find_speed(p, &err);
+        if (status != BF_OK) {
+            log_event(LOG_LEVEL_WARN, "runs_not_predicted", "error=%s",
+                      log_quote(err.text, quoted));
+            unasked_ms = -1; // again when somebody asks, not by itself
+        }
     }
-    if (status != BF_OK)
-        log_event(LOG_LEVEL_WARN, "runs_not_predicted", "error=%s", log_quote(err.text, quoted));
     return NULL;
 }
 

@@ -2,6 +2,8 @@
 #include "tests/unit/server/helper_await.h"
 
 #include "api/results/events.h"
+#include "api/scenario/scenario.h"
+#include "api/scenario/submission.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 #include "server/store/page_sums.h"
@@ -128,6 +130,26 @@ api_run helper_submit(store *s, const char *label, int priority)
     api_run record = helper_accept(s, &submission);
     buffer_fini(&submission.scenario);
     buffer_fini(&submission.columns);
+    return record;
+}
+
+api_run helper_submit_solvable(store *s)
+{
+    static const char document[] =
+        "{\"duration_s\":1,\"domain\":{\"x_m\":[0,1],\"y_m\":[0,0.6]},"
+        "\"belts\":[{\"velocity_m_s\":[0.4,0]}],"
+        "\"initial\":{\"hexagonal\":{\"rows\":4,\"columns\":4,\"first_m\":[0.1,0.1],"
+        "\"spacing_m\":0.03}},\"cargo\":{\"shape\":{\"type\":\"cylinder\"}},\"macro\":{\"step_s\":"
+        "\"auto\"}}";
+    api_submission submission;
+    bf_faults faults = { 0 };
+    scene of;
+
+    assert_int_equal(scenario_read(document, sizeof document - 1, &of, &faults, NULL), BF_OK);
+    assert_int_equal(submission_make(&of, RUN_MACRO, &submission, NULL), BF_OK);
+    scene_fini(&of);
+    const api_run record = helper_accept(s, &submission);
+    submission_fini(&submission);
     return record;
 }
 

@@ -49,6 +49,9 @@ api_run helper_accept(store *s, const api_submission *submission);
 /// Submit a run and return it. label and priority as given, everything else fixed.
 api_run helper_submit(store *s, const char *label, int priority);
 
+/// Submit a run of a whole scenario, 16 cylinders on a belt for 1 s, and return it.
+api_run helper_submit_solvable(store *s);
+
 /// Claim the next run and return it.
 api_run helper_claim(store *s);
 

@@ -2,34 +2,10 @@
 
 #include "server/run/predictor.h"
 
-#include "api/scenario/scenario.h"
-#include "api/scenario/submission.h"
 #include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <math.h>
-#include <string.h>
-
-static const char document[] =
-    "{\"duration_s\":1,\"domain\":{\"x_m\":[0,1],\"y_m\":[0,0.6]},"
-    "\"belts\":[{\"velocity_m_s\":[0.4,0]}],"
-    "\"initial\":{\"hexagonal\":{\"rows\":4,\"columns\":4,\"first_m\":[0.1,0.1],"
-    "\"spacing_m\":0.03}},\"cargo\":{\"shape\":{\"type\":\"cylinder\"}},\"macro\":{\"step_s\":"
-    "\"auto\"}}";
-
-static api_run submit_scene(store *s)
-{
-    api_submission submission;
-    bf_faults faults = { 0 };
-    scene of;
-
-    assert_int_equal(scenario_read(document, sizeof document - 1, &of, &faults, NULL), BF_OK);
-    assert_int_equal(submission_make(&of, RUN_MACRO, &submission, NULL), BF_OK);
-    scene_fini(&of);
-    const api_run record = helper_accept(s, &submission);
-    submission_fini(&submission);
-    return record;
-}
 
 static double await_seconds(predictor *p, const char *run_id)
 {
@@ -45,7 +21,8 @@ static void test_runs_that_wait_are_predicted_when_asked_for(void **state)
     prediction_speed speed;
     predictor *p;
 
-    const api_run first = submit_scene(h->store), second = submit_scene(h->store);
+    const api_run first = helper_submit_solvable(h->store),
+                  second = helper_submit_solvable(h->store);
     assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
     const double seconds = await_seconds(p, first.id);
     assert_true(seconds > 0.0 && seconds < 60.0);
@@ -62,10 +39,10 @@ static void test_runs_that_do_not_wait_are_not_predicted(void **state)
     predictor *p;
 
     assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
-    const api_run gone = submit_scene(h->store);
+    const api_run gone = helper_submit_solvable(h->store);
     assert_int_equal(store_remove(h->store, gone.id, API_ANY_REVISION, NULL), BF_OK);
     assert_true(isnan(predictor_seconds(p, gone.id, "")));
-    const api_run waiting = submit_scene(h->store);
+    const api_run waiting = helper_submit_solvable(h->store);
     assert_true(await_seconds(p, waiting.id) > 0.0); // and the one before it was looked at
     assert_true(isnan(predictor_seconds(p, gone.id, "")));
     assert_null(predictor_stop(p));
@@ -79,7 +56,7 @@ static void test_trials_take_as_long_on_average_as_those_before_them(void **stat
     predictor *p;
 
     assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
-    const api_run trial = submit_scene(h->store);
+    const api_run trial = helper_submit_solvable(h->store);
     for (int n = 1; n <= 16; n++)
         predictor_learn(p, id, n);
     assert_true(fabs(predictor_seconds(p, trial.id, id) - 8.5) < 1e-12);
@@ -95,7 +72,8 @@ static void test_what_runs_took_corrects_what_is_predicted(void **state)
     helper_store *h = *state;
     predictor *p;
 
-    const api_run first = submit_scene(h->store), second = submit_scene(h->store);
+    const api_run first = helper_submit_solvable(h->store),
+                  second = helper_submit_solvable(h->store);
     assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
     const double before = await_seconds(p, first.id);
     (void)helper_claim(h->store);
@@ -120,8 +98,8 @@ static void test_the_queue_takes_as_long_as_its_oldest_runs_on_average(void **st
 
     assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
     assert_true(predictor_queue_seconds(p, 0) == 0.0);
-    const api_run first = submit_scene(h->store);
-    (void)submit_scene(h->store);
+    const api_run first = helper_submit_solvable(h->store);
+    (void)helper_submit_solvable(h->store);
     assert_true(isnan(predictor_queue_seconds(p, 2))); // asked for now
     const double seconds = await_seconds(p, first.id);
     assert_true(predictor_queue_seconds(p, 4) == 4.0 * seconds);
