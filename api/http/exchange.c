@@ -155,18 +155,6 @@ static bf_status dispatch(exchange *x, bf_error *err)
     return status;
 }
 
-// Completes an answer that is not a problem document.
-static void complete(exchange *x)
-{
-    api_response *response = x->response;
-
-    bool has_body = response->status != 204 && response->status != 304;
-    if (has_body || response->body.n > 0)
-        api_response_header(response, "Content-Type", "%s", x->media->content_type);
-    if (api_response_find(response, "Cache-Control") == NULL)
-        api_response_header(response, "Cache-Control", "no-store");
-}
-
 // Faults of numbers get the units of the document, which the core does not know: its angles are in radians.
 static void name_units(exchange *x)
 {
@@ -253,10 +241,15 @@ void api_handle(const api_services *services, const api_request *request, api_re
 
     if (!answer_options(request, response)) {
         bf_status status = dispatch(&x, &error);
-        if (status == BF_OK)
-            complete(&x);
-        else
+        if (status == BF_OK) {
+            bool has_body = response->status != 204 && response->status != 304;
+            if (has_body || response->body.n > 0)
+                api_response_header(response, "Content-Type", "%s", x.media->content_type);
+            if (api_response_find(response, "Cache-Control") == NULL)
+                api_response_header(response, "Cache-Control", "no-store");
+        } else {
             refuse(&x, status, &error);
+        }
         vary(&x);
     }
     end(&x);

@@ -92,18 +92,6 @@ static json_scan_end scan_token(scanner *s)
     return JSON_SCAN_ALL;
 }
 
-static json_scan_place find_place(const char *json, size_t at)
-{
-    json_scan_place place = { .at = at, .line = 1, .column = 1 };
-
-    for (size_t k = 0; k < at; k++) {
-        bool is_end = json[k] == '\n';
-        place.line += is_end;
-        place.column = is_end ? 1 : place.column + 1;
-    }
-    return place;
-}
-
 json_scan_end json_scan(const char *json, size_t n, json_scan_place *ret_place, char *ret_pointer,
                         size_t size)
 {
@@ -120,7 +108,13 @@ json_scan_end json_scan(const char *json, size_t n, json_scan_place *ret_place, 
         else if (l->key != NULL)
             json_pointer_enter(&pointer, l->key, l->n_key);
     }
-    *ret_place = find_place(json, s.at);
+    json_scan_place place = { .at = s.at, .line = 1, .column = 1 };
+    for (size_t k = 0; k < s.at; k++) {
+        bool is_end = json[k] == '\n';
+        place.line += is_end;
+        place.column = is_end ? 1 : place.column + 1;
+    }
+    *ret_place = place;
     snprintf(ret_pointer, size, "%s", pointer.text);
     return end;
 }

@@ -94,11 +94,6 @@ static int format_moderate(double value, int digits, int digits_max, int n_bits,
     return write_decimal(d, value < 0.0, text);
 }
 
-static bool reads_back(const char *text, double value, bool is_float)
-{
-    return is_float ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value;
-}
-
 // The first precision from `digits` on that reads back; %g leaves trailing zeros out, so that
 // starting at 15 (6 for floats) finds all shorter numbers of the normal range as well.
 static int format_shortest(double value, int digits, int digits_max, bool is_float, char *text)
@@ -107,7 +102,8 @@ static int format_shortest(double value, int digits, int digits_max, bool is_flo
 
     do {
         n = snprintf(text, NUMBER_SIZE, "%.*g", digits, value);
-    } while (++digits <= digits_max && !reads_back(text, value, is_float));
+    } while (++digits <= digits_max &&
+             !(is_float ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value));
     char *comma = strchr(text, ','); // the point of some locales
     if (comma != NULL)
         *comma = '.';

@@ -91,19 +91,6 @@ static void write_base(json_out *w, const char *type, size_t n)
     }
 }
 
-static void write_or_null(json_out *w, const char *type, size_t n)
-{
-    json_out_key(w, "anyOf");
-    json_out_array(w);
-    json_out_object(w);
-    write_base(w, type, n);
-    json_out_object_end(w);
-    json_out_object(w);
-    json_out_key_string(w, "type", "null");
-    json_out_object_end(w);
-    json_out_array_end(w);
-}
-
 void schema_write_members(json_out *w, const char *type)
 {
     size_t n = measure_base(type);
@@ -117,7 +104,15 @@ void schema_write_members(json_out *w, const char *type)
         json_out_string(w, "null");
         json_out_array_end(w);
     } else {
-        write_or_null(w, type, n);
+        json_out_key(w, "anyOf");
+        json_out_array(w);
+        json_out_object(w);
+        write_base(w, type, n);
+        json_out_object_end(w);
+        json_out_object(w);
+        json_out_key_string(w, "type", "null");
+        json_out_object_end(w);
+        json_out_array_end(w);
     }
 }
 

@@ -32,14 +32,6 @@ static void write_number(json_out *w, const figure *f)
     json_out_object_end(w);
 }
 
-static void begin_object(json_out *w)
-{
-    json_out_object(w);
-    json_out_key_string(w, "type", "object");
-    json_out_key(w, "properties");
-    json_out_object(w);
-}
-
 static void end_object(json_out *w)
 {
     json_out_object_end(w);
@@ -60,7 +52,10 @@ static void write_properties(json_out *w, figure_scope scope)
         }
         if (open == NULL && f->part != NULL) {
             json_out_key(w, f->word);
-            begin_object(w);
+            json_out_object(w);
+            json_out_key_string(w, "type", "object");
+            json_out_key(w, "properties");
+            json_out_object(w);
             open = f;
         }
         write_number(w, f);

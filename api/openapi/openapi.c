@@ -61,58 +61,24 @@ const char *openapi__text(const char *name)
     return text->text;
 }
 
-static void write_description(json_out *w)
-{
-    bf_buffer text = { 0 };
-
-    if (buffer_printf(&text, "%s", description) == BF_OK && openapi__write_manual(&text) == BF_OK)
-        json_out_key_string(w, "description", text.bytes);
-    else
-        w->has_failed = true;
-    buffer_fini(&text);
-}
-
 static void write_info(json_out *w)
 {
     json_out_key(w, "info");
     json_out_object(w);
     json_out_key_string(w, "title", "Beltflow");
     json_out_key_string(w, "summary", "Material flow on conveyor belts");
-    write_description(w);
+    bf_buffer text = { 0 };
+    if (buffer_printf(&text, "%s", description) == BF_OK && openapi__write_manual(&text) == BF_OK)
+        json_out_key_string(w, "description", text.bytes);
+    else
+        w->has_failed = true;
+    buffer_fini(&text);
     json_out_key(w, "contact");
     json_out_object(w);
     json_out_key_string(w, "name", "Beltflow");
     json_out_object_end(w);
     json_out_key_string(w, "version", BELTFLOW_VERSION);
     json_out_object_end(w);
-}
-
-// The service that the document came from. Operations that want a token say so themselves.
-static void write_servers(json_out *w)
-{
-    json_out_key(w, "servers");
-    json_out_array(w);
-    json_out_object(w);
-    json_out_key_string(w, "url", "/");
-    json_out_key_string(w, "description", "The daemon that this document came from");
-    json_out_object_end(w);
-    json_out_array_end(w);
-    json_out_key(w, "security");
-    json_out_array(w);
-    json_out_array_end(w);
-}
-
-static void write_tags(json_out *w)
-{
-    json_out_key(w, "tags");
-    json_out_array(w);
-    for (size_t k = 0; k < sizeof tags / sizeof *tags; k++) {
-        json_out_object(w);
-        json_out_key_string(w, "name", tags[k].name);
-        json_out_key_string(w, "description", tags[k].help);
-        json_out_object_end(w);
-    }
-    json_out_array_end(w);
 }
 
 // A ready scenario twice: as it is, and in the body that submits it.
@@ -136,18 +102,6 @@ static void write_example(json_out *w, const example *item)
     json_out_key_string(w, "model", run_model_words[RUN_MACRO]);
     json_out_key_string(w, "label", item->name);
     json_out_object_end(w);
-    json_out_object_end(w);
-}
-
-static void write_examples(json_out *w)
-{
-    size_t n;
-    const example *items = examples_list(&n);
-
-    json_out_key(w, "examples");
-    json_out_object(w);
-    for (size_t k = 0; k < n; k++)
-        write_example(w, &items[k]);
     json_out_object_end(w);
 }
 
@@ -221,7 +175,13 @@ static void write_components(json_out *w)
     json_out_object(w);
     openapi__write_header_components(w);
     json_out_object_end(w);
-    write_examples(w);
+    size_t n;
+    const example *items = examples_list(&n);
+    json_out_key(w, "examples");
+    json_out_object(w);
+    for (size_t k = 0; k < n; k++)
+        write_example(w, &items[k]);
+    json_out_object_end(w);
     json_out_object_end(w);
 }
 
@@ -230,8 +190,26 @@ static void write_document(json_out *w)
     json_out_object(w);
     json_out_key_string(w, "openapi", "3.1.0");
     write_info(w);
-    write_servers(w);
-    write_tags(w);
+    // The service that the document came from. Operations that want a token say so themselves.
+    json_out_key(w, "servers");
+    json_out_array(w);
+    json_out_object(w);
+    json_out_key_string(w, "url", "/");
+    json_out_key_string(w, "description", "The daemon that this document came from");
+    json_out_object_end(w);
+    json_out_array_end(w);
+    json_out_key(w, "security");
+    json_out_array(w);
+    json_out_array_end(w);
+    json_out_key(w, "tags");
+    json_out_array(w);
+    for (size_t k = 0; k < sizeof tags / sizeof *tags; k++) {
+        json_out_object(w);
+        json_out_key_string(w, "name", tags[k].name);
+        json_out_key_string(w, "description", tags[k].help);
+        json_out_object_end(w);
+    }
+    json_out_array_end(w);
     json_out_key(w, "paths");
     json_out_object(w);
     openapi__write_paths(w);

@@ -42,20 +42,6 @@ static bool next_operation(const route *r, const char **formats, operation *ret_
     return true;
 }
 
-static void write_parameter_schema(json_out *w, const param *p)
-{
-    json_out_object(w);
-    schema_write_members(w, p->type == NULL ? p->kind->type : p->type);
-    if (p->kind->write_bounds != NULL)
-        p->kind->write_bounds(p, w);
-    schema_write_limits(w, p->limits);
-    if (p->default_text != NULL) {
-        json_out_key(w, "default");
-        json_out_raw(w, p->default_text, strlen(p->default_text));
-    }
-    json_out_object_end(w);
-}
-
 static void write_parameter(json_out *w, const param *p)
 {
     json_out_object(w);
@@ -69,7 +55,16 @@ static void write_parameter(json_out *w, const param *p)
         json_out_key_bool(w, "explode", false);
     }
     json_out_key(w, "schema");
-    write_parameter_schema(w, p);
+    json_out_object(w);
+    schema_write_members(w, p->type == NULL ? p->kind->type : p->type);
+    if (p->kind->write_bounds != NULL)
+        p->kind->write_bounds(p, w);
+    schema_write_limits(w, p->limits);
+    if (p->default_text != NULL) {
+        json_out_key(w, "default");
+        json_out_raw(w, p->default_text, strlen(p->default_text));
+    }
+    json_out_object_end(w);
     json_out_object_end(w);
 }
 
@@ -250,16 +245,6 @@ static void write_security(json_out *w, const route *r)
     json_out_array_end(w);
 }
 
-// "curve" as CSV is "curveCsv": the name of the route's first format is the route's.
-static void write_id(const operation *o, char *ret_id)
-{
-    const int n = snprintf(ret_id, NAME_SIZE, "%s%s", o->route->id, o->is_first ? "" : o->format);
-    char *ending = ret_id + strlen(o->route->id);
-
-    BF_CHECK(n > 0 && n < NAME_SIZE);
-    *ending = (char)toupper((unsigned char)*ending);
-}
-
 // What it does; of what has several formats, in which.
 static void write_summary(json_out *w, const operation *o)
 {
@@ -305,7 +290,11 @@ static void write_operation(json_out *w, const operation *o)
     BF_CHECK(strlen(r->method) < sizeof method);
     for (size_t k = 0; r->method[k] != '\0'; k++)
         method[k] = (char)tolower((unsigned char)r->method[k]);
-    write_id(o, id);
+    // "curve" as CSV is "curveCsv": the name of the route's first format is the route's.
+    const int n_id = snprintf(id, NAME_SIZE, "%s%s", o->route->id, o->is_first ? "" : o->format);
+    char *ending = id + strlen(o->route->id);
+    BF_CHECK(n_id > 0 && n_id < NAME_SIZE);
+    *ending = (char)toupper((unsigned char)*ending);
     json_out_key(w, method);
     json_out_object(w);
     json_out_key_string(w, "operationId", id);
@@ -357,18 +346,6 @@ static void write_path(json_out *w, const route *routes, size_t n, const operati
     json_out_object_end(w);
 }
 
-static void write_path_of_format(json_out *w, const operation *o)
-{
-    char path[NAME_SIZE];
-
-    snprintf(path, sizeof path, "%s.%s", o->route->path, o->format);
-    json_out_key(w, path);
-    json_out_object(w);
-    write_parameters(w, o, true);
-    write_operation(w, o);
-    json_out_object_end(w);
-}
-
 void openapi__write_paths(json_out *w)
 {
     size_t n;
@@ -379,7 +356,14 @@ void openapi__write_paths(json_out *w)
         operation o;
         if (next_operation(&routes[k], &formats, &o) && !is_written(routes, k))
             write_path(w, routes, n, &o);
-        while (next_operation(&routes[k], &formats, &o))
-            write_path_of_format(w, &o);
+        while (next_operation(&routes[k], &formats, &o)) {
+            char path[NAME_SIZE];
+            snprintf(path, sizeof path, "%s.%s", o.route->path, o.format);
+            json_out_key(w, path);
+            json_out_object(w);
+            write_parameters(w, &o, true);
+            write_operation(w, &o);
+            json_out_object_end(w);
+        }
     }
 }

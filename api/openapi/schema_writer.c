@@ -266,18 +266,6 @@ void openapi__write_input_schemas(json_out *w)
     write_tables(w, &scenario_members, MEMBER_RESOLVED, &resolved);
 }
 
-static void write_one_of(json_out *w, const char *names)
-{
-    json_out_key(w, "oneOf");
-    json_out_array(w);
-    for (size_t n; (n = schema_next_word(&names)) > 0; names += n) {
-        json_out_object(w);
-        schema_write_ref(w, "schemas", names, n);
-        json_out_object_end(w);
-    }
-    json_out_array_end(w);
-}
-
 static void write_schema(json_out *w, const openapi_schema *schema)
 {
     const form f = { .view = MEMBER_ANSWER, .choice = schema->tag };
@@ -291,10 +279,19 @@ static void write_schema(json_out *w, const openapi_schema *schema)
         schema_write_members(w, schema->type);
     else if (schema->words != NULL)
         member_enum.write_schema(w, &(member){ .words = schema->words }, MEMBER_ANSWER);
-    else if (schema->one_of != NULL)
-        write_one_of(w, schema->one_of);
-    else
+    else if (schema->one_of != NULL) {
+        const char *names = schema->one_of;
+        json_out_key(w, "oneOf");
+        json_out_array(w);
+        for (size_t n; (n = schema_next_word(&names)) > 0; names += n) {
+            json_out_object(w);
+            schema_write_ref(w, "schemas", names, n);
+            json_out_object_end(w);
+        }
+        json_out_array_end(w);
+    } else {
         schema->write(w, schema->tag);
+    }
     schema_write_limits(w, schema->limits);
     json_out_object_end(w);
 }

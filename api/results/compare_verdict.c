@@ -31,17 +31,6 @@ static bf_status review_side(const scene *s, compare_side *side, bf_error *err)
     return status;
 }
 
-// Overwrites what says how it is solved.
-static uint64_t line_of(scene *s)
-{
-    s->macro = (scene_macro){ 0 };
-    s->micro.integrator = (scene_integrator)0;
-    s->micro.path = (scene_path)0;
-    s->micro.step = s->micro.modulus_reduction = s->micro.overlap_limit = 0.0;
-    s->output.curve_every = s->output.snapshot_every = 0.0;
-    return run_definition(s, RUN_MACRO);
-}
-
 // A run that ended early had the arrivals of its whole time, as far as this tells. Of many parts the chance is too small to
 // matter, and they are not counted: a run may be cancelled that would have had any number.
 static bf_status find_arrivals(const scene *s, compare_side *side, bf_error *err)
@@ -85,7 +74,12 @@ static bf_status make_side(run_model model, scene *s, const json_t *figures, com
     bf_status status = find_arrivals(s, ret_side, err);
     if (status == BF_OK)
         status = review_side(s, ret_side, err);
-    ret_side->line = line_of(s);
+    s->macro = (scene_macro){ 0 };
+    s->micro.integrator = (scene_integrator)0;
+    s->micro.path = (scene_path)0;
+    s->micro.step = s->micro.modulus_reduction = s->micro.overlap_limit = 0.0;
+    s->output.curve_every = s->output.snapshot_every = 0.0;
+    ret_side->line = run_definition(s, RUN_MACRO);
     scene_fini(s);
     return status;
 }
@@ -108,18 +102,6 @@ bf_status compare_verdict_side(run_model model, const char *scenario, size_t n_s
     return status;
 }
 
-static bool says_filling(const json_t *summary)
-{
-    const json_t *list = json_object_get(summary, "verdicts");
-    bool is = false;
-
-    for (size_t k = 0; k < json_array_size(list); k++) {
-        const char *kind = json_string_value(json_object_get(json_array_get(list, k), "kind"));
-        is = is || (kind != NULL && strcmp(kind, RUN_VERDICT_BELT_FILLS) == 0);
-    }
-    return is;
-}
-
 bf_status compare_verdict_side_of_summary(const char *summary, size_t n, compare_side *ret_side,
                                           compare_flows *ret_flows, bf_error *err)
 {
@@ -140,8 +122,15 @@ bf_status compare_verdict_side_of_summary(const char *summary, size_t n, compare
     if (status == BF_OK)
         status = make_side(strcmp(model, run_model_words[RUN_MICRO]) == 0 ? RUN_MICRO : RUN_MACRO,
                            &s, json_object_get(root, "key_figures"), ret_side, ret_flows, err);
-    if (status == BF_OK)
-        ret_side->is_filling = says_filling(root);
+    if (status == BF_OK) {
+        const json_t *list = json_object_get(root, "verdicts");
+        bool is = false;
+        for (size_t k = 0; k < json_array_size(list); k++) {
+            const char *kind = json_string_value(json_object_get(json_array_get(list, k), "kind"));
+            is = is || (kind != NULL && strcmp(kind, RUN_VERDICT_BELT_FILLS) == 0);
+        }
+        ret_side->is_filling = is;
+    }
     json_in_free(root);
     return status;
 }

@@ -14,16 +14,6 @@
 
 #define RUN "Identifier of the run"
 
-// An event that ran out of memory leaves no part of itself behind.
-static bf_status finish(const json_out *w, size_t start, bf_error *err)
-{
-    bf_status status = json_out_status(w, err);
-
-    if (status != BF_OK)
-        buffer_truncate(w->buffer, start);
-    return status;
-}
-
 static bf_status write_event(const member_table *table, const void *item, bf_buffer *out,
                              bf_error *err)
 {
@@ -31,7 +21,10 @@ static bf_status write_event(const member_table *table, const void *item, bf_buf
     json_out w = json_out_to(out);
 
     members_write(&w, table, item);
-    return finish(&w, start, err);
+    bf_status status = json_out_status(&w, err);
+    if (status != BF_OK)
+        buffer_truncate(w.buffer, start);
+    return status;
 }
 
 static const member status_members[] = {

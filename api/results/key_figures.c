@@ -198,20 +198,6 @@ static bf_status append_rows(figure_scope scope, const json_t *object, bf_buffer
     return status;
 }
 
-static bf_status append_all(const json_t *object, bf_buffer *out)
-{
-    bf_status status = buffer_printf(out, "figure,of,id,value,unit\n");
-
-    if (status == BF_OK)
-        status = append_rows(FIGURE_OF_RUN, object, out);
-    for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
-        const json_t *list = json_object_get(object, scopes[scope].list);
-        for (size_t k = 0; k < json_array_size(list) && status == BF_OK; k++)
-            status = append_rows(scope, json_array_get(list, k), out);
-    }
-    return status;
-}
-
 bf_status key_figures_parse(const char *json, size_t n, json_t **ret_root, bf_error *err)
 {
     bf_faults faults = { 0 };
@@ -232,7 +218,14 @@ bf_status key_figures_csv(const char *json, size_t n, bf_buffer *out, bf_error *
     bf_status status = key_figures_parse(json, n, &root, err);
     if (status != BF_OK)
         return status;
-    status = append_all(root, out);
+    status = buffer_printf(out, "figure,of,id,value,unit\n");
+    if (status == BF_OK)
+        status = append_rows(FIGURE_OF_RUN, root, out);
+    for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
+        const json_t *list = json_object_get(root, scopes[scope].list);
+        for (size_t k = 0; k < json_array_size(list) && status == BF_OK; k++)
+            status = append_rows(scope, json_array_get(list, k), out);
+    }
     json_in_free(root);
     if (status == BF_OK)
         return BF_OK;

@@ -198,13 +198,6 @@ typedef struct columns {
     bf_buffer lines;
 } columns;
 
-static void fini_columns(columns *c)
-{
-    buffer_fini(&c->t);
-    buffer_fini(&c->counts);
-    buffer_fini(&c->lines);
-}
-
 // What is wrong with the text is a fault of the document like others.
 static bf_status note(bf_status status, const bf_error *why, bf_faults *faults, bf_error *err)
 {
@@ -251,7 +244,9 @@ bf_status measurement_read_csv(const char *text, size_t n, const char *label, co
     status = read_columns(text, n, column, &c, &s, faults, err);
     if (status == BF_OK)
         status = make_measurement(&s, label, belongs_to, ret_measurement, err);
-    fini_columns(&c);
+    buffer_fini(&c.t);
+    buffer_fini(&c.counts);
+    buffer_fini(&c.lines);
     return status;
 }
 

@@ -59,28 +59,6 @@ static void flush(png_struct *png)
     (void)png;
 }
 
-static void write_palette(const drawing *d)
-{
-    png_color colors[COLORMAP_LEVELS];
-
-    for (unsigned level = 0; level < COLORMAP_LEVELS; level++) {
-        colormap_color c = colormap_at(d->map, level);
-        colors[level] = (png_color){ c.red, c.green, c.blue };
-    }
-    png_set_PLTE(d->png, d->info, colors, COLORMAP_LEVELS);
-}
-
-static void write_description(const drawing *d)
-{
-    char key[] = "Description", text[DESCRIPTION_SIZE];
-    png_text item = { .compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = text };
-
-    snprintf(text, sizeof text,
-             "Density at t = %g s, %s from 0 to %g (1 is close packing), x to the right, y up",
-             d->t, colormap_word(d->map), d->picture->top);
-    png_set_text(d->png, d->info, &item, 1);
-}
-
 static void write_all(const drawing *d)
 {
     const picture *p = d->picture;
@@ -89,8 +67,18 @@ static void write_all(const drawing *d)
     png_set_IHDR(d->png, d->info, (png_uint_32)p->width, (png_uint_32)p->height, PALETTE_BITS,
                  PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
-    write_palette(d);
-    write_description(d);
+    png_color colors[COLORMAP_LEVELS];
+    for (unsigned level = 0; level < COLORMAP_LEVELS; level++) {
+        colormap_color c = colormap_at(d->map, level);
+        colors[level] = (png_color){ c.red, c.green, c.blue };
+    }
+    png_set_PLTE(d->png, d->info, colors, COLORMAP_LEVELS);
+    char key[] = "Description", text[DESCRIPTION_SIZE];
+    png_text item = { .compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = text };
+    snprintf(text, sizeof text,
+             "Density at t = %g s, %s from 0 to %g (1 is close packing), x to the right, y up",
+             d->t, colormap_word(d->map), d->picture->top);
+    png_set_text(d->png, d->info, &item, 1);
     png_write_info(d->png, d->info);
     for (size_t row = 0; row < p->height; row++)
         png_write_row(d->png, d->levels + row * p->width);

@@ -203,38 +203,28 @@ static bf_status begin_file(archive *a, const api_services *services, bf_buffer 
     return zip_out_file(a->zip, name, (size_t)a->n_content, out, err);
 }
 
-static bf_status append_curve(archive *a, const api_services *services, bf_buffer *out,
-                              bf_error *err)
-{
-    a->content.n = 0;
-    bf_status status = curve_file_read(&a->curve, services, &a->content, err);
-    a->n_appended += a->content.n;
-    if (curve_file_is_over(&a->curve))
-        a->n_content = a->n_appended;
-    return status == BF_OK ? zip_out_bytes(a->zip, a->content.bytes, a->content.n, out, err)
-                           : status;
-}
-
-static bf_status append_array(archive *a, const api_services *services, bf_buffer *out,
-                              bf_error *err)
-{
-    a->content.n = 0;
-    bf_status status =
-        array_file_read(&a->array, services, a->n_appended, SLICE_BYTES, &a->content, err);
-    a->n_appended += a->content.n;
-    return status == BF_OK ? zip_out_bytes(a->zip, a->content.bytes, a->content.n, out, err)
-                           : status;
-}
-
 static bf_status append_slice(archive *a, const api_services *services, bf_buffer *out,
                               bf_error *err)
 {
     size_t n = (size_t)(a->n_content - a->n_appended);
 
-    if (a->array.item_size > 0)
-        return append_array(a, services, out, err);
-    if (a->n_content == ZIP_OUT_ANY_SIZE)
-        return append_curve(a, services, out, err);
+    if (a->array.item_size > 0) {
+        a->content.n = 0;
+        bf_status status =
+            array_file_read(&a->array, services, a->n_appended, SLICE_BYTES, &a->content, err);
+        a->n_appended += a->content.n;
+        return status == BF_OK ? zip_out_bytes(a->zip, a->content.bytes, a->content.n, out, err)
+                               : status;
+    }
+    if (a->n_content == ZIP_OUT_ANY_SIZE) {
+        a->content.n = 0;
+        bf_status status = curve_file_read(&a->curve, services, &a->content, err);
+        a->n_appended += a->content.n;
+        if (curve_file_is_over(&a->curve))
+            a->n_content = a->n_appended;
+        return status == BF_OK ? zip_out_bytes(a->zip, a->content.bytes, a->content.n, out, err)
+                               : status;
+    }
     n = n < SLICE_BYTES ? n : SLICE_BYTES;
     bf_status status = zip_out_bytes(a->zip, a->content.bytes + a->n_appended, n, out, err);
     a->n_appended += n;

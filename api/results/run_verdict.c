@@ -247,16 +247,6 @@ static void say_heap(const run_verdict_subject *of, verdicts *all)
     verdict_rests_on(v, "parts_end", "", of->end->parts_end);
 }
 
-// Whether a belt may stand: then cargo does not move for that reason.
-static bool may_stand(const scene *s)
-{
-    bool may = s->n_actions > 0;
-
-    for (size_t k = 0; k < s->n_belts; k++)
-        may |= belt_speeds_may_change(&s->belts[k]);
-    return may;
-}
-
 static void say_jams(const run_verdict_subject *of, verdicts *all)
 {
     const double n = value_of(of, FIGURE_JAM_COUNT, 0);
@@ -267,8 +257,10 @@ static void say_jams(const run_verdict_subject *of, verdicts *all)
         return;
     for (size_t k = 0; k < of->scene->n_counters; k++)
         blocked = fmax(blocked, value_of(of, FIGURE_STATE_BLOCKED, k));
-    const bool is_bridge =
-        blocked > blocked_least && of->scene->n_obstacles > 0 && !may_stand(of->scene);
+    bool may = of->scene->n_actions > 0;
+    for (size_t k = 0; k < of->scene->n_belts; k++)
+        may |= belt_speeds_may_change(&of->scene->belts[k]);
+    const bool is_bridge = blocked > blocked_least && of->scene->n_obstacles > 0 && !may;
     verdict *v = verdict_add(all, is_bridge ? "bridges" : "pauses");
     if (is_bridge)
         verdict_say(v, "Parts stood before the plates and held each other: nothing");
@@ -347,19 +339,6 @@ static const validity_item *find_bridges(const validity *known)
     return NULL;
 }
 
-// A density knows no bridges: what it says of the throughput is not told.
-static void say_bridged(const validity_item *bridges, verdicts *all)
-{
-    verdict *v = verdict_add(all, "bridged");
-
-    verdict_say(v,
-                "Parts bridge this opening: %.3g %% of queues before it stop for good within 1,000 "
-                "parts, which the macroscopic model cannot show. Its throughput says nothing here.",
-                bridges->value);
-    verdict_advise(v, "Solve it with the microscopic model, or widen the narrowest opening.");
-    verdict_rests_on(v, "bridges", "", bridges->value);
-}
-
 static void say_doubt(const run_verdict_subject *of, verdicts *all)
 {
     const validity *known = &of->review->validity;
@@ -385,9 +364,17 @@ bf_status run_verdict_find(const run_verdict_subject *of, verdicts *ret_verdicts
     const validity_item *bridges = find_bridges(&of->review->validity);
     bf_status status = BF_OK;
 
-    if (bridges != NULL)
-        say_bridged(bridges, ret_verdicts);
-    else if (of->values != NULL && of->scene->n_feeds > 0)
+    if (bridges != NULL) {
+        // A density knows no bridges: what it says of the throughput is not told.
+        verdict *v = verdict_add(ret_verdicts, "bridged");
+        verdict_say(
+            v,
+            "Parts bridge this opening: %.3g %% of queues before it stop for good within 1,000 "
+            "parts, which the macroscopic model cannot show. Its throughput says nothing here.",
+            bridges->value);
+        verdict_advise(v, "Solve it with the microscopic model, or widen the narrowest opening.");
+        verdict_rests_on(v, "bridges", "", bridges->value);
+    } else if (of->values != NULL && of->scene->n_feeds > 0)
         status = say_fed(of, ret_verdicts, err);
     else if (of->values != NULL && of->end->parts_start > 0.0)
         say_heap(of, ret_verdicts);

@@ -192,22 +192,6 @@ static void add(scene_series *p, double t, double rate)
     p->n_values = p->n_times;
 }
 
-// Rates that are constant from one time to the next. A profile is linear between its times: it steps between two
-// neighbouring numbers.
-static void make_steps(size_t n, const double *times, const double *counts, scene_series *p)
-{
-    if (times[0] > 0.0)
-        add(p, nextafter(times[0], 0.0), 0.0);
-    for (size_t k = 0; k < n; k++) {
-        const double length = k + 1 < n ? times[k + 1] - times[k] : times[k] - times[k - 1];
-        const double end = k + 1 < n ? times[k + 1] : times[k] + length;
-        add(p, times[k], counts[k] / length);
-        add(p, nextafter(end, 0.0), counts[k] / length);
-        if (k + 1 == n)
-            add(p, end, 0.0);
-    }
-}
-
 static bool check_profile_columns(const csv *c, size_t n_rows)
 {
     if (c->has[PER_S] + c->has[PER_H] + c->has[PER_ROW] != 1)
@@ -234,8 +218,19 @@ static void read_profile(json_in *in, const char *text, scene_series *profile,
     if (rows == NULL || profile->times == NULL || profile->values == NULL) {
         in->has_failed = true;
     } else if (read_profile_rows(&c, n, rows, rows + n)) {
-        if (c.has[PER_ROW])
-            make_steps(n, rows, rows + n, profile);
+        if (c.has[PER_ROW]) {
+            const double *counts = rows + n;
+            if (rows[0] > 0.0)
+                add(profile, nextafter(rows[0], 0.0), 0.0);
+            for (size_t k = 0; k < n; k++) {
+                const double length = k + 1 < n ? rows[k + 1] - rows[k] : rows[k] - rows[k - 1];
+                const double end = k + 1 < n ? rows[k + 1] : rows[k] + length;
+                add(profile, rows[k], counts[k] / length);
+                add(profile, nextafter(end, 0.0), counts[k] / length);
+                if (k + 1 == n)
+                    add(profile, end, 0.0);
+            }
+        }
         for (size_t k = 0; k < n && !c.has[PER_ROW]; k++)
             add(profile, rows[k], rows[n + k]);
         *ret_about = (feed_csv_about){ n, rows[0], rows[n - 1] };

@@ -134,14 +134,6 @@ static const char *const schedule_form_lists[] = { "t_s", NULL };
 static const char *const *const schedule_forms[] = { schedule_form_lists, csv_form, stored_form,
                                                      NULL };
 
-static void note_beside(json_in *in, const char *name, const char *text_name)
-{
-    const size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
-
-    json_in_fault(in, "does not stand beside %s", text_name);
-    json_pointer_leave(&in->pointer, mark);
-}
-
 // True if CSV stands there, or the id of a stored text, alone; else a fault is noted where there are lists beside it,
 // or nothing of these.
 static bool has_text_alone(json_in *in, const json_t *object, const member *members, size_t n)
@@ -156,7 +148,10 @@ static bool has_text_alone(json_in *in, const json_t *object, const member *memb
         const bool is_list = members[k].limit > 0;
         const bool is_other = strcmp(members[k].name, "csv") == 0 && strcmp(text_name, "csv") != 0;
         if ((is_list || is_other) && json_object_get(object, members[k].name) != NULL) {
-            note_beside(in, members[k].name, text_name);
+            const size_t mark =
+                json_pointer_enter(&in->pointer, members[k].name, strlen(members[k].name));
+            json_in_fault(in, "does not stand beside %s", text_name);
+            json_pointer_leave(&in->pointer, mark);
             return false;
         }
     }

@@ -72,19 +72,6 @@ static void check_values(json_in *in, const study_document *d, size_t k)
         faults_add(in->faults, place, "the range is too wide");
 }
 
-// What decides between equal points where no other objective is given.
-static void add_second(study_document *d)
-{
-    const bool is_residence = d->objectives[0].figure >= FIGURE_RESIDENCE_MEAN &&
-                              d->objectives[0].figure <= FIGURE_RESIDENCE_P99;
-
-    d->has_own_second = d->n_objectives > 1;
-    if (d->n_objectives == 1 && !is_residence &&
-        (is_sweep(d->method.type) || d->method.type == STUDY_SCREEN))
-        d->objectives[d->n_objectives++] =
-            (study_document_objective){ .figure = FIGURE_RESIDENCE_MEAN, .demand = (double)NAN };
-}
-
 // The index of the item of an objective or curve among n ids.
 static size_t find_id(const scene *s, figure_scope scope, const char *id)
 {
@@ -141,20 +128,6 @@ static bool varies_offer(const study_document *d)
     return varies;
 }
 
-// Parts/h that get through where all that is offered does: what is missing in the end is on the belt.
-static void find_offered(json_in *in, study_document_objective *o, const scene *s)
-{
-    double offered = (double)NAN;
-
-    o->is_offered = true;
-    if (feed_offered(s, s->warmup, s->duration, &offered, NULL) != BF_OK)
-        in->has_failed = true;
-    o->demand = STUDY_WHOLE_FEED * 3600.0 * offered / (s->duration - s->warmup);
-    if (!in->has_failed && !(isfinite(o->demand) && o->demand > 0.0))
-        faults_add(in->faults, "/objectives/0/demand",
-                   "what is offered is not known: give a number");
-}
-
 static void check_demand(json_in *in, study_document *d, const scene *s)
 {
     static const char place[] = "/objectives/0/demand";
@@ -186,8 +159,17 @@ static void check_demand(json_in *in, study_document *d, const scene *s)
         faults_add(in->faults, place, "the scenario has no feeds: give a number");
     else if (varies_offer(d))
         faults_add(in->faults, place, "what is offered depends on a parameter: give a number");
-    else
-        find_offered(in, o, s);
+    else {
+        // Parts/h that get through where all that is offered does: what is missing in the end is on the belt.
+        double offered = (double)NAN;
+        o->is_offered = true;
+        if (feed_offered(s, s->warmup, s->duration, &offered, NULL) != BF_OK)
+            in->has_failed = true;
+        o->demand = STUDY_WHOLE_FEED * 3600.0 * offered / (s->duration - s->warmup);
+        if (!in->has_failed && !(isfinite(o->demand) && o->demand > 0.0))
+            faults_add(in->faults, "/objectives/0/demand",
+                       "what is offered is not known: give a number");
+    }
 }
 
 static void check_curve(json_in *in, study_document *d, const scene *s, size_t k)
@@ -229,7 +211,14 @@ static void check_base(json_in *in, study_document *d)
         check_curve(in, d, &s, k);
     check_demand(in, d, &s);
     scene_fini(&s);
-    add_second(d);
+    // What decides between equal points where no other objective is given.
+    const bool is_residence = d->objectives[0].figure >= FIGURE_RESIDENCE_MEAN &&
+                              d->objectives[0].figure <= FIGURE_RESIDENCE_P99;
+    d->has_own_second = d->n_objectives > 1;
+    if (d->n_objectives == 1 && !is_residence &&
+        (is_sweep(d->method.type) || d->method.type == STUDY_SCREEN))
+        d->objectives[d->n_objectives++] =
+            (study_document_objective){ .figure = FIGURE_RESIDENCE_MEAN, .demand = (double)NAN };
     if (is_calibration && d->n_curves == 0)
         faults_add(in->faults, "/curves", "a calibration needs one at least");
     if (is_calibration && d->n_objectives > 0)

@@ -361,16 +361,6 @@ static bf_status say_through(const about *a, bool *are_meant, bool *ret_is_whole
     return BF_OK;
 }
 
-static void say_one_run(const about *a)
-{
-    verdict *v = verdict_add(a->verdicts, "one_run_each");
-
-    verdict_say(
-        v, "What arrives when and where is left to chance, and each point was solved once: which "
-           "is best may be luck.");
-    verdict_advise(v, "Ask for at least 5 replications.");
-}
-
 // Of replications of one point.
 static void say_jams(const about *a, size_t value)
 {
@@ -417,16 +407,6 @@ static void say_replications(const about *a)
         say_jams(a, value);
 }
 
-// Of a study that has ended without any.
-static void say_no_value(const about *a)
-{
-    verdict *v = verdict_add(a->verdicts, "no_value");
-
-    verdict_say(v, "No trial has a value of ");
-    say_figure(v, a->document, 0);
-    verdict_say(v, ", so no point is best.");
-}
-
 static void say_no_chance(const about *a)
 {
     if (a->document->replications > 1 && !study_document_definition(a->document).has_chance)
@@ -445,8 +425,14 @@ static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
         say_demand(a, are_meant);
     else if (a->choice->is_known && a->choice->n_candidates > 1)
         say_equal(a);
-    if (!is_search && !a->choice->is_known)
-        say_one_run(a);
+    if (!is_search && !a->choice->is_known) {
+        verdict *v = verdict_add(a->verdicts, "one_run_each");
+        verdict_say(
+            v,
+            "What arrives when and where is left to chance, and each point was solved once: which "
+            "is best may be luck.");
+        verdict_advise(v, "Ask for at least 5 replications.");
+    }
     const bf_status status = say_through(a, are_meant, &is_whole, err);
     if (status != BF_OK)
         return status;
@@ -471,8 +457,12 @@ bf_status study_verdict_find(study_document *document, const study *s, const stu
 {
     const about a = { document, s, choice, is_in, ret_verdicts };
 
-    if (choice->best == SIZE_MAX && study_is_ended(s))
-        say_no_value(&a);
+    if (choice->best == SIZE_MAX && study_is_ended(s)) {
+        verdict *v = verdict_add(a.verdicts, "no_value");
+        verdict_say(v, "No trial has a value of ");
+        say_figure(v, a.document, 0);
+        verdict_say(v, ", so no point is best.");
+    }
     if (choice->best == SIZE_MAX || document->method.type == STUDY_CALIBRATE)
         return BF_OK;
     if (document->n_parameters == 0) {

@@ -55,20 +55,6 @@ static size_t clip_length(int n, size_t size)
     return (size_t)n < size ? (size_t)n : size - 1;
 }
 
-// Time and level, in HEAD_SIZE bytes.
-static void write_head(char *head, log_level level)
-{
-    int64_t now_ms = clock_unix_ms();
-    time_t now_s = (time_t)(now_ms / 1000);
-    struct tm utc;
-    char stamp[32];
-
-    gmtime_r(&now_s, &utc);
-    strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%S", &utc);
-    (void)snprintf(head, HEAD_SIZE, "ts=%s.%03dZ level=%s ", stamp, (int)(now_ms % 1000),
-                   level_words[level]);
-}
-
 static size_t write_pairs(char *line, size_t size, const char *format, va_list args)
 {
     if (size < 2 || format == NULL || *format == '\0')
@@ -82,16 +68,6 @@ static int is_control(char byte)
     return (unsigned char)byte < 0x20 || byte == 0x7f;
 }
 
-// Nothing can be done about a log that cannot be written; it must not stop the daemon.
-static void write_line(const char *line, size_t n)
-{
-    ssize_t written = 0;
-
-    do
-        written = write(STDERR_FILENO, line, n);
-    while (written < 0 && errno == EINTR);
-}
-
 // The whole line but its end, in LINE_SIZE bytes; the part behind time and level begins at *ret_n_head.
 static size_t write_event(char *line, log_level level, const char *event, const char *format,
                           va_list args, size_t *ret_n_head)
@@ -99,7 +75,14 @@ static size_t write_event(char *line, log_level level, const char *event, const 
     enum { ROOM = LINE_SIZE - 1 };
     char head[HEAD_SIZE];
 
-    write_head(head, level);
+    int64_t now_ms = clock_unix_ms();
+    time_t now_s = (time_t)(now_ms / 1000);
+    struct tm utc;
+    char stamp[32];
+    gmtime_r(&now_s, &utc);
+    strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%S", &utc);
+    (void)snprintf(head, HEAD_SIZE, "ts=%s.%03dZ level=%s ", stamp, (int)(now_ms % 1000),
+                   level_words[level]);
     *ret_n_head = strlen(head);
     size_t n = clip_length(snprintf(line, ROOM, "%sevent=%s", head, event), ROOM);
     n += write_pairs(line + n, ROOM - n, format, args);
@@ -126,7 +109,11 @@ void log_event(log_level level, const char *event, const char *format, ...)
     if (!atomic_load_explicit(&has_journal, memory_order_relaxed) ||
         !log__send(level, line + n_head)) {
         line[n++] = '\n';
-        write_line(line, n);
+        // Nothing can be done about a log that cannot be written; it must not stop the daemon.
+        ssize_t written = 0;
+        do
+            written = write(STDERR_FILENO, line, n);
+        while (written < 0 && errno == EINTR);
     }
     errno = saved;
 }

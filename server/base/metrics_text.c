@@ -13,19 +13,6 @@ enum {
     NS_PER_S = 1000000000
 };
 
-// Appends a label's value, in which backslash, quote and line end would break the form.
-static void append_escaped(char *text, size_t size, const char *word)
-{
-    size_t n = strlen(text);
-
-    for (; *word != '\0' && n + 3 < size; word++) {
-        if (*word == '\\' || *word == '"' || *word == '\n')
-            text[n++] = '\\';
-        text[n++] = *word == '\n' ? 'n' : *word;
-    }
-    text[n] = '\0';
-}
-
 // Writes 'a="x",b="y"' of a series. False: a value of it does not exist.
 static bool write_labels(const metrics__metric *m, size_t series, char *ret_text)
 {
@@ -44,7 +31,14 @@ static bool write_labels(const metrics__metric *m, size_t series, char *ret_text
             return false;
         (void)snprintf(ret_text + n, LABELS_SIZE - n, "%s%s=\"", d > 0 ? "," : "",
                        metrics__label(m->dimensions[d]));
-        append_escaped(ret_text, LABELS_SIZE - 1, word);
+        // Appends a label's value, in which backslash, quote and line end would break the form.
+        size_t n_text = strlen(ret_text);
+        for (; *word != '\0' && n_text + 3 < LABELS_SIZE - 1; word++) {
+            if (*word == '\\' || *word == '"' || *word == '\n')
+                ret_text[n_text++] = '\\';
+            ret_text[n_text++] = *word == '\n' ? 'n' : *word;
+        }
+        ret_text[n_text] = '\0';
         n = strlen(ret_text);
         ret_text[n] = '"';
         ret_text[n + 1] = '\0';
@@ -69,16 +63,6 @@ static const char *write_value(const metrics__metric *m, int64_t value, char *st
     if (storage[n - 1] == '.')
         storage[n - 1] = '\0';
     return storage;
-}
-
-static bf_status write_sample(const metrics__metric *m, const char *labels, int64_t value,
-                              bf_buffer *out)
-{
-    char text[VALUE_SIZE];
-    const char *open = labels[0] == '\0' ? "" : "{", *close = labels[0] == '\0' ? "" : "}";
-
-    return buffer_printf(out, "%s%s%s%s %s\n", m->name, open, labels, close,
-                         write_value(m, value, text));
 }
 
 // Buckets hold all that is below their bound, so they add up.
@@ -128,7 +112,10 @@ static bf_status write_series(const metrics__metric *m, size_t series, bf_buffer
         return BF_OK;
     if (m->type == METRICS__TIMES || m->type == METRICS__SIZES)
         return write_histogram(m, labels, slots, out);
-    return write_sample(m, labels, slots[0], out);
+    char text[VALUE_SIZE];
+    const char *open = labels[0] == '\0' ? "" : "{", *close = labels[0] == '\0' ? "" : "}";
+    return buffer_printf(out, "%s%s%s%s %s\n", m->name, open, labels, close,
+                         write_value(m, slots[0], text));
 }
 
 bf_status metrics_write(bf_buffer *out, bf_error *err)

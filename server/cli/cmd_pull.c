@@ -99,35 +99,23 @@ static error_t take_option(int key, char *argument, struct argp_state *state)
     return 0;
 }
 
-// The machine and the process, so that workers of one machine have different names.
-static void make_name(char *name)
-{
-    char host[40] = "";
-
-    if (gethostname(host, sizeof host - 1) != 0 || host[0] == '\0')
-        snprintf(host, sizeof host, "worker");
-    for (char *at = host; *at != '\0'; at++)
-        if (!isalnum((unsigned char)*at) && strchr("._-", *at) == NULL)
-            *at = '-';
-    snprintf(name, API_WORKER_SIZE, "%s-%ld", host, (long)getpid());
-}
-
-static uint64_t find_memory(void)
-{
-    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
-
-    return pages > 0 && size > 0 ? (uint64_t)pages * (uint64_t)size : 0;
-}
-
 static pull_arguments find_defaults(void)
 {
     const unsigned cores = cores_count();
     const char *folder = getenv("TMPDIR");
     pull_arguments a = { .cores = cores < API_WORKER_CORES ? cores : API_WORKER_CORES };
 
-    make_name(a.options.who.name);
+    // The machine and the process, so that workers of one machine have different names.
+    char host[40] = "";
+    if (gethostname(host, sizeof host - 1) != 0 || host[0] == '\0')
+        snprintf(host, sizeof host, "worker");
+    for (char *at = host; *at != '\0'; at++)
+        if (!isalnum((unsigned char)*at) && strchr("._-", *at) == NULL)
+            *at = '-';
+    snprintf(a.options.who.name, API_WORKER_SIZE, "%s-%ld", host, (long)getpid());
     (void)solver_name(a.options.who.solver);
-    a.options.who.memory_bytes = find_memory();
+    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+    a.options.who.memory_bytes = pages > 0 && size > 0 ? (uint64_t)pages * (uint64_t)size : 0;
     a.options.spool = folder == NULL || folder[0] == '\0' ? "/tmp" : folder;
     a.options.spool_bytes = UINT64_C(16) << 30;
     return a;

@@ -289,17 +289,6 @@ static size_t measure_character(const plot *p, const unsigned char *text)
     return *text >= 0x80 && n == 1 ? 0 : n;
 }
 
-// The label with unfit bytes shown as '?', cut to width characters.
-static void put_label(plot *p, const char *label, int width)
-{
-    for (int i = 0; i < width && *label != '\0'; i++) {
-        size_t n = measure_character(p, (const unsigned char *)label);
-        if (buffer_append(&p->text, n == 0 ? "?" : label, n == 0 ? 1 : n) != BF_OK)
-            p->has_failed = true;
-        label += n == 0 ? 1 : n;
-    }
-}
-
 static void put_legend(plot *p, const terminal_chart_curve *curves, size_t n)
 {
     enum { SAMPLE = 6 };
@@ -316,7 +305,15 @@ static void put_legend(plot *p, const terminal_chart_curve *curves, size_t n)
             put_cell(p, column, 0);
         set_color(p, 0);
         put(p, " ");
-        put_label(p, curves[c].label, p->columns - SAMPLE - 1);
+        // The label with unfit bytes shown as '?', cut to width characters.
+        const char *label = curves[c].label;
+        for (int i = 0; i < p->columns - SAMPLE - 1 && *label != '\0'; i++) {
+            size_t n_bytes = measure_character(p, (const unsigned char *)label);
+            if (buffer_append(&p->text, n_bytes == 0 ? "?" : label, n_bytes == 0 ? 1 : n_bytes) !=
+                BF_OK)
+                p->has_failed = true;
+            label += n_bytes == 0 ? 1 : n_bytes;
+        }
         put(p, "\n");
     }
 }

@@ -92,24 +92,18 @@ static int print(const config *c, write_settings *write)
     return status == BF_OK ? EXIT_SUCCESS : fail("beltflowd: ", &err, status);
 }
 
-// A descriptor below 3 that is closed would become that of a file or a client, and the log go there.
-static void occupy_standard_descriptors(void)
-{
-    int fd = open("/dev/null", O_RDWR | O_CLOEXEC);
-
-    while (fd >= 0 && fd <= STDERR_FILENO)
-        fd = open("/dev/null", O_RDWR | O_CLOEXEC);
-    if (fd >= 0)
-        (void)close(fd);
-}
-
 // Blocks the signals that main waits for, in this and all later threads.
 static sigset_t prepare_process(void)
 {
     struct rlimit files;
     sigset_t signals;
 
-    occupy_standard_descriptors();
+    // A descriptor below 3 that is closed would become that of a file or a client, and the log go there.
+    int fd = open("/dev/null", O_RDWR | O_CLOEXEC);
+    while (fd >= 0 && fd <= STDERR_FILENO)
+        fd = open("/dev/null", O_RDWR | O_CLOEXEC);
+    if (fd >= 0)
+        (void)close(fd);
     (void)setenv("TZ", "UTC0", 1); // ZIP archives have local times in them, and shall be the same
     (void)signal(SIGPIPE, SIG_IGN);
     (void)sigemptyset(&signals);
@@ -327,20 +321,6 @@ static const char *describe(const parts *p, char *storage)
     return storage;
 }
 
-// The line that scripts wait for, and the word that a service manager waits for.
-static void log_started(const parts *p)
-{
-    const config *c = &p->settings;
-    int n_host = (int)(strrchr(c->listen, ':') - c->listen);
-    char text[STATUS_SIZE];
-
-    (void)printf("beltflowd %s listening on http://%.*s:%u/\n", BELTFLOW_VERSION, n_host, c->listen,
-                 http_port(p->http));
-    (void)fflush(stdout);
-    log_event(LOG_LEVEL_INFO, "started", "version=%s port=%u", BELTFLOW_BUILD, http_port(p->http));
-    notify_ready("%s", describe(p, text));
-}
-
 static void log_change(void *context, const config_row *row, const char *before, const char *after)
 {
     char quoted[2][LOG_QUOTED_SIZE];
@@ -457,7 +437,16 @@ static bf_status serve(parts *p, const sigset_t *signals, bf_error *err)
     service_init(&p->service);
     bf_status status = start(p, err);
     if (status == BF_OK) {
-        log_started(p);
+        // The line that scripts wait for, and the word that a service manager waits for.
+        const config *c = &p->settings;
+        int n_host = (int)(strrchr(c->listen, ':') - c->listen);
+        char text[STATUS_SIZE];
+        (void)printf("beltflowd %s listening on http://%.*s:%u/\n", BELTFLOW_VERSION, n_host,
+                     c->listen, http_port(p->http));
+        (void)fflush(stdout);
+        log_event(LOG_LEVEL_INFO, "started", "version=%s port=%u", BELTFLOW_BUILD,
+                  http_port(p->http));
+        notify_ready("%s", describe(p, text));
         int taken = run_until_signal(p, signals);
         admission_note(p->service.store, p->service.tokens, &(bool){ false });
         log_event(LOG_LEVEL_INFO, "stopping", "signal=%d", taken);

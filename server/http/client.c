@@ -10,11 +10,6 @@ enum { KEY_BITS = 8 * HTTP_CLIENT_KEY_SIZE, MAPPED_BITS = 96, NETWORK_SIZE = 8 }
 static const uint8_t mapped[12] = { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff };
 static const char separators[] = ", \t";
 
-static bool is_mapped(const uint8_t *key)
-{
-    return memcmp(key, mapped, sizeof mapped) == 0;
-}
-
 static void map_ipv4(const void *address, uint8_t *ret_key)
 {
     memcpy(ret_key, mapped, sizeof mapped);
@@ -126,7 +121,7 @@ static bool take_last(const char *list, size_t *n, uint8_t *ret_key)
 static http_client describe(const uint8_t *key)
 {
     static const uint8_t loopback6[HTTP_CLIENT_KEY_SIZE] = { [15] = 1 };
-    bool is_v4 = is_mapped(key);
+    bool is_v4 = memcmp(key, mapped, sizeof mapped) == 0;
     http_client client = { .text = "" };
 
     client.is_local = is_v4 ? key[12] == 127 : memcmp(key, loopback6, sizeof loopback6) == 0;

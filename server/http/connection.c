@@ -169,17 +169,6 @@ bool http__connection_is_reserved(const http_connection *c)
     return is_reserved;
 }
 
-static void cut_off_late(http *h, int64_t now_ms)
-{
-    lock_assert_held(&h->lock);
-    for (http_connection *c = h->connections; c != NULL; c = c->next) {
-        if (c->deadline_ms < 0 || now_ms < c->deadline_ms)
-            continue;
-        c->deadline_ms = -1;
-        (void)shutdown(c->fd, SHUT_RDWR);
-    }
-}
-
 static bool has_event(int fd, int events)
 {
     struct pollfd p = { .fd = fd, .events = (short)events };
@@ -202,23 +191,6 @@ static bool has_unread(int fd)
     int n_unread = 0;
 
     return ioctl(fd, FIONREAD, &n_unread) != 0 || n_unread > 0;
-}
-
-// It hung up, and nothing of it is left to be read.
-static bool is_disconnected(int fd)
-{
-    return http__connection_has_hung_up(fd) && !has_unread(fd);
-}
-
-static void cut_off_disconnected(http *h)
-{
-    lock_assert_held(&h->lock);
-    for (http_connection *c = h->connections; c != NULL; c = c->next) {
-        bool is_gone = c->deadline_ms >= 0 && is_disconnected(c->fd);
-        if (is_gone && c->seems_disconnected)
-            (void)shutdown(c->fd, SHUT_RDWR);
-        c->seems_disconnected = is_gone;
-    }
 }
 
 // When connections are few, those that have been idle for longest go until a quarter is free. MHD accepts
@@ -279,11 +251,22 @@ static int64_t look(http *h, int64_t now_ms)
     bool looks_for_disconnected = now_ms >= h->polled_ms + WATCH_DISCONNECTED_MS;
 
     lock_assert_held(&h->lock);
-    cut_off_late(h, now_ms);
+    for (http_connection *c = h->connections; c != NULL; c = c->next) {
+        if (c->deadline_ms < 0 || now_ms < c->deadline_ms)
+            continue;
+        c->deadline_ms = -1;
+        (void)shutdown(c->fd, SHUT_RDWR);
+    }
     make_room(h, now_ms);
     if (looks_for_disconnected) {
         h->polled_ms = now_ms;
-        cut_off_disconnected(h);
+        for (http_connection *c = h->connections; c != NULL; c = c->next) {
+            bool is_gone =
+                c->deadline_ms >= 0 && http__connection_has_hung_up(c->fd) && !has_unread(c->fd);
+            if (is_gone && c->seems_disconnected)
+                (void)shutdown(c->fd, SHUT_RDWR);
+            c->seems_disconnected = is_gone;
+        }
     }
     drain_lingering(h, now_ms);
     int64_t due_ms = http__pull_watch(h, now_ms, looks_for_disconnected);

@@ -66,19 +66,6 @@ static void begin_chunk(http_framing *f)
     f->n_line = f->n_digits = 0;
 }
 
-static void end_header(http_framing *f)
-{
-    f->n_messages++;
-    f->n_body = 0;
-    f->n_left = f->n_lengths > 0 && !f->is_chunked ? f->length : 0;
-    if (f->is_chunked)
-        begin_chunk(f);
-    else
-        f->stage = f->n_left > 0 ? HTTP_FRAMING_BODY : HTTP_FRAMING_START;
-    f->n_lengths = 0;
-    f->is_chunked = false;
-}
-
 static void follow_header(http_framing *f, char c)
 {
     switch (f->stage) {
@@ -107,10 +94,19 @@ static void follow_header(http_framing *f, char c)
             leave_to_guard(f);
         break;
     default: // HTTP_FRAMING_HEADER_LF
-        if (c == '\n')
-            end_header(f);
-        else
+        if (c == '\n') {
+            f->n_messages++;
+            f->n_body = 0;
+            f->n_left = f->n_lengths > 0 && !f->is_chunked ? f->length : 0;
+            if (f->is_chunked)
+                begin_chunk(f);
+            else
+                f->stage = f->n_left > 0 ? HTTP_FRAMING_BODY : HTTP_FRAMING_START;
+            f->n_lengths = 0;
+            f->is_chunked = false;
+        } else {
             leave_to_guard(f);
+        }
     }
 }
 
@@ -246,12 +242,6 @@ static void follow_trailer(http_framing *f, char c)
     }
 }
 
-static bool is_skipped(const http_framing *f)
-{
-    return f->stage == HTTP_FRAMING_BODY || f->stage == HTTP_FRAMING_CHUNK ||
-           f->stage == HTTP_FRAMING_ENDED;
-}
-
 // The bytes of a body or chunk, or behind the end, as many as there are of n.
 static size_t skip(http_framing *f, size_t n)
 {
@@ -265,23 +255,14 @@ static size_t skip(http_framing *f, size_t n)
     return n_skipped;
 }
 
-static void follow_byte(http_framing *f, char c)
-{
-    if (f->stage <= HTTP_FRAMING_HEADER_LF)
-        follow_header(f, c);
-    else if (f->stage <= HTTP_FRAMING_CHUNK_END_LF)
-        follow_chunk(f, c);
-    else
-        follow_trailer(f, c);
-}
-
 size_t http_framing_follow(http_framing *f, char *bytes, size_t n)
 {
     const char *from = bytes + f->n_held, *end = from + n;
     char *to = bytes;
 
     while (from < end) {
-        if (is_skipped(f)) {
+        if (f->stage == HTTP_FRAMING_BODY || f->stage == HTTP_FRAMING_CHUNK ||
+            f->stage == HTTP_FRAMING_ENDED) {
             const size_t n_skipped = skip(f, (size_t)(end - from));
             if (to != from)
                 memmove(to, from, n_skipped);
@@ -291,7 +272,13 @@ size_t http_framing_follow(http_framing *f, char *bytes, size_t n)
             to += follow_value(f, *from++, to);
         } else {
             *to++ = *from;
-            follow_byte(f, *from++);
+            const char c = *from++;
+            if (f->stage <= HTTP_FRAMING_HEADER_LF)
+                follow_header(f, c);
+            else if (f->stage <= HTTP_FRAMING_CHUNK_END_LF)
+                follow_chunk(f, c);
+            else
+                follow_trailer(f, c);
         }
     }
     return (size_t)(to - bytes);

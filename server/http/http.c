@@ -270,17 +270,6 @@ unsigned http_port(const http *h)
     return h->port;
 }
 
-// Lets answers that are under way reach their clients.
-static void wait_for_requests(http *h)
-{
-    int64_t deadline_ms = clock_monotonic_ms() + STOP_MS;
-
-    lock_acquire(&h->lock);
-    while (h->n_requests > 0 && lock_wait(&h->changed, &h->lock, deadline_ms))
-        ;
-    lock_release(&h->lock);
-}
-
 http *http_stop(http *h)
 {
     if (h == NULL)
@@ -290,8 +279,14 @@ http *http_stop(http *h)
     atomic_store(&h->is_ending, true);
     http__pull_stop_all(h);
     http__pool_end(h->pool);
-    if (h->daemon != NULL)
-        wait_for_requests(h);
+    if (h->daemon != NULL) {
+        // Lets answers that are under way reach their clients.
+        int64_t deadline_ms = clock_monotonic_ms() + STOP_MS;
+        lock_acquire(&h->lock);
+        while (h->n_requests > 0 && lock_wait(&h->changed, &h->lock, deadline_ms))
+            ;
+        lock_release(&h->lock);
+    }
     http__watch_stop(h);
     http__probe_end(h);
     if (h->daemon != NULL)

@@ -112,15 +112,6 @@ static int *chain_of(http_limit *l, const uint8_t *key)
     return &l->chains[digest_add(l->seed, key, HTTP_LIMIT_KEY_SIZE) % l->n_clients];
 }
 
-static int find(http_limit *l, const uint8_t *key)
-{
-    int place = *chain_of(l, key);
-
-    while (place != NONE && memcmp(l->clients[place].key, key, HTTP_LIMIT_KEY_SIZE) != 0)
-        place = l->clients[place].next;
-    return place;
-}
-
 // Takes a client out of the order of last requests, and puts one in as the newest.
 static void unlink_client(http_limit *l, int place)
 {
@@ -173,7 +164,9 @@ static limit_client *add(http_limit *l, const uint8_t *key, int64_t now_ms)
 // The client of a key, with the tokens that it has gained since its last request.
 static limit_client *refill(http_limit *l, const uint8_t *key, int64_t now_ms)
 {
-    int place = find(l, key);
+    int place = *chain_of(l, key);
+    while (place != NONE && memcmp(l->clients[place].key, key, HTTP_LIMIT_KEY_SIZE) != 0)
+        place = l->clients[place].next;
 
     if (place == NONE)
         return add(l, key, now_ms);
@@ -197,20 +190,6 @@ static unsigned time_to_gain(int64_t lacking, int64_t quota)
     return (unsigned)((lacking + per_s - 1) / per_s);
 }
 
-static void check_buckets(const http_limit *l, const limit_client *c, int n_kinds,
-                          http_limit_verdict *verdict)
-{
-    for (int k = 0; k < n_kinds; k++) {
-        int64_t quota = l->quotas[k];
-        if (quota == 0 || c->levels[k] >= TOKEN)
-            continue;
-        unsigned wait_s = time_to_gain(TOKEN - c->levels[k], quota);
-        verdict->is_refused = true;
-        if (wait_s > verdict->retry_after_s)
-            verdict->retry_after_s = wait_s;
-    }
-}
-
 http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIMIT_KEY_SIZE],
                                    bool creates_work, int64_t now_ms)
 {
@@ -219,7 +198,15 @@ http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIM
 
     lock_acquire(&limit->lock);
     limit_client *c = refill(limit, key, now_ms);
-    check_buckets(limit, c, n_kinds, &verdict);
+    for (int k = 0; k < n_kinds; k++) {
+        int64_t quota = limit->quotas[k];
+        if (quota == 0 || c->levels[k] >= TOKEN)
+            continue;
+        unsigned wait_s = time_to_gain(TOKEN - c->levels[k], quota);
+        verdict.is_refused = true;
+        if (wait_s > verdict.retry_after_s)
+            verdict.retry_after_s = wait_s;
+    }
     for (int k = 0; k < n_kinds; k++) {
         int64_t quota = limit->quotas[k];
         if (quota == 0)

@@ -81,19 +81,6 @@ static int open_socket(const struct addrinfo *where)
     return -1;
 }
 
-// A name can have addresses that this machine cannot use, such as ::1 of localhost without IPv6: then
-// the next one counts. -1 with errno.
-static int open_first(const struct addrinfo *where)
-{
-    int fd = open_socket(where);
-
-    while (fd < 0 && where->ai_next != NULL && (errno == EADDRNOTAVAIL || errno == EAFNOSUPPORT)) {
-        where = where->ai_next;
-        fd = open_socket(where);
-    }
-    return fd;
-}
-
 static unsigned port_of(int fd)
 {
     struct sockaddr_storage address = { 0 };
@@ -152,7 +139,14 @@ bf_status http_listen(const char *address, int *ret_fd, unsigned *ret_port, bf_e
     if (failure != 0)
         return bf_fail(err, BF_EINPUT, "", "'%s' is not an address to listen on: %s", parts.host,
                        gai_strerror(failure));
-    int fd = open_first(found);
+    // A name can have addresses that this machine cannot use, such as ::1 of localhost without IPv6: then
+    // the next one counts.
+    const struct addrinfo *where = found;
+    int fd = open_socket(where);
+    while (fd < 0 && where->ai_next != NULL && (errno == EADDRNOTAVAIL || errno == EAFNOSUPPORT)) {
+        where = where->ai_next;
+        fd = open_socket(where);
+    }
     int error = errno;
     freeaddrinfo(found);
     if (fd < 0)
@@ -174,11 +168,6 @@ typedef struct host_text {
     bool is_bracketed;
 } host_text;
 
-static bool is_of_name(char c)
-{
-    return isalnum((unsigned char)c) || (c != '\0' && strchr("-._~!$&'()*+;=", c) != NULL);
-}
-
 // The bytes of reg-name (RFC 3986, 3.2.2), but for a comma, which would look like a list.
 static bool is_name(const char *text, size_t n)
 {
@@ -187,7 +176,8 @@ static bool is_name(const char *text, size_t n)
                          isxdigit((unsigned char)text[i + 2]);
         if (is_escape)
             i += 2;
-        else if (!is_of_name(text[i]))
+        else if (!(isalnum((unsigned char)text[i]) ||
+                   (text[i] != '\0' && strchr("-._~!$&'()*+;=", text[i]) != NULL)))
             return false;
     }
     return n > 0;

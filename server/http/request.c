@@ -17,19 +17,14 @@
 
 enum { ID_LENGTH = API_ID_SIZE - 1 };
 
-static http_connection *connection_of(struct MHD_Connection *mhd)
-{
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(mhd, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
-    return info == NULL ? NULL : info->socket_context;
-}
-
 // The request whose line was the last one to be parsed on this thread, until its header is complete.
 static _Thread_local http_request *opened;
 
 http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char *target)
 {
-    http_connection *c = connection_of(mhd);
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(mhd, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    http_connection *c = info == NULL ? NULL : info->socket_context;
     http_request *r = c == NULL ? NULL : memory_alloc(1, sizeof *r);
 
     if (r == NULL)

@@ -150,25 +150,20 @@ static void check_host(http_request *r)
     }
 }
 
-static void check_origin(http_request *r)
-{
-    const http_cors_sender sender = { .method = r->method,
-                                      .origin = http__request_header(r, "Origin"),
-                                      .fetch_site = http__request_header(r, "Sec-Fetch-Site"),
-                                      .host = http__request_header(r, "Host") };
-
-    if (http_cors_is_forged(r->server->cors_origins, &sender))
-        http__request_refuse(
-            r, 403, BF_EINPUT,
-            "a page of another origin sent this; the setting cors_origins allows pages");
-}
-
 void http__request_check(http_request *r, const char *method, const char *version)
 {
     check_header(r, method, version);
     http__request_identify(r);
     if (r->refusal == 0)
         check_host(r);
-    if (r->refusal == 0)
-        check_origin(r);
+    if (r->refusal == 0) {
+        const http_cors_sender sender = { .method = r->method,
+                                          .origin = http__request_header(r, "Origin"),
+                                          .fetch_site = http__request_header(r, "Sec-Fetch-Site"),
+                                          .host = http__request_header(r, "Host") };
+        if (http_cors_is_forged(r->server->cors_origins, &sender))
+            http__request_refuse(
+                r, 403, BF_EINPUT,
+                "a page of another origin sent this; the setting cors_origins allows pages");
+    }
 }

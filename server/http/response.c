@@ -41,11 +41,6 @@ static void identify(http_request *r)
         api_response_set(&r->response, "traceparent", r->trace.parent);
 }
 
-static bool is_get(const http_request *r)
-{
-    return strcmp(r->method, "GET") == 0;
-}
-
 // The coding of a body of this kind and size for this client; CODING_COUNT: it accepts none. A file
 // was chosen in its form before.
 static coding choose_coding(http_request *r, const char *type)
@@ -93,23 +88,6 @@ static void encode(api_response *response, coding c)
     http__set_coding(response, c);
 }
 
-static void refuse_coding(http_request *r)
-{
-    http__respond_refuse(r, 406, BF_EINPUT,
-                         "none of the codings that Accept-Encoding allows is known here; "
-                         "there is: zstd gzip identity");
-    api_response_vary(&r->response, "Accept-Encoding");
-    identify(r);
-}
-
-static void refuse_range(http_request *r, uint64_t n)
-{
-    http__respond_refuse(r, 416, BF_EINPUT,
-                         "the range begins behind the end: there are %" PRIu64 " bytes", n);
-    identify(r);
-    api_response_header(&r->response, "Content-Range", "bytes */%" PRIu64, n);
-}
-
 static bool has_source(const http_request *r)
 {
     return r->response.source.next_chunk != NULL;
@@ -132,7 +110,7 @@ static uint64_t length_of(const http_request *r)
 static void cut(http_request *r)
 {
     const char *etag = api_response_find(&r->response, "ETag");
-    const char *asked = is_get(r) ? http__request_header(r, "Range") : NULL;
+    const char *asked = strcmp(r->method, "GET") == 0 ? http__request_header(r, "Range") : NULL;
     uint64_t n_all = length_of(r);
     uint64_t first = 0, n = n_all;
 
@@ -141,8 +119,12 @@ static void cut(http_request *r)
         !http_range_is_current(http__request_header(r, "If-Range"), etag))
         return;
     http_range what = http_range_read(asked, n_all, &first, &n);
-    if (what == HTTP_RANGE_BEYOND)
-        refuse_range(r, n_all);
+    if (what == HTTP_RANGE_BEYOND) {
+        http__respond_refuse(r, 416, BF_EINPUT,
+                             "the range begins behind the end: there are %" PRIu64 " bytes", n_all);
+        identify(r);
+        api_response_header(&r->response, "Content-Range", "bytes */%" PRIu64, n_all);
+    }
     if (what != HTTP_RANGE_PART)
         return;
     r->response.status = 206;
@@ -170,22 +152,17 @@ static void choose_form(http_request *r)
         return;
     bool is_text = http_encoding_is_text(type);
     coding chosen = choose_coding(r, type);
-    if (chosen == CODING_COUNT && r->response.status < 300)
-        refuse_coding(r);
-    else if (chosen < CODING_IDENTITY)
+    if (chosen == CODING_COUNT && r->response.status < 300) {
+        http__respond_refuse(r, 406, BF_EINPUT,
+                             "none of the codings that Accept-Encoding allows is known here; "
+                             "there is: zstd gzip identity");
+        api_response_vary(&r->response, "Accept-Encoding");
+        identify(r);
+    } else if (chosen < CODING_IDENTITY) {
         encode(&r->response, chosen);
-    else if (r->response.status == 200 && (!is_text || r->file.fd >= 0))
+    } else if (r->response.status == 200 && (!is_text || r->file.fd >= 0)) {
         cut(r);
-}
-
-static void remember_length(http_request *r)
-{
-    const char *tag = api_response_find(&r->response, "ETag");
-
-    const bool has_length = has_long_body(r) || !has_source(r);
-
-    if (r->response.status == 200 && tag != NULL && has_length && r->file.fd < 0)
-        http_content_lengths_remember(&r->server->lengths, r->path, r->query, tag, length_of(r));
+    }
 }
 
 void http__finalize_response(http_request *r)
@@ -214,7 +191,10 @@ void http__finalize_response(http_request *r)
                      http_cors_resource_policy(r->server->cors_origins));
     if (r->refusal != 0)
         api_response_header(response, "Connection", "close");
-    remember_length(r);
+    const char *tag = api_response_find(&r->response, "ETag");
+    const bool has_length = has_long_body(r) || !has_source(r);
+    if (r->response.status == 200 && tag != NULL && has_length && r->file.fd < 0)
+        http_content_lengths_remember(&r->server->lengths, r->path, r->query, tag, length_of(r));
 }
 
 static bool is_pulled(const http_request *r)
@@ -240,17 +220,6 @@ static struct MHD_Response *make_without_length(http_request *r)
     return response;
 }
 
-// A 304 without the body that its 200 has: nothing is read of it.
-static struct MHD_Response *make_unchanged(http_request *r)
-{
-    const char *tag = api_response_find(&r->response, "ETag");
-    uint64_t n;
-
-    if (tag == NULL || !http_content_lengths_find(&r->server->lengths, r->path, r->query, tag, &n))
-        return make_without_length(r);
-    return make_reader(r, n);
-}
-
 static struct MHD_Response *make_response(http_request *r)
 {
     bf_buffer *body = &r->response.body;
@@ -259,8 +228,15 @@ static struct MHD_Response *make_response(http_request *r)
         return make_reader(r, r->is_cut ? r->n_sent : r->response.source.n);
     if (has_source(r))
         return is_pulled(r) ? make_reader(r, MHD_SIZE_UNKNOWN) : make_without_length(r);
-    if (r->response.status == 304 && r->file.fd < 0 && body->n == 0)
-        return make_unchanged(r);
+    if (r->response.status == 304 && r->file.fd < 0 && body->n == 0) {
+        // A 304 without the body that its 200 has: nothing is read of it.
+        const char *tag = api_response_find(&r->response, "ETag");
+        uint64_t n;
+        if (tag == NULL ||
+            !http_content_lengths_find(&r->server->lengths, r->path, r->query, tag, &n))
+            return make_without_length(r);
+        return make_reader(r, n);
+    }
     if (r->file.fd >= 0)
         return MHD_create_response_from_fd_at_offset64(r->is_cut ? r->n_sent : r->file.n,
                                                        r->file.fd, r->is_cut ? r->first : 0);

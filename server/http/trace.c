@@ -21,16 +21,6 @@ static bool is_sane(const char *id)
     return n > 0 && n < HTTP_TRACE_ID_SIZE && id[n] == '\0';
 }
 
-static void make_id(char *ret_id)
-{
-    char id[API_ID_SIZE];
-
-    if (run_id_make(id, NULL) == BF_OK)
-        memcpy(ret_id, id, sizeof id);
-    else
-        (void)snprintf(ret_id, HTTP_TRACE_ID_SIZE, "%" PRIu64, atomic_fetch_add(&n_made, 1) + 1);
-}
-
 // A span that is not zero.
 static uint64_t make_span(void)
 {
@@ -71,8 +61,14 @@ http_trace http_trace_read(const char *request_id, const char *traceparent)
 
     if (request_id != NULL && is_sane(request_id))
         memcpy(trace.id, request_id, strlen(request_id) + 1);
-    else
-        make_id(trace.id);
+    else {
+        char id[API_ID_SIZE];
+        if (run_id_make(id, NULL) == BF_OK)
+            memcpy(trace.id, id, sizeof id);
+        else
+            (void)snprintf(trace.id, HTTP_TRACE_ID_SIZE, "%" PRIu64,
+                           atomic_fetch_add(&n_made, 1) + 1);
+    }
     if (traceparent != NULL && is_parent(traceparent))
         (void)snprintf(trace.parent, sizeof trace.parent, "00-%.*s-%016" PRIx64 "-%.*s", N_TRACE,
                        traceparent + TRACE_AT, make_span(), N_FLAGS, traceparent + FLAGS_AT);

@@ -174,17 +174,6 @@ static bool is_equal(const witness *a, const witness *b)
     return memcmp(&a->results, &b->results, sizeof a->results) == 0;
 }
 
-static void log_difference(const executor_job *job, const witness *now, const witness *before)
-{
-    char digests[2][2 * sizeof now->results + 1];
-
-    sodium_bin2hex(digests[0], sizeof digests[0], now->results.bytes, sizeof now->results);
-    sodium_bin2hex(digests[1], sizeof digests[1], before->results.bytes, sizeof before->results);
-    log_event(LOG_LEVEL_ERROR, "duplicate_unequal",
-              "run=%s worker=%s digest=%.16s first_worker=%s first_digest=%.16s", job->about.run,
-              now->worker, digests[0], before->worker, digests[1]);
-}
-
 static void suspect(const pull_executor *e, const char *run_id, uint64_t token)
 {
     if (e->suspect != NULL)
@@ -205,8 +194,16 @@ void pull__check_end(pull_executor *e, executor_job *job)
     for (size_t k = 0; k < c->n_witnesses; k++) {
         if (is_equal(&c->witnesses[k], &now))
             n_equal++;
-        else
-            log_difference(job, &now, &c->witnesses[k]);
+        else {
+            const witness *before = &c->witnesses[k];
+            char digests[2][2 * sizeof now.results + 1];
+            sodium_bin2hex(digests[0], sizeof digests[0], now.results.bytes, sizeof now.results);
+            sodium_bin2hex(digests[1], sizeof digests[1], before->results.bytes,
+                           sizeof before->results);
+            log_event(LOG_LEVEL_ERROR, "duplicate_unequal",
+                      "run=%s worker=%s digest=%.16s first_worker=%s first_digest=%.16s",
+                      job->about.run, now.worker, digests[0], before->worker, digests[1]);
+        }
     }
     if (job->is_repetition)
         metrics_add(METRICS_PULL_DUPLICATES,

@@ -149,21 +149,6 @@ void pull__expire(pull_executor *e, int64_t now_ms)
     pull__drop_workers(e, now_ms);
 }
 
-// Counts what the worker has already.
-static batch begin_batch(const pull_executor *e, const api_worker *who)
-{
-    batch b = { .n = 0 };
-
-    for (const executor_job *job = e->first; job != NULL; job = job->next) {
-        if (job->place != PULL_LEASED || !pull__is_of(job->lease, who->token, who->name))
-            continue;
-        b.memory_bytes += job->about.is_trial ? 0 : job->about.memory_bytes;
-        b.n_run_cores += job->about.is_trial ? 0 : job->about.n_threads;
-        b.n_trials_held += job->about.is_trial;
-    }
-    return b;
-}
-
 // A run by itself begins at once, so it needs free cores, and memory as much as it may use; trials are short, and some of
 // them wait at the worker. One run any worker gets: what it may use is more than most use.
 static bool fits(const batch *b, const executor_job *job, const api_worker *who)
@@ -233,7 +218,14 @@ bf_status pull__lease_jobs(void *context, const api_worker *who, api_lease *ret_
 
     bf_status status = pull__meet_worker(e, who, &worker, err);
     if (status == BF_OK && worker->suspended_until_ms <= clock_monotonic_ms()) {
-        b = begin_batch(e, who);
+        // What the worker has already counts.
+        for (const executor_job *job = e->first; job != NULL; job = job->next) {
+            if (job->place != PULL_LEASED || !pull__is_of(job->lease, who->token, who->name))
+                continue;
+            b.memory_bytes += job->about.is_trial ? 0 : job->about.memory_bytes;
+            b.n_run_cores += job->about.is_trial ? 0 : job->about.n_threads;
+            b.n_trials_held += job->about.is_trial;
+        }
         add_waiting(&b, e, false, who);
         add_waiting(&b, e, true, who);
     }

@@ -129,19 +129,6 @@ void pull__remove_job(pull_executor *e, executor_job *job)
     memory_free(job);
 }
 
-static void describe(api_lease_job *about, const executor_work *work, size_t n_input)
-{
-    about->model = work->model;
-    about->n_threads = work->n_threads;
-    about->is_trial = work->is_trial;
-    about->checkpoint_ms = (uint64_t)work->limits.checkpoint_ms;
-    about->memory_bytes = work->limits.memory_bytes;
-    about->cpu_s = work->limits.cpu_s;
-    about->step = work->checkpoint->n == 0 ? 0 : work->step;
-    about->predicted_s = (double)NAN; // until it is leased
-    about->n_bytes = n_input;
-}
-
 static bf_status start(executor *base, const executor_work *work, executor_job **ret_job,
                        bf_error *err)
 {
@@ -151,7 +138,15 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
     bf_status status = job == NULL ? bf_fail(err, BF_ENOMEM, "", "no memory to start a run")
                                    : executor_encode(work, &job->input, err);
     if (status == BF_OK) {
-        describe(&job->about, work, job->input.n);
+        job->about.model = work->model;
+        job->about.n_threads = work->n_threads;
+        job->about.is_trial = work->is_trial;
+        job->about.checkpoint_ms = (uint64_t)work->limits.checkpoint_ms;
+        job->about.memory_bytes = work->limits.memory_bytes;
+        job->about.cpu_s = work->limits.cpu_s;
+        job->about.step = work->checkpoint->n == 0 ? 0 : work->step;
+        job->about.predicted_s = (double)NAN; // until it is leased
+        job->about.n_bytes = job->input.n;
         if (work->is_trial)
             snprintf(job->study, sizeof job->study, "%s", work->study_id);
         (void)pull__predict(e, job); // so that it is known when somebody leases it

@@ -158,16 +158,6 @@ static bf_status ready(executor *base, bf_error *err)
     return error == 0 ? BF_OK : fail_start(e->program, error, err);
 }
 
-// Once: it is the service manager that forbids it, and goes on doing so.
-static void warn_of_priority(void)
-{
-    static atomic_flag has_warned = ATOMIC_FLAG_INIT;
-
-    if (!atomic_flag_test_and_set(&has_warned))
-        log_event(LOG_LEVEL_WARN, "trials_have_no_priority",
-                  "error=\"trials cannot be solved at a lower priority: %s\"", strerror(errno));
-}
-
 // Give the child its work.
 static bf_status hand_over(const local_executor *e, const executor_work *work, executor_job *job,
                            bf_error *err)
@@ -178,8 +168,13 @@ static bf_status hand_over(const local_executor *e, const executor_work *work, e
     snprintf(job->id, sizeof job->id, "local:%ld", (long)job->child.pid);
     snprintf(job->run_id, sizeof job->run_id, "%s", work->run_id);
     // Runs by themselves are solved beside trials, and are to have the cores.
-    if (work->is_trial && setpriority(PRIO_PROCESS, (id_t)job->child.pid, TRIAL_NICE) != 0)
-        warn_of_priority();
+    if (work->is_trial && setpriority(PRIO_PROCESS, (id_t)job->child.pid, TRIAL_NICE) != 0) {
+        // Once: it is the service manager that forbids it, and goes on doing so.
+        static atomic_flag has_warned = ATOMIC_FLAG_INIT;
+        if (!atomic_flag_test_and_set(&has_warned))
+            log_event(LOG_LEVEL_WARN, "trials_have_no_priority",
+                      "error=\"trials cannot be solved at a lower priority: %s\"", strerror(errno));
+    }
     if (!watch_fd(&e->base, job, job->child.in, EPOLLOUT, SOURCE_INPUT) ||
         !watch_fd(&e->base, job, job->child.out, EPOLLIN | EPOLLET, SOURCE_OUTPUT) ||
         !watch_fd(&e->base, job, job->child.err, EPOLLIN, SOURCE_ERROR))

@@ -146,18 +146,6 @@ static bf_status take_snapshot(snapshots_incoming *c, const char *run_id, const 
     return status == BF_OK && !has_parts ? complete(c, items, err) : status;
 }
 
-static bf_status take_parts(snapshots_incoming *c, const frame_begin *begin, const frame *f,
-                            snapshots_items *items, bf_error *err)
-{
-    const frame_parts *p = &f->parts;
-    const bool is_other_number = p->n_parts != begin->n_parts && !frame_has_ids(p->n_values);
-
-    if (is_other_number || p->n_values != begin->n_values || p->index != c->index ||
-        frame_array_bytes(f) != c->n_parts)
-        return bf_fail(err, BF_ECORRUPT, "", "the solver sent parts of another size or snapshot");
-    return complete(c, items, err);
-}
-
 bf_status snapshots_take(snapshots_incoming *c, const char *run_id, const frame_begin *begin,
                          const frame *f, snapshots_items *items, bf_error *err)
 {
@@ -165,5 +153,10 @@ bf_status snapshots_take(snapshots_incoming *c, const char *run_id, const frame_
         return take_slice(c, begin, &f->slice, items, err);
     if (f->type == FRAME_SNAPSHOT)
         return take_snapshot(c, run_id, begin, f, items, err);
-    return take_parts(c, begin, f, items, err);
+    const frame_parts *p = &f->parts;
+    const bool is_other_number = p->n_parts != begin->n_parts && !frame_has_ids(p->n_values);
+    if (is_other_number || p->n_values != begin->n_values || p->index != c->index ||
+        frame_array_bytes(f) != c->n_parts)
+        return bf_fail(err, BF_ECORRUPT, "", "the solver sent parts of another size or snapshot");
+    return complete(c, items, err);
 }

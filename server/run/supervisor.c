@@ -211,22 +211,6 @@ static void wait_for_events(supervisor *s)
         e->functions->update(e);
 }
 
-// Jobs of workers are left to the daemon after this one, which knows them by what is stored of them: workers hear of no
-// stop any more. Of trials nothing is stored, so they are queued again.
-static void leave_jobs(supervisor *s)
-{
-    for (size_t i = s->n_tasks; i > 0; i--) {
-        supervisor__task *task = s->tasks[i - 1];
-        if (task->phase != SUPERVISOR_SOLVING || task->write.is_pending)
-            continue;
-        if (task->claimed.run.study[0] != '\0') {
-            task->requested = task->signalled = SUPERVISOR_STOP_HAND_BACK;
-            task->state = EXECUTOR_LOST;
-        } else
-            supervisor__task_destroy(task);
-    }
-}
-
 // While the supervisor is stopping, hand back every task. Returns true if there is nothing left to wait
 // for.
 static bool is_over(supervisor *s, int64_t *ret_grace_ms)
@@ -235,8 +219,21 @@ static bool is_over(supervisor *s, int64_t *ret_grace_ms)
     bool is_stopping = s->is_stopping;
     *ret_grace_ms = s->grace_ms;
     lock_release(&s->lock);
-    if (is_stopping && supervisor__has_workers(s))
-        leave_jobs(s);
+    if (is_stopping && supervisor__has_workers(s)) {
+        // Jobs of workers are left to the daemon after this one, which knows them by what is stored of them: workers hear of no
+        // stop any more. Of trials nothing is stored, so they are queued again.
+        for (size_t i = s->n_tasks; i > 0; i--) {
+            supervisor__task *task = s->tasks[i - 1];
+            if (task->phase != SUPERVISOR_SOLVING || task->write.is_pending)
+                continue;
+            if (task->claimed.run.study[0] != '\0') {
+                task->requested = task->signalled = SUPERVISOR_STOP_HAND_BACK;
+                task->state = EXECUTOR_LOST;
+            } else {
+                supervisor__task_destroy(task);
+            }
+        }
+    }
     for (size_t i = 0; is_stopping && i < s->n_tasks; i++)
         if (!supervisor__has_workers(s) || s->tasks[i]->phase == SUPERVISOR_CLAIMING)
             request_stop(s->tasks[i], SUPERVISOR_STOP_HAND_BACK);
@@ -263,17 +260,6 @@ static void note_tasks(const supervisor *s)
     }
 }
 
-static void apply_options(supervisor *s)
-{
-    lock_acquire(&s->lock);
-    if (s->has_new_options) {
-        s->options = s->new_options;
-        s->has_new_options = false;
-        s->may_claim = true;
-    }
-    lock_release(&s->lock);
-}
-
 static void *run_loop(void *context)
 {
     supervisor *s = context;
@@ -290,7 +276,13 @@ static void *run_loop(void *context)
         // From the last, because one that is destroyed leaves its place to the last.
         for (size_t i = s->n_tasks; i > 0; i--)
             advance_task(s, s->tasks[i - 1]);
-        apply_options(s);
+        lock_acquire(&s->lock);
+        if (s->has_new_options) {
+            s->options = s->new_options;
+            s->has_new_options = false;
+            s->may_claim = true;
+        }
+        lock_release(&s->lock);
         supervisor__claim(s);
         note_tasks(s);
     }

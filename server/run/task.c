@@ -288,19 +288,6 @@ static bf_status write_summary(const supervisor__task *task, bf_buffer *out, bf_
                            out, err);
 }
 
-static void log_end(const supervisor__task *task)
-{
-    const store_ending *ending = &task->ending;
-    char quoted[LOG_QUOTED_SIZE];
-
-    if (ending->state == RUN_FAILED)
-        log_event(LOG_LEVEL_WARN, "run_ended", "run=%s state=failed wall_s=%.3f error=%s",
-                  ending->run_id, supervisor__wall_s(task), log_quote(ending->error.text, quoted));
-    else
-        log_event(LOG_LEVEL_INFO, "run_ended", "run=%s state=%s wall_s=%.3f", ending->run_id,
-                  run_state_word(ending->state), supervisor__wall_s(task));
-}
-
 bf_status supervisor__store_ending(supervisor__task *task, bf_error *err)
 {
     store *s = task->supervisor->store;
@@ -341,8 +328,15 @@ bf_status supervisor__store_ending(supervisor__task *task, bf_error *err)
         ending->state = after.state;
         ending->error = after.error;
     }
-    if (status == BF_OK)
-        log_end(task);
+    if (status == BF_OK) {
+        if (ending->state == RUN_FAILED)
+            log_event(LOG_LEVEL_WARN, "run_ended", "run=%s state=failed wall_s=%.3f error=%s",
+                      ending->run_id, supervisor__wall_s(task),
+                      log_quote(ending->error.text, quoted));
+        else
+            log_event(LOG_LEVEL_INFO, "run_ended", "run=%s state=%s wall_s=%.3f", ending->run_id,
+                      run_state_word(ending->state), supervisor__wall_s(task));
+    }
     if (status == BF_OK && ending->state == RUN_SUCCEEDED) {
         metrics_add(METRICS_RUNS_SOLVED, task->claimed.run.model, 1);
         metrics_add(METRICS_RUN_TIME, task->claimed.run.model,

@@ -103,16 +103,6 @@ static bf_status await(const slurm__command *c, const child *p, bf_buffer *out, 
     }
 }
 
-// The last line, without its end.
-static void trim_to_last_line(bf_buffer *out, size_t from)
-{
-    while (out->n > from && out->bytes[out->n - 1] == '\n')
-        buffer_truncate(out, out->n - 1);
-    const char *line = out->n == from ? NULL : memrchr(out->bytes + from, '\n', out->n - from);
-    if (line != NULL)
-        buffer_drop(out, (size_t)(line + 1 - out->bytes));
-}
-
 bf_status slurm__run(const slurm__command *c, bf_buffer *out, bf_error *err)
 {
     const size_t n_before = out->n;
@@ -131,7 +121,13 @@ bf_status slurm__run(const slurm__command *c, bf_buffer *out, bf_error *err)
     close_fd(p.exit);
     close_fd(p.output);
     if (status == BF_OK && (!WIFEXITED(code) || WEXITSTATUS(code) != 0)) {
-        trim_to_last_line(out, n_before);
+        // The last line, without its end.
+        while (out->n > n_before && out->bytes[out->n - 1] == '\n')
+            buffer_truncate(out, out->n - 1);
+        const char *line =
+            out->n == n_before ? NULL : memrchr(out->bytes + n_before, '\n', out->n - n_before);
+        if (line != NULL)
+            buffer_drop(out, (size_t)(line + 1 - out->bytes));
         status = bf_fail(err, BF_ESYSTEM, "", "%s failed: %s", c->argv[0],
                          out->n == 0 ? "without a message" : out->bytes);
     }

@@ -264,18 +264,6 @@ static void check_file(verification *v)
     report(v, "references", "no row refers to one that is not there", n == 0 ? NULL : text);
 }
 
-static void check_invariants(verification *v)
-{
-    char text[FINDING_SIZE];
-
-    for (size_t i = 0; i < sizeof questions / sizeof *questions; i++) {
-        int64_t n = ask(v, questions[i].sql, text);
-        if (n > 0)
-            (void)snprintf(text, sizeof text, "not so in %" PRId64 " places", n);
-        report(v, questions[i].name, questions[i].claim, n == 0 ? NULL : text);
-    }
-}
-
 // The size of a blob; -1: it is damaged.
 static int64_t measure(verification *v, int64_t results, store__blob kind, int64_t item)
 {
@@ -360,7 +348,13 @@ bf_status store_verify(const char *path, store_verify_fn *take, void *context, b
         status = store__run_plain(&v.reader, STORE__SQL_BEGIN_READ, err);
     if (status == BF_OK) {
         check_file(&v);
-        check_invariants(&v);
+        char text[FINDING_SIZE];
+        for (size_t i = 0; i < sizeof questions / sizeof *questions; i++) {
+            int64_t n = ask(&v, questions[i].sql, text);
+            if (n > 0)
+                (void)snprintf(text, sizeof text, "not so in %" PRId64 " places", n);
+            report(&v, questions[i].name, questions[i].claim, n == 0 ? NULL : text);
+        }
         check_content(&v);
         *ret_is_sound = v.is_sound;
     }

@@ -1,19 +1,14 @@
 #include "server/store/columns.h"
 
-static bf_status find_code(const char *word)
-{
-    for (int code = BF_OK + 1; code < BF_STATUS_COUNT; code++)
-        if (strcmp(word, bf_status_word((bf_status)code)) == 0)
-            return (bf_status)code;
-    return BF_OK;
-}
-
 bf_status store__column_code(const store__query *q, int column)
 {
     char word[32];
 
     store__column_text(q, column, word, sizeof word);
-    return find_code(word);
+    for (int code = BF_OK + 1; code < BF_STATUS_COUNT; code++)
+        if (strcmp(word, bf_status_word((bf_status)code)) == 0)
+            return (bf_status)code;
+    return BF_OK;
 }
 
 const char *store__code_word(bf_status code)

@@ -136,26 +136,23 @@ static void write_and_claim(store *s, store__operation *end, store_next *next)
         store_job_fini(&claiming.job);
 }
 
-static bf_status write(store *s, finish_context *context, bf_error *err)
-{
-    store__operation end = { .apply = apply_finish, .context = context, .may_use_reserve = true };
-
-    if (context->ending->next != NULL)
-        write_and_claim(s, &end, context->ending->next);
-    else
-        store__write_group(s, &end, 1);
-    if (end.status != BF_OK && err != NULL)
-        *err = end.error;
-    return end.status;
-}
-
 bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run, bf_error *err)
 {
     finish_context context = { .ending = ending, .attempts_max = s->attempts_max };
 
     bf_status status = prepare_last(&context, err);
-    if (status == BF_OK)
-        status = write(s, &context, err);
+    if (status == BF_OK) {
+        store__operation end = { .apply = apply_finish,
+                                 .context = &context,
+                                 .may_use_reserve = true };
+        if (context.ending->next != NULL)
+            write_and_claim(s, &end, context.ending->next);
+        else
+            store__write_group(s, &end, 1);
+        if (end.status != BF_OK && err != NULL)
+            *err = end.error;
+        status = end.status;
+    }
     if (context.last != NULL)
         store__appending_destroy(context.last, status);
     if (status == BF_OK)

@@ -19,11 +19,6 @@ struct store__key {
     store__key *next;                         // in the store's list
 };
 
-static bool are_same(const store__key *a, const store__key *b)
-{
-    return strcmp(a->text, b->text) == 0 && strcmp(a->route, b->route) == 0;
-}
-
 // BF_ECONFLICT: another request uses it at the moment.
 static bf_status use_key(store *s, store__key *key, const store__request *request, bf_error *err)
 {
@@ -35,7 +30,8 @@ static bf_status use_key(store *s, store__key *key, const store__request *reques
     (void)crypto_hash_sha256(key->digest, request->body, request->n_body);
     lock_acquire(&s->lock);
     const store__key *used = s->keys;
-    while (used != NULL && !are_same(used, key))
+    while (used != NULL &&
+           !(strcmp(used->text, key->text) == 0 && strcmp(used->route, key->route) == 0))
         used = used->next;
     if (used == NULL) {
         key->next = s->keys;

@@ -78,19 +78,6 @@ static bf_status take_samples(const store__query *q, uint64_t first, uint64_t n_
     return BF_OK;
 }
 
-static bf_status read_samples(store__connection *reader, int64_t results, uint64_t first,
-                              uint64_t n_most, api_curve *curve, bf_error *err)
-{
-    bf_status status = BF_OK;
-
-    store__query q =
-        store__start(reader, STORE__SQL_LIST_SAMPLES, INTEGER(results), INTEGER(first));
-    while (curve->n < n_most && store__next(&q, &status, err))
-        status = take_samples(&q, first, n_most, curve, err);
-    store__end(&q);
-    return status;
-}
-
 static bf_status read_curve(store__connection *reader, const char *id, uint64_t first,
                             uint64_t n_most, api_curve *curve, bf_error *err)
 {
@@ -104,7 +91,12 @@ static bf_status read_curve(store__connection *reader, const char *id, uint64_t 
     curve->n_columns = api_count_columns(&curve->columns);
     if (first >= row.run.n_samples)
         return BF_OK;
-    return read_samples(reader, row.results, first, n_most, curve, err);
+    store__query q =
+        store__start(reader, STORE__SQL_LIST_SAMPLES, INTEGER(row.results), INTEGER(first));
+    while (curve->n < n_most && store__next(&q, &status, err))
+        status = take_samples(&q, first, n_most, curve, err);
+    store__end(&q);
+    return status;
 }
 
 bf_status store_read_curve(store *s, const char *id, uint64_t first, uint64_t n_most,

@@ -46,12 +46,6 @@ typedef struct ends {
     uint64_t n_chunks; // 0: of no rows of parts, there is no blob
 } ends;
 
-static void fini_ends(ends *e)
-{
-    buffer_fini(&e->first);
-    buffer_fini(&e->last);
-}
-
 static bf_status read_ends(store__connection *reader, slices *r, const char *id, ends *e,
                            bf_error *err)
 {
@@ -139,7 +133,8 @@ bf_status store_open_array(store *s, const char *id, uint64_t index, api_array_k
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     *r = (slices){ .kind = store__blob_of(kind), .item = index };
     bf_status status = open_blob(s, r, id, &e, err);
-    fini_ends(&e);
+    buffer_fini(&e.first);
+    buffer_fini(&e.last);
     if (status != BF_OK) {
         destroy(r);
         return status;

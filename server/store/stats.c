@@ -11,23 +11,6 @@
 
 enum { READY_MS = 1000 }; // how long a write test counts
 
-static bf_status count_states(store__connection *writer, store_stats *stats, bf_error *err)
-{
-    store__query q = store__begin(writer, STORE__SQL_COUNT_STATES);
-    bf_status status = BF_OK;
-    while (store__next(&q, &status, err)) {
-        int state = sqlite3_column_int(q.statement, 0);
-        if (state >= 0 && state < RUN_STATE_COUNT)
-            stats->n_runs[state] += (uint64_t)sqlite3_column_int64(q.statement, 1);
-    }
-    return status;
-}
-
-static bf_status find_oldest(store__connection *writer, store_stats *stats, bf_error *err)
-{
-    return store__read_number(writer, STORE__SQL_OLDEST_QUEUED, &stats->oldest_queued_ms, err);
-}
-
 // Opening the database's files would do harm, looking at them does none.
 static uint64_t size_of(const char *path, const char *ending)
 {
@@ -44,9 +27,16 @@ bf_status store__count_stats(store *s, store_stats *ret_stats, bf_error *err)
                           .log_bytes = size_of(s->path, "-wal") };
 
     stats.free_bytes = store__count_free(s);
-    bf_status status = count_states(&s->writer, &stats, err);
+    store__query q = store__begin(&s->writer, STORE__SQL_COUNT_STATES);
+    bf_status status = BF_OK;
+    while (store__next(&q, &status, err)) {
+        int state = sqlite3_column_int(q.statement, 0);
+        if (state >= 0 && state < RUN_STATE_COUNT)
+            stats.n_runs[state] += (uint64_t)sqlite3_column_int64(q.statement, 1);
+    }
     if (status == BF_OK)
-        status = find_oldest(&s->writer, &stats, err);
+        status =
+            store__read_number(&s->writer, STORE__SQL_OLDEST_QUEUED, &stats.oldest_queued_ms, err);
     int64_t n_runs = 0, n_trials = 0;
     if (status == BF_OK)
         status = store__read_number(&s->writer, STORE__SQL_COUNT_QUEUED, &n_runs, err);

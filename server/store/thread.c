@@ -117,19 +117,6 @@ static void enqueue(store *s, store__queue *queue, store__operation *operation)
     queue->last = operation;
 }
 
-// Each caller is woken by itself, without a lock that all of them would wait for again.
-static void finish_group(store__operation *first)
-{
-    while (first != NULL) {
-        store__operation *next = first->next; // an operation that is done is its owner's
-        if (first->finish != NULL)
-            first->finish(first);
-        else
-            BF_CHECK(sem_post(first->done) == 0);
-        first = next;
-    }
-}
-
 // Count what the operations since the last time have changed, but not too often.
 static void count_if_due(store *s)
 {
@@ -168,20 +155,6 @@ static void wait_for_work(store *s)
     liveness_answer(&s->liveness);
 }
 
-static void do_group(store *s, store__operation *first)
-{
-    lock_release(&s->lock);
-    apply_group(&s->writer, first);
-    retry_with_reserve(s, first);
-    for (const store__operation *o = first; o != NULL; o = o->next)
-        if (o->may_use_reserve)
-            s->space.next_ms = 0; // something was freed
-    notify_listener(s, first);
-    finish_group(first);
-    lock_acquire(&s->lock);
-    s->has_new_stats = true;
-}
-
 static void *write_groups(void *context)
 {
     store *s = context;
@@ -191,8 +164,26 @@ static void *write_groups(void *context)
         wait_for_work(s);
         store__operation *first = s->writing.first;
         s->writing.first = s->writing.last = NULL;
-        if (first != NULL)
-            do_group(s, first);
+        if (first != NULL) {
+            lock_release(&s->lock);
+            apply_group(&s->writer, first);
+            retry_with_reserve(s, first);
+            for (const store__operation *o = first; o != NULL; o = o->next)
+                if (o->may_use_reserve)
+                    s->space.next_ms = 0; // something was freed
+            notify_listener(s, first);
+            // Each caller is woken by itself, without a lock that all of them would wait for again.
+            while (first != NULL) {
+                store__operation *next = first->next; // an operation that is done is its owner's
+                if (first->finish != NULL)
+                    first->finish(first);
+                else
+                    BF_CHECK(sem_post(first->done) == 0);
+                first = next;
+            }
+            lock_acquire(&s->lock);
+            s->has_new_stats = true;
+        }
         store__apply_retention(s);
         store__maintain_space(s);
         count_if_due(s);

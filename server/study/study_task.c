@@ -162,15 +162,6 @@ void study__task_destroy(study__task *t)
     memory_free(t);
 }
 
-static void empty_turn(turn *u)
-{
-    for (size_t k = 0; k < u->n_begins; k++)
-        submission_fini(&u->submissions[k]);
-    u->n_begins = u->n_ends = 0;
-    u->cpu_ns = 0;
-    buffer_fini(&u->best);
-}
-
 // The ends of trials whose runs have changed.
 static bf_status take_ends(study__task *t, turn *u, bf_error *err)
 {
@@ -360,6 +351,10 @@ bf_status study__task_turn(study__task *t, bool *ret_is_over, bool *ret_has_more
     *ret_has_more = u->n_begins > 0;
     *ret_is_over = status == BF_OK && (api_study_state_is_end(u->about.state) ||
                                        (u->about.state != API_STUDY_RUNNING && is_resting(t)));
-    empty_turn(u);
+    for (size_t k = 0; k < u->n_begins; k++)
+        submission_fini(&u->submissions[k]);
+    u->n_begins = u->n_ends = 0;
+    u->cpu_ns = 0;
+    buffer_fini(&u->best);
     return status;
 }

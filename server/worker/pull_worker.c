@@ -57,31 +57,6 @@ static bf_status open_signals(int *ret_fd, bf_error *err)
                : bf_fail(err, BF_ESYSTEM, "", "signals cannot be waited for: %s", strerror(errno));
 }
 
-static void look_at_signals(worker *w, int fd)
-{
-    struct signalfd_siginfo info;
-
-    while (read(fd, &info, sizeof info) == (ssize_t)sizeof info) {
-        log_event(LOG_LEVEL_INFO, "stopping", "signal=%" PRIu32, info.ssi_signo);
-        w->must_end = w->must_end || w->is_draining;
-        worker__drain(w);
-    }
-}
-
-static void look_at_clock(worker *w, const term *t, int64_t now)
-{
-    const int64_t idle_ms = (int64_t)w->options->idle_s * 1000;
-
-    if (!worker__is_idle(w))
-        w->busy_ms = now;
-    if (now >= t->last_lease_ms || (idle_ms > 0 && now - w->busy_ms >= idle_ms))
-        w->is_leaving = true;
-    if (now >= t->end_ms)
-        worker__drain(w);
-    if (w->is_draining && now >= w->end_ms)
-        w->must_end = true;
-}
-
 static int find_timeout(const worker *w, int64_t now)
 {
     const int64_t next_ms = w->ask_ms > w->retry_ms ? w->ask_ms : w->retry_ms;
@@ -101,8 +76,21 @@ static void work(worker *w, int signals)
     w->busy_ms = clock_monotonic_ms();
     for (;;) {
         const int64_t now = clock_monotonic_ms();
-        look_at_signals(w, signals);
-        look_at_clock(w, &t, now);
+        struct signalfd_siginfo info;
+        while (read(signals, &info, sizeof info) == (ssize_t)sizeof info) {
+            log_event(LOG_LEVEL_INFO, "stopping", "signal=%" PRIu32, info.ssi_signo);
+            w->must_end = w->must_end || w->is_draining;
+            worker__drain(w);
+        }
+        const int64_t idle_ms = (int64_t)w->options->idle_s * 1000;
+        if (!worker__is_idle(w))
+            w->busy_ms = now;
+        if (now >= t.last_lease_ms || (idle_ms > 0 && now - w->busy_ms >= idle_ms))
+            w->is_leaving = true;
+        if (now >= t.end_ms)
+            worker__drain(w);
+        if (w->is_draining && now >= w->end_ms)
+            w->must_end = true;
         worker__start_jobs(w);
         worker__ask(w, now);
         const bool has_request = w->request != WORKER_REQUEST_NONE;
@@ -116,23 +104,20 @@ static void work(worker *w, int signals)
     }
 }
 
-static bf_status create(worker *w, const pull_worker_options *o, int *ret_signals, bf_error *err)
-{
-    const http_call_options service = { .url = o->url, .token = o->token, .ca_file = o->ca_file };
-
-    bf_status status = open_signals(ret_signals, err);
-    if (status == BF_OK)
-        status = http_call_create(&service, &w->call, err);
-    return status == BF_OK ? local_executor_create(o->program, &w->solver, err) : status;
-}
-
 bf_status pull_worker_run(const pull_worker_options *options, bf_error *err)
 {
     static worker w; // some tens of kilobytes
     int signals = -1;
 
     w = (worker){ .options = options };
-    bf_status status = create(&w, options, &signals, err);
+    const http_call_options service = { .url = options->url,
+                                        .token = options->token,
+                                        .ca_file = options->ca_file };
+    bf_status status = open_signals(&signals, err);
+    if (status == BF_OK)
+        status = http_call_create(&service, &w.call, err);
+    if (status == BF_OK)
+        status = local_executor_create(options->program, &w.solver, err);
     if (status == BF_OK) {
         log_event(LOG_LEVEL_INFO, "worker_started", "worker=%s cores=%" PRIu32, options->who.name,
                   options->who.cores);

@@ -90,17 +90,6 @@ static bf_status write_frames(worker *w, worker_lease *lease, int64_t now, bf_er
     return status;
 }
 
-static api_job_end make_end(const worker_job *job, const api_job_report *report)
-{
-    api_job_end end = { .report = *report,
-                        .cause = job->end.cause,
-                        .error = job->end.error,
-                        .n_bytes = job->n_spooled };
-
-    memcpy(end.digest, job->digest, sizeof end.digest);
-    return end;
-}
-
 static void list_jobs(worker *w, const worker_lease *lease, api_renewal *renewal)
 {
     for (size_t k = 0; k < lease->n_jobs; k++) {
@@ -115,8 +104,13 @@ static void list_jobs(worker *w, const worker_lease *lease, api_renewal *renewal
         w->is_ended[k] = is_delivered(job);
         if (job->state == WORKER_JOB_OVER)
             continue;
+        api_job_end end = { .report = report,
+                            .cause = job->end.cause,
+                            .error = job->end.error,
+                            .n_bytes = job->n_spooled };
+        memcpy(end.digest, job->digest, sizeof end.digest);
         if (w->is_ended[k])
-            renewal->ended[renewal->n_ended++] = make_end(job, &report);
+            renewal->ended[renewal->n_ended++] = end;
         else
             renewal->jobs[renewal->n_jobs++] = report;
     }
@@ -354,17 +348,6 @@ static void take_refusal(worker *w, long http, const bf_buffer *body)
     }
 }
 
-static void back_off(worker *w, const char *why, int64_t now)
-{
-    char quoted[LOG_QUOTED_SIZE];
-
-    if (w->backoff_ms == 0)
-        log_event(LOG_LEVEL_WARN, "service_lost", "error=%s", log_quote(why, quoted));
-    w->backoff_ms = w->backoff_ms == 0 ? BACKOFF_LEAST_MS : 2 * w->backoff_ms;
-    w->backoff_ms = w->backoff_ms < BACKOFF_MOST_MS ? w->backoff_ms : BACKOFF_MOST_MS;
-    w->retry_ms = now + w->backoff_ms;
-}
-
 void worker__take_answer(worker *w, const http_call_answer *answer, int64_t now)
 {
     const long http = answer->status;
@@ -372,7 +355,13 @@ void worker__take_answer(worker *w, const http_call_answer *answer, int64_t now)
 
     if (http == 0 || http >= 500 || http == 408 || http == 429) {
         snprintf(why, sizeof why, "HTTP status %ld", http);
-        back_off(w, http == 0 ? answer->error : why, now);
+        char quoted[LOG_QUOTED_SIZE];
+        if (w->backoff_ms == 0)
+            log_event(LOG_LEVEL_WARN, "service_lost", "error=%s",
+                      log_quote(http == 0 ? answer->error : why, quoted));
+        w->backoff_ms = w->backoff_ms == 0 ? BACKOFF_LEAST_MS : 2 * w->backoff_ms;
+        w->backoff_ms = w->backoff_ms < BACKOFF_MOST_MS ? w->backoff_ms : BACKOFF_MOST_MS;
+        w->retry_ms = now + w->backoff_ms;
     } else {
         if (w->backoff_ms > 0)
             log_event(LOG_LEVEL_INFO, "service_back", "status=%ld", http);
