@@ -276,34 +276,19 @@ test("the line as a whole has a form: a mix of kinds, which feeds name, and its 
   await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
 });
 
-test("a curve is added, and belts meet it at its ends", async (t) => {
+test("a curve goes on from the belt, with a gate, an eye and a belt that merges", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);
   await visit(page, "#/new?blank=1");
   await page.getByText("Ready:").waitFor();
-  await page.getByLabel("Line, along y").fill("2");
-  await page.getByRole("button", { name: "+ Curve" }).click();
-  // The first belt fills the line until it has an outline of its own; the curve is 0.5 m wide.
-  const chosen = page.getByRole("region", { name: "What is chosen" });
-  const row = page.locator(".things li", { hasText: "belt-2" });
-  await row.locator(".fault").waitFor();
-  await page.getByRole("button", { name: "Belt belt-1" }).click();
-  await chosen.locator("summary").click();
-  await chosen.getByRole("button", { name: "Give polygon" }).click();
-  const corners = [[0, 0.9], [1, 0.9], [1, 1.4], [0, 1.4]];
-  await chosen.getByRole("button", { name: "Add a point" }).click();
-  for (const [k, corner] of corners.entries()) {
-    for (const axis of [0, 1]) await chosen.getByLabel(`Polygon ${k + 1}, ${"xy"[axis]}`).fill(String(corner[axis]));
-  }
-  await page.getByRole("button", { name: "Feed feed-1" }).click();
-  await chosen.locator("summary").click();
-  await chosen.getByRole("button", { name: "Give y" }).click();
-  await chosen.getByLabel("Y, from").fill("1");
-  await chosen.getByLabel("Y, to").fill("1.3");
+  const press = (name) => page.getByRole("button", { name, exact: true }).click();
+  await press("+ Curve");
   await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
-  const { belts } = await scenarioIn(page);
-  assert.deepEqual(belts[1], { id: "belt-2", velocity_m_s: [0.4, 0],
-    arc: { centre_m: [1, 1.8], inner_radius_m: 0.4, outer_radius_m: 0.9, from_deg: -90, to_deg: 0 } });
+  // The belt of 2 x 0.6 m stays as it is; the curve is as wide, around a centre 0.3 m beside its end.
+  const { belts, domain, feeds } = await scenarioIn(page);
+  assert.deepEqual(belts, [{ id: "belt-1", velocity_m_s: [0.4, 0], polygon_m: [[0, 0], [2, 0], [2, 0.6], [0, 0.6]] },
+    { id: "belt-2", velocity_m_s: [0.4, 0], arc: { centre_m: [2, 0.9], inner_radius_m: 0.3, outer_radius_m: 0.9, from_deg: -90, to_deg: 0 } }]);
+  assert.deepEqual([domain, feeds[0].y_m], [{ x_m: [0, 2.9], y_m: [0, 0.9] }, [0, 0.6]]);
   await assertAccessible(page, "a curve");
 });
 

@@ -106,6 +106,44 @@ test("runs are found by the day on which they were accepted, and by their star",
   await page.getByRole("button", { name: "Star", pressed: false }).waitFor();
 });
 
+test("the line as it was before is found among its versions, changed and run as the next one", async (t) => {
+  const d = await daemon(t);
+  const before = await d.submit(tiny({ name: "as built" }), { line: "Hall 2" });
+  await d.submit(tiny({ name: "longer", duration_s: 0.2 }), { line: "Hall 2" });
+  await d.submit(tiny({ name: "elsewhere" }), { line: "Hall 3" });
+  const study = await d.post("/v1/studies", { name: "Which time", line: "Hall 2", base: { scenario: tiny() }, method: { type: "list" },
+    parameters: [], objectives: [{ figure: "peak_density" }] });
+  await d.reached(before.id, "succeeded");
+  const page = await openPage(t, d);
+  await visit(page, "#/lines");
+  const cells = await page.getByRole("row", { name: /Hall 2/ }).getByRole("cell").allInnerTexts();
+  assert.deepEqual(cells.slice(0, 3), ["2", "2", "1"]); // versions, runs, studies
+  await page.getByRole("link", { name: "Hall 2", exact: true }).click();
+  await page.getByRole("link", { name: "Which time" }).waitFor();
+  await page.getByRole("link", { name: "as built" }).waitFor();
+  assert.deepEqual(await page.locator(".version strong, tr:not(.study) > .name > a").allInnerTexts(), ["Version 2", "longer", "Version 1", "as built"]);
+  assert.equal(await page.getByText("elsewhere").count(), 0);
+
+  await page.getByRole("link", { name: "Change and run version 1" }).click();
+  await page.getByText("Ready:").waitFor();
+  assert.equal(await page.getByRole("textbox", { name: "Line keeps its runs together" }).inputValue(), "Hall 2");
+  await page.getByLabel("Duration").fill("0,05");
+  await page.locator(".verdict", { hasText: "0.05 s" }).waitFor();
+  await page.getByRole("button", { name: "Start the run" }).click();
+  await page.getByRole("link", { name: "Hall 2, version 3" }).waitFor();
+  await page.getByRole("button", { name: "Rename …" }).click();
+  await page.getByRole("dialog").getByLabel("Line").fill("Hall 3");
+  await page.getByRole("button", { name: "Keep" }).click();
+  await page.getByRole("link", { name: "Hall 3, version 2" }).click();
+  await page.getByRole("link", { name: "elsewhere" }).waitFor();
+  // A study belongs to it, too, by the form of a new one.
+  await visit(page, `#/studies/new?from=${before.id}`);
+  await page.locator(".verdict", { hasText: "At most" }).waitFor();
+  assert.equal(await page.locator("[name=line]").inputValue(), "Hall 2");
+  await visit(page, `#/studies/${study.json.id}`);
+  await page.getByRole("link", { name: "Hall 2", exact: true }).waitFor();
+});
+
 test("filters stand in the address, and pages follow the cursor there and back", async (t) => {
   const d = await daemon(t);
   for (let k = 0; k < 60; k++) await d.submit(tiny({ name: `run ${k}` }), { label: k % 20 === 0 ? "marked" : "" });

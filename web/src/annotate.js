@@ -1,11 +1,11 @@
-// The dialog in which a run or a study gets another name; a run also another label and notes.
+// The dialog in which a run or a study gets another name or line; a run also another label and notes.
 
 import { h } from "./dom.js";
 import { tellFault } from "./toast.js";
 
-const fields = [["name", "Name", 200], ["label", "Label", 100], ["notes", "Notes", 500]];
+const fields = [["name", "Name", 200], ["label", "Label", 100], ["line", "Line", 100], ["notes", "Notes", 500]];
 
-// known: { name, label, notes } of a run, { name } of a study; onChange(patch): what is changed is sent, a promise.
+// known: { name, label, line, notes } of a run, { name, line } of a study; onChange(patch): what is changed is sent, a promise.
 export function annotate(known, onChange) {
   const boxes = fields.filter(([member]) => known[member] !== undefined).map(([member, label, most]) => {
     const box = h("input", { type: "text", maxlength: String(most), autocomplete: "off", value: known[member] });

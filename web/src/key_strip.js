@@ -75,7 +75,7 @@ const figures = [
     name: () => "Parts still on the belt",
     unit: "",
     value: ({ summary, snapshots }) => summary?.parts_end ?? snapshots.at(-1)?.mass ?? null,
-    text: (value, data) => (value === null ? "–" : `${parts(value, 3)} of ${parts(entered(data), 6)}`),
+    text: (value, data) => (value === null ? "–" : `${parts(value, 3)} of ${parts(Math.round(entered(data) * 10) / 10, 6)}`),
     sentence: ({ run }) => (isOver(run) ? "When the run ended." : "At the newest snapshot."),
   },
 ];

@@ -18,6 +18,7 @@ import { CompareView } from "./compare_view.js";
 import { onConnection } from "./connection.js";
 import { h, link } from "./dom.js";
 import { showHelp } from "./help.js";
+import { LinesView } from "./lines_view.js";
 import { NewStudyView } from "./new_study_view.js";
 import { NewView } from "./new_view.js";
 import { note, startRouter } from "./router.js";
@@ -36,6 +37,7 @@ function viewOf({ name, argument }) {
   if (name === "compare") return new CompareView();
   if (name === "new") return new NewView();
   if (name === "studies") return argument === "new" ? new NewStudyView() : argument ? new StudyView() : new StudiesView();
+  if (name === "lines") return new LinesView();
   if (name === "workers") return new WorkersView();
   return null;
 }

@@ -1,6 +1,7 @@
 // A new study: which parameter, from where to where, what is best, and how the values are chosen.
 
 import { post, Problem } from "./api.js";
+import { lineOf } from "./board/lines.js";
 import { h, setText } from "./dom.js";
 import { figureTitle, figureUnit, studied } from "./figures.js";
 import { span } from "./format.js";
@@ -77,6 +78,7 @@ export class NewStudyView {
     });
     this.chooseModel = model.choose;
     this.nameBox = h("input", { type: "text", name: "name", maxlength: "100", autocomplete: "off", on: { input: () => (this.isNamed = this.nameBox.value !== "") } });
+    this.lineBox = h("input", { type: "text", name: "line", maxlength: "100", autocomplete: "off" });
     this.verdict = h("p", { class: "verdict", role: "status" });
     this.faults = h("ul", { class: "faults", "aria-label": "Faults" });
     this.button = h("button", { class: "primary" }, "Start the study");
@@ -97,7 +99,8 @@ export class NewStudyView {
         event.preventDefault();
         this.submit();
       } } },
-      card("from-title", "Begin with", this.source.element, this.field("Name", this.nameBox, "says what is varied, until you edit it")),
+      card("from-title", "Begin with", this.source.element, this.field("Name", this.nameBox, "says what is varied, until you edit it"),
+        this.field("Line", this.lineBox, "with whose runs it is kept")),
       card("vary-title", "Vary", h("div", { class: "fields" }, this.field("Parameter", this.parameterBox),
         this.field("From", this.fromBox, null, this.units[0]), this.field("To", this.toBox, null, this.units[1]), this.parts.steps)),
       card("best-title", "Find the best", h("div", { class: "fields" },
@@ -150,9 +153,10 @@ export class NewStudyView {
     setText(this.countsNote, text);
   }
 
-  async setScenario({ scenario, model }) {
+  async setScenario({ scenario, model, ofLine }) {
     this.scenario = scenario;
     this.resolved = null;
+    this.lineBox.value = ofLine || lineOf(scenario.name);
     if (model) this.chooseModel(this.model = model, false);
     this.fill();
     try {
@@ -283,6 +287,7 @@ export class NewStudyView {
     const demand = asked === "" ? {} : { demand: Number.isFinite(numberIn(this.demandBox)) ? numberIn(this.demandBox) : asked };
     const common = {
       name: this.nameBox.value,
+      line: this.lineBox.value.trim(),
       base: { scenario: baseFor(this.scenario, this.parameter, range), model: this.method === "screen" ? "macro" : this.model },
       parameters: [{ pointer, range, ...(isGrid ? { steps: numberIn(this.stepsBox) } : {}) }],
     };

@@ -5,7 +5,7 @@
 import { getJson, post, Problem } from "./api.js";
 import { Board } from "./board/board.js";
 import { History } from "./board/history.js";
-import { newLineId, saveLine } from "./board/lines.js";
+import { lineOf, newLineId, saveLine } from "./board/lines.js";
 import { loadSchemas } from "./board/schema.js";
 import { Underlay } from "./board/underlay.js";
 import { nameOfVariant } from "./differences.js";
@@ -130,7 +130,7 @@ export class NewView {
     for (const [by, element] of this.undoButtons) element.disabled = !this.history.canGo(by);
     if (!this.scenario || !this.isEdited) return;
     if (this.line === null) note({ line: (this.line = newLineId()), blank: "", from: "", example: "" });
-    saveLine({ id: this.line, scenario: this.scenario, model: this.model, label: this.labelBox.value, isNamed: this.isNamed, underlay: this.underlay.kept });
+    saveLine({ id: this.line, scenario: this.scenario, model: this.model, label: this.labelBox.value, ofLine: this.lineBox.value, isNamed: this.isNamed, underlay: this.underlay.kept });
   }
 
   placeDrawing() {
@@ -151,12 +151,19 @@ export class NewView {
       input: () => this.takeName(),
       change: () => (this.nameBox.value = this.scenario?.name ?? "") } });
     this.labelBox = h("input", { type: "text", maxlength: "100", autocomplete: "off", on: { input: () => this.judgeSoon() } });
+    this.lineBox = h("input", { type: "text", maxlength: "100", autocomplete: "off", on: { input: () => {
+      this.hasLine = this.lineBox.value !== "";
+      this.keep();
+      this.judgeSoon();
+    } } });
     return h("div", { class: "fields about" },
       h("div", { class: "field" }, h("span", {}, "Model"), models.element,
         h("small", { class: "hint" }, "density of cargo, or every part by itself")),
       h("label", { class: "field" }, h("span", {}, "Name"), this.nameBox,
         h("small", { class: "hint" }, "says what was changed, until you edit it")),
-      h("label", { class: "field" }, h("span", {}, "Label"), this.labelBox, h("small", { class: "hint" }, "to find it again; may stay empty")));
+      h("label", { class: "field" }, h("span", {}, "Line"), this.lineBox,
+        h("small", { class: "hint" }, "keeps its runs together")),
+      h("label", { class: "field" }, h("span", {}, "Label"), this.labelBox, h("small", { class: "hint" }, "may stay empty")));
   }
 
   // Settings of the solvers and of the queue.
@@ -177,11 +184,13 @@ export class NewView {
     if (this.judged) this.showWarnings(this.judged);
   }
 
-  begin({ scenario, model, label, line = null, isNamed = false, underlay = null }) {
+  begin({ scenario, model, label, line = null, ofLine = "", isNamed = false, underlay = null }) {
     if (model && !this.query.has("model")) this.chooseModel(this.model = model, false);
     if (label !== undefined) this.labelBox.value = label;
     this.scenario = scenario;
     this.origin = structuredClone(scenario);
+    this.hasLine = ofLine !== "";
+    this.lineBox.value = ofLine || lineOf(scenario.name);
     Object.assign(this, { line, isNamed, isEdited: false, validation: null });
     this.board.chosen = null;
     this.underlay.begin(underlay);
@@ -214,6 +223,7 @@ export class NewView {
   // An empty name is made from the parameters again.
   takeName() {
     this.isNamed = this.nameBox.value !== "";
+    if (!this.hasLine) this.lineBox.value = lineOf(this.nameBox.value);
     this.change((scenario) => (scenario.name = this.nameBox.value));
   }
 
@@ -251,7 +261,7 @@ export class NewView {
   }
 
   body(model = this.model) {
-    const rest = JSON.stringify({ model, label: this.labelBox.value, priority: readNumber(this.priorityBox.value).value || 0,
+    const rest = JSON.stringify({ model, label: this.labelBox.value, line: this.lineBox.value.trim(), priority: readNumber(this.priorityBox.value).value || 0,
       replications: readNumber(this.runsBox.value).value });
     return `${PREFIX}${this.editor.text.trim() === "" ? "null" : this.editor.text},${rest.slice(1)}`;
   }

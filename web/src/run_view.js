@@ -18,7 +18,7 @@ import { address, go } from "./router.js";
 import { cancel, removeLater } from "./run_actions.js";
 import { RunData } from "./run_data.js";
 import { DownloadsPanel, scenarioPanel, summaryPanel, verdictLines, verdictPanel } from "./run_panels.js";
-import { statePill, suspicion } from "./runs_table.js";
+import { lineLink, statePill, suspicion } from "./runs_table.js";
 import { keyOf } from "./scale_bar.js";
 import { SceneControls } from "./scene_controls.js";
 import { contentOf, fallsOf, flowOf, isFed } from "./series.js";
@@ -84,13 +84,14 @@ export class RunView {
       go("#/");
     }, { shown: true });
     [this.nameText, this.labelText, this.notesText] = [h("h1", {}), h("span", { class: "label" }), h("p", { class: "hint" })];
+    this.lineText = h("span", { class: "of-line" });
     this.starButton = iconButton("star", "Star", () => this.keep({ starred: this.data.run.starred !== true }).catch(tellFault), { class: "star" });
     this.showNames();
     const report = iconButton("download", "Save report", () => this.report(), { shown: true });
     return h("div", { class: "view-head" },
       h("div", { class: "heading" }, this.nameText,
         h("p", { class: "meta" }, this.state.pill, this.bar, this.progress,
-          h("span", { class: "model", data: { model: run.model } }, modelOf(run)), this.labelText,
+          h("span", { class: "model", data: { model: run.model } }, modelOf(run)), this.lineText, this.labelText,
           h("time", { datetime: run.created_at }, age(run.created_at))), this.notesText,
         h("p", { class: "fault", role: "status", hidden: !run.suspect }, suspicion)),
       h("div", { class: "actions" }, isGuest() ? report : [
@@ -106,19 +107,20 @@ export class RunView {
       setText(element, text ?? "");
       element.hidden = !text;
     }
+    this.lineText.replaceChildren(...lineLink(run));
     this.starButton.setAttribute("aria-pressed", String(run.starred === true));
   }
 
   // What is missing in the answer is not there any more.
   async keep(changes) {
-    const { notes = "", starred = false, ...run } = await patch(paths.run(this.data.run.id), changes);
-    Object.assign(this.data.run, run, { notes, starred });
+    const { notes = "", line = "", starred = false, ...run } = await patch(paths.run(this.data.run.id), changes);
+    Object.assign(this.data.run, run, { notes, line, starred });
     this.showNames();
   }
 
   rename() {
-    const { name, label, notes = "" } = this.data.run;
-    annotate({ name, label, notes }, (changes) => this.keep(changes));
+    const { name, label, line = "", notes = "" } = this.data.run;
+    annotate({ name, label, line, notes }, (changes) => this.keep(changes));
   }
 
   // The picture is the one that is seen.

@@ -82,12 +82,43 @@ export class MoreRow {
   }
 }
 
+// The row above the runs of one version of a line.
+export class VersionRow {
+  // version: { number, runs }, its newest run first.
+  constructor({ number, runs }) {
+    const [{ id }] = runs;
+    this.text = h("span", { class: "figures" });
+    this.cell = h("td", { role: "cell" }, h("strong", {}, `Version ${number}`), this.text,
+      link(address("new", "", { from: id }), "Change and run", { "aria-label": `Change and run version ${number}` }));
+    this.element = h("tr", { role: "row", class: "version" }, this.cell);
+  }
+
+  // n: columns of parameters.
+  show({ runs }, n) {
+    setText(this.text, `${runs.length === 1 ? "one run" : `${runs.length} runs`}, first ${age(runs.at(-1).created_at)}`);
+    this.cell.colSpan = columns.length + 2 + n;
+  }
+}
+
 // What a row shows of a study: [{ study, isOpen }, { run, study } ..., { more }].
 async function groupOf(study, isOpen, options) {
   if (!isOpen) return [{ study, isOpen }];
   const { runs, cursor } = await listRuns({ study: study.id, limit: LIMIT }, options);
   const more = { href: address("runs", "", { study: study.id }), text: "Show all its runs" };
   return [{ study, isOpen }, ...runs.map((run) => ({ run, study })), ...(cursor === null ? [] : [{ more }])];
+}
+
+// A page of the runs of a line by its versions, the greatest first, [{ version }, { run } ...]; before the first page the line's
+// studies. open: as of grouped().
+export async function byVersion(runs, { line, after, open }, options) {
+  const { studies } = after ? { studies: [] } : await listStudies({ line, limit: LIMIT }, options);
+  const groups = await Promise.all(studies.map((study) => groupOf(study, open.includes(study.id), options)));
+  const numbers = [...new Set(runs.map((run) => run.line_version))].sort((a, b) => b - a);
+  const versions = numbers.flatMap((number) => {
+    const its = runs.filter((run) => run.line_version === number);
+    return [{ version: { id: `version-${number}-${its[0].id}`, number, runs: its } }, ...its.map((run) => ({ run }))];
+  });
+  return [...groups.flat(), ...versions];
 }
 
 // A page of single runs, [{ run }], with the studies of its time between them, newest first, which ids sort by, too. after: the

@@ -20,12 +20,18 @@ export function statePill(run) {
   } };
 }
 
+// Where a run's or a study's line is shown: a link, with the run's version of it. A list without one where it has no line.
+export function lineLink({ line, line_version: version }) {
+  return line ? [link(address("runs", "", { line }), version ? `${line}, version ${version}` : line)] : [];
+}
+
 export class RunRow {
   // actions: { onStar, onCancel, onRemove, onSelect }.
   constructor(run, actions) {
     this.id = run.id;
     this.title = link(address("runs", run.id), "");
     this.label = h("small", { class: "label" });
+    this.line = h("small", { class: "of-line" });
     this.chips = h("span", { class: "chips" });
     this.state = statePill(run);
     this.bar = h("progress", { max: "1" });
@@ -37,7 +43,7 @@ export class RunRow {
     this.remove = iconButton("trash", "Delete", () => actions.onRemove(this.run), { class: "bare" });
     this.texts = new Map(columns.filter(({ text }) => text).map(({ name, title }) => [name, h("span", { class: "figures", title })]));
     const inside = { State: [this.state.pill], Progress: [this.bar, this.texts.get("Progress"), this.fault], Age: [this.age] };
-    this.name = h("td", { role: "cell", class: "name" }, this.title, this.label, this.chips);
+    this.name = h("td", { role: "cell", class: "name" }, this.title, this.label, this.line, this.chips);
     this.parameters = [];
     this.element = h("tr", { role: "row" },
       h("td", { role: "cell", class: "pick" }, h("label", {}, this.check, h("span", { class: "hidden" }, "Compare"))), this.name,
@@ -52,6 +58,7 @@ export class RunRow {
     setText(this.title, name);
     setText(this.label, run.label);
     this.label.hidden = !run.label;
+    this.showLine(run);
     for (const { name: column, text } of columns) if (text) setText(this.texts.get(column), text(run));
     this.state.show(run);
     this.bar.value = run.progress;
@@ -67,6 +74,12 @@ export class RunRow {
     this.star.setAttribute("aria-pressed", String(run.starred === true));
     for (const button of [this.star, this.cancel, this.remove]) button.setAttribute("aria-label", `${button.title} ${name}`);
     this.check.setAttribute("aria-label", `Select ${name} (${run.model}) to compare`);
+  }
+
+  // Made again only when it is another, so that the focus stays.
+  showLine(run) {
+    const [made] = lineLink(run);
+    if (this.line.textContent !== (made?.textContent ?? "")) this.line.replaceChildren(...(made ? [made] : []));
   }
 
   // What distinguishes the run from its variants: parameters in columns behind its name, ["75°", "0.5 m/s"], and those that

@@ -8,7 +8,7 @@ import { firstVisit } from "./first_visit.js";
 import { address } from "./router.js";
 import { cancel, isGoing, removeLater } from "./run_actions.js";
 import { columns } from "./runs_columns.js";
-import { grouped, MoreRow, StudyRow } from "./runs_groups.js";
+import { byVersion, grouped, MoreRow, StudyRow, VersionRow } from "./runs_groups.js";
 import { parameterOf, RunsHead, sortedBy } from "./runs_head.js";
 import { RunRow, states } from "./runs_table.js";
 import { Tray } from "./runs_tray.js";
@@ -19,7 +19,7 @@ import { Variants } from "./variants.js";
 
 const PERIOD_MS = 2000;
 const LIMIT = 50;
-const FILTERS = ["study", "status", "model", "label", "starred", "from", "to"]; // of the address, but for the search
+const FILTERS = ["study", "status", "model", "label", "line", "starred", "from", "to"]; // of the address, but for the search
 
 // The beginning of a day, or of the one so many days later, as the API takes it; "" without a day.
 function midnight(day, daysLater = 0) {
@@ -60,8 +60,10 @@ export class RunsView {
 
   head() {
     this.total = h("span", { class: "total", role: "status" });
-    return h("div", { class: "view-head" }, h("h1", {}, "Runs ", this.total),
-      link(address("new"), "New run", { class: "button primary" }));
+    const line = this.query.get("line");
+    return h("div", { class: "view-head" }, h("div", { class: "heading" }, h("h1", {}, line ? `${line} ` : "Runs ", this.total),
+      line ? h("p", { class: "meta" }, "A line and its versions. ", link("#/lines", "All lines"), link("#/", "All runs")) : null),
+    link(address("new"), "New run", { class: "button primary" }));
   }
 
   choice(name, label, values, all = "all") {
@@ -74,7 +76,7 @@ export class RunsView {
   filters() {
     const plain = (values) => values.map((value) => [value, value]);
     let timer = 0;
-    this.searchBox = h("input", { type: "search", placeholder: "name or label", autocomplete: "off", spellcheck: "false", maxlength: "100",
+    this.searchBox = h("input", { type: "search", placeholder: "name, label or line", autocomplete: "off", spellcheck: "false", maxlength: "100",
       on: { input: () => {
         clearTimeout(timer);
         timer = setTimeout(() => this.filter({ search: this.searchBox.value.trim() }, true), 300);
@@ -149,7 +151,7 @@ export class RunsView {
     this.state = h("div", { class: "empty" }, h("p", {}, "Loading …"));
     this.header = new RunsHead((sort) => this.sortBy(sort));
     this.header.showSorting(this.query.get("sort"));
-    this.list = h("table", { class: "runs", role: "table", hidden: true }, this.header.element, this.body);
+    this.list = h("table", { class: this.query.get("line") ? "runs of-one-line" : "runs", role: "table", hidden: true }, this.header.element, this.body);
     return h("section", { class: "card list", "aria-label": "Runs" }, this.list, this.state);
   }
 
@@ -200,6 +202,7 @@ export class RunsView {
     const order = parameterOf(sort) === null ? sort : "";
     const page = await listRuns({ limit: LIMIT, count: 1, ...query, search, sort: order, cursor }, options);
     const isGrouped = ![...FILTERS, "sort"].some((name) => this.query.get(name));
+    if (rest.line && !sort) return { ...page, entries: await byVersion(page.runs, { line: rest.line, after: cursor, open: open.split(",") }, options) };
     const entries = isGrouped ? await grouped(page, { after: cursor, open: open.split(","), search }, options)
       : page.runs.map((run) => ({ run }));
     return { ...page, entries };
@@ -264,11 +267,16 @@ export class RunsView {
   }
 
   rowOf(entry) {
-    const { run, study, more } = entry;
+    const { run, study, version, more } = entry;
     const other = (id, make) => this.others.get(id) ?? this.others.set(id, make()).get(id);
     if (more) {
       const row = other(more.href, () => new MoreRow(more));
       row.show(this.labels.length);
+      return row;
+    }
+    if (version) {
+      const row = other(version.id, () => new VersionRow(version));
+      row.show(version, this.labels.length);
       return row;
     }
     if (!run) {

@@ -10,7 +10,8 @@ import { note } from "./router.js";
 const firstOf = (examples) => examples.find(({ name }) => name === "example-1") ?? examples[0];
 
 export class ScenarioSource {
-  // onChoose({ scenario, run, model, label, line }), line: the id of one that was edited in this browser; onFault(error).
+  // onChoose({ scenario, run, model, label, line, ofLine }), line: the id of one that was edited in this browser, ofLine: what
+  // runs of it belong to; onFault(error).
   constructor(query, onChoose, onFault) {
     Object.assign(this, { query, onChoose, onFault });
     this.box = h("select", { on: { change: () => this.take(this.box.value) } });
@@ -50,7 +51,7 @@ export class ScenarioSource {
       if (kind === "example") this.onChoose({ scenario: await getJson(`v1/examples/${encodeURIComponent(name)}`), run: null });
       if (kind === "run") {
         const [run, scenario] = await Promise.all([getJson(paths.run(name)), getJson(paths.of(name, "scenario"))]);
-        this.onChoose({ scenario, run, model: run.model, label: run.label });
+        this.onChoose({ scenario, run, model: run.model, label: run.label, ofLine: run.line });
       }
     } catch (error) {
       this.onFault(error);

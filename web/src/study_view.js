@@ -10,7 +10,7 @@ import { shareButton } from "./grants.js";
 import { parameterAt } from "./parameters.js";
 import { saveReport } from "./report.js";
 import { address, go, note } from "./router.js";
-import { statePill } from "./runs_table.js";
+import { lineLink, statePill } from "./runs_table.js";
 import { BestPanel } from "./study_best.js";
 import { StudyChart } from "./study_chart.js";
 import { StudyData } from "./study_data.js";
@@ -76,7 +76,7 @@ export class StudyView {
     return h("div", { class: "view-head" },
       h("div", { class: "heading" }, this.nameText = h("h1", {}, this.title),
         h("p", { class: "meta" }, this.state.pill, this.bar, this.count, h("span", {}, methodWords(study)),
-          h("time", { datetime: study.created_at }, age(study.created_at))),
+          this.lineText = h("span", { class: "of-line" }, lineLink(study)), h("time", { datetime: study.created_at }, age(study.created_at))),
         h("p", { class: "fault", role: "status", hidden: !study.suspect },
           "Results of a trial may be wrong, and so may be what is said here. Start the study again.")),
       h("div", { class: "actions" }, isGuest() ? saved : [
@@ -188,17 +188,19 @@ export class StudyView {
   }
 
   rename() {
-    annotate({ name: this.data.study.name }, async (changes) => {
+    const { name, line = "" } = this.data.study;
+    annotate({ name, line }, async (changes) => {
       this.data.study = await patch(this.data.path, changes);
       this.title = nameOfStudy(this.data.study);
       setText(this.nameText, this.title);
+      this.lineText.replaceChildren(...lineLink(this.data.study));
     });
   }
 
   // Another study that this one advises.
   async make(document) {
     try {
-      go(address("studies", (await post("v1/studies", document)).id));
+      go(address("studies", (await post("v1/studies", { ...document, line: this.data.study.line ?? "" })).id));
     } catch (error) {
       tellFault(error);
     }

@@ -80,7 +80,7 @@ export class Board {
     this.onChange((scenario) => {
       const items = (scenario[one.list] ??= structuredClone(first));
       const id = stem ? { id: freshId(scenario, this.resolved, one.list, stem) } : {};
-      items.push({ ...id, ...structuredClone(make(scenario.domain, (list) => idsOf(scenario, this.resolved, list))) });
+      items.push({ ...id, ...structuredClone(make(scenario.domain, (list) => idsOf(scenario, this.resolved, list), scenario)) });
       this.chosen = { list: one.list, k: items.length - 1 };
     });
     this.onChoose();

@@ -3,7 +3,7 @@
 const KEY = "beltflow-lines";
 const MOST = 20; // the oldest are forgotten
 
-// [{ id, saved_at, scenario, model, label }], the last one first.
+// [{ id, saved_at, scenario, model, label, ofLine }], the last one first; ofLine: what the server knows the line as.
 export function savedLines() {
   try {
     const lines = JSON.parse(localStorage.getItem(KEY));
@@ -24,6 +24,15 @@ function write(lines) {
 export function saveLine(line) {
   const others = savedLines().filter(({ id }) => id !== line.id);
   write([{ ...line, saved_at: new Date().toISOString() }, ...others].slice(0, MOST));
+}
+
+const LINE_BYTES = 100; // the server's limit of a line's name
+
+// What a line is called by the name of its scenario.
+export function lineOf(name = "") {
+  let line = name.trim();
+  while (new TextEncoder().encode(line).length > LINE_BYTES) line = line.slice(0, -1);
+  return line;
 }
 
 export const newLineId = () => `${Date.now().toString(36)}${Math.floor(Math.random() * 1e6).toString(36)}`;

@@ -31,15 +31,25 @@ function middleThird({ x_m: xs, y_m: ys }) {
   return [[left, ys[0]], [right, ys[0]], [right, ys[1]], [left, ys[1]]];
 }
 
-// A quarter of a ring to the left, in the middle of the line.
-function curve({ x_m: xs, y_m: ys }) {
+// A quarter of a ring to the left. It goes on from a belt that runs along the whole line: the belt gets the outline that it has there,
+// and the line grows by the curve. Else it stands in the middle.
+function curve(domain, ids, { belts: [belt, ...others], feeds = [] }) {
+  const { x_m: xs, y_m: ys } = domain;
+  const [vx, vy] = belt.velocity_m_s;
+  if (others.length === 0 && vx > 0 && vy === 0 && !belt.polygon_m && !belt.arc && !belt.path_m) {
+    const width = ys[1] - ys[0], inner = tidy(width / 2, 4), outer = tidy(inner + width, 4);
+    belt.polygon_m = [[xs[0], ys[0]], [xs[1], ys[0]], [xs[1], ys[1]], [xs[0], ys[1]]];
+    for (const feed of feeds) if (feed.edge === "west") feed.y_m ??= [...ys];
+    Object.assign(domain, { x_m: [xs[0], tidy(xs[1] + outer, 4)], y_m: [ys[0], tidy(ys[1] + inner, 4)] });
+    return { velocity_m_s: [vx, 0], arc: { centre_m: [xs[1], domain.y_m[1]], inner_radius_m: inner, outer_radius_m: outer, from_deg: -90, to_deg: 0 } };
+  }
   const room = Math.min(xs[1] - xs[0], ys[1] - ys[0]);
   return { velocity_m_s: [0.4, 0], arc: { centre_m: [at(xs, 0.5), at(ys, 0.9)], inner_radius_m: tidy(0.2 * room, 4), outer_radius_m: tidy(0.45 * room, 4),
     from_deg: -90, to_deg: 0 } };
 }
 
-// stem: of the ids of new ones; first: what the list has where nothing is written; makes: [title, make(domain, ids)], where ids(list)
-// are those that can be named; needs: a list that must have something.
+// stem: of the ids of new ones; first: what the list has where nothing is written; makes: [title, make(domain, ids, scenario)], where
+// ids(list) are those that can be named; needs: a list that must have something.
 const known = {
   belts: { one: "Belt", stem: "belt", first: [{ id: "main", velocity_m_s: [0.395, 0] }],
     makes: [["Belt", (domain) => ({ velocity_m_s: [0.4, 0], polygon_m: middleThird(domain) })], ["Curve", curve]] },
