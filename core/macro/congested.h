@@ -79,6 +79,9 @@ void congested_update(macro_solver *s, bool have_changed);
 /// Let the faces have the apertures, transverse velocities and belts of *def, after the solver's own were set.
 void congested_set_faces(macro_solver *s, const macro_def *def);
 
+/// Cells whose pressure was relaxed since the solver was made, each time that one was.
+double congested_relaxed(const macro_solver *s);
+
 /// Bytes of the state beside the density in a checkpoint.
 size_t congested_state_size(const macro_solver *s);
 

@@ -306,6 +306,7 @@ void macro_set_field(macro_solver *s, const velocity_field *field)
     def.transverse2 = field->transverse2;
     def.loose1 = field->loose1;
     def.loose2 = field->loose2;
+    s->n_fields++;
     fill_all(s, &def);
     if (s->speeds != NULL)
         scale_faces(s);

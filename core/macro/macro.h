@@ -78,11 +78,13 @@ typedef struct macro_def {
 /// A running solver; opaque, on the heap.
 typedef struct macro_solver macro_solver;
 
-/// Mass and peak of the density at one time.
+/// Mass and peak of the density at one time, and what took time since the solver was made.
 typedef struct macro_totals {
-    double mass;   ///< integral of rho over the grid, m2
-    double peak;   ///< largest rho
-    double fallen; ///< integral of what fell since t = 0, m2
+    double mass;     ///< integral of rho over the grid, m2
+    double peak;     ///< largest rho
+    double fallen;   ///< integral of what fell since t = 0, m2
+    double relaxed;  ///< cells whose pressure was relaxed, each time that one was
+    double n_fields; ///< times that it was given another field
 } macro_totals;
 
 /// A point that moves with the cargo and stands for a portion of it (tracers.h).

@@ -202,7 +202,9 @@ macro_totals macro_measure(const macro_solver *s)
 {
     const bf_grid *g = &s->def.grid;
     macro_totals totals = { .mass = macro_mass_in(s, 0, g->n1, 0, g->n2),
-                            .fallen = macro_fallen_in(s, 0, g->n1, 0, g->n2) };
+                            .fallen = macro_fallen_in(s, 0, g->n1, 0, g->n2),
+                            .relaxed = s->congested != NULL ? congested_relaxed(s) : 0.0,
+                            .n_fields = (double)s->n_fields };
 
     for (size_t j = 0; j < g->n2; j++)
         if (s->now.span[j].first < s->now.span[j].last)

@@ -457,12 +457,19 @@ static run_load measure_run(const void *solver)
 {
     const macro_run *run = solver;
     const macro_totals totals = macro_measure(run->solver);
+    size_t n_tracers = 0;
+    double portion;
 
+    if (run->is_fed)
+        (void)macro_tracers(run->solver, &n_tracers, &portion);
     return (run_load){ .parts = run->packing * totals.mass,
                        .fallen = run->packing * totals.fallen,
                        .entered = feed_density_admitted(run->feeds),
                        .peak = totals.peak,
-                       .smooth_peak = totals.peak };
+                       .smooth_peak = totals.peak,
+                       .relaxed = totals.relaxed,
+                       .n_fields = totals.n_fields,
+                       .n_tracers = (double)n_tracers };
 }
 
 // What density thins out to without end is no cargo that has a time.

@@ -4,6 +4,7 @@
 #include "core/run/prediction_load.h"
 #include "core/run/run_priv.h"
 #include "core/scene/belt.h"
+#include "core/scene/mix.h"
 
 #include <math.h>
 
@@ -18,37 +19,45 @@ const char *const prediction_kind_words[] = { "roe",
 
 /// Seconds for each amount. tests/bench/prediction.py fits them, and says how far off predictions are.
 static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
-    [PREDICTION_ROE] = { [PREDICTION_RUN] = 4.28e-03,
-                         [PREDICTION_CELLS] = 6.47e-07,
-                         [PREDICTION_ROW_STEPS] = 5.72e-08,
-                         [PREDICTION_COVERED_STEPS] = 7.37e-10,
-                         [PREDICTION_SATURATED_STEPS] = 2.13e-09 },
-    [PREDICTION_MUSCL] = { [PREDICTION_RUN] = 1.25e-02,
-                           [PREDICTION_ROW_STEPS] = 5.79e-08,
-                           [PREDICTION_CELL_STEPS] = 1.56e-09,
-                           [PREDICTION_COVERED_STEPS] = 2.14e-09,
-                           [PREDICTION_SATURATED_STEPS] = 1.70e-09 },
-    [PREDICTION_CONGESTED] = { [PREDICTION_RUN] = 4.46e-04,
-                               [PREDICTION_CELLS] = 2.03e-06,
-                               [PREDICTION_CELL_STEPS] = 1.64e-09,
-                               [PREDICTION_SATURATED_STEPS] = 6.27e-08,
-                               [PREDICTION_COUPLED_STEPS] = 6.0e-08,
-                               [PREDICTION_MOVING_STEPS] = 2.21e-08 },
-    [PREDICTION_PLANAR_VERLET] = { [PREDICTION_CELLS] = 1.79e-06,
-                                   [PREDICTION_STEPS] = 7.31e-08,
-                                   [PREDICTION_PART_STEPS] = 2.38e-09,
-                                   [PREDICTION_PAIR_STEPS] = 2.46e-08 },
-    [PREDICTION_PLANAR_IMPLICIT] = { [PREDICTION_SNAPSHOT_CELLS] = 1.21e-08,
-                                     [PREDICTION_STEPS] = 2.56e-07,
-                                     [PREDICTION_PART_STEPS] = 1.20e-07,
-                                     [PREDICTION_PAIR_STEPS] = 3.23e-08 },
-    [PREDICTION_SPATIAL_VERLET] = { [PREDICTION_RUN] = 7.73e-02,
-                                    [PREDICTION_CELLS] = 2.25e-05,
-                                    [PREDICTION_STEPS] = 2.95e-07,
-                                    [PREDICTION_PART_STEPS] = 9.80e-08,
-                                    [PREDICTION_PAIR_STEPS] = 9.52e-07 },
-    [PREDICTION_SPATIAL_IMPLICIT] = { [PREDICTION_STEPS] = 7.95e-06,
-                                      [PREDICTION_PAIR_STEPS] = 2.20e-06 },
+    [PREDICTION_ROE] = { [PREDICTION_RUN] = 7.55e-03,
+                         [PREDICTION_CELL_STEPS] = 2.29e-10,
+                         [PREDICTION_COVERED_STEPS] = 1.08e-09,
+                         [PREDICTION_SATURATED_STEPS] = 5.78e-10,
+                         [PREDICTION_SAMPLE_CELLS] = 9.38e-09,
+                         [PREDICTION_TRACER_STEPS] = 1.20e-07 },
+    [PREDICTION_MUSCL] = { [PREDICTION_RUN] = 1.13e-03,
+                           [PREDICTION_SNAPSHOT_CELLS] = 1.24e-08,
+                           [PREDICTION_STEPS] = 3.49e-06,
+                           [PREDICTION_ROW_STEPS] = 5.32e-08,
+                           [PREDICTION_SATURATED_STEPS] = 3.15e-09,
+                           [PREDICTION_SAMPLE_CELLS] = 4.28e-08,
+                           [PREDICTION_TRACER_STEPS] = 9.86e-08 },
+    [PREDICTION_CONGESTED] = { [PREDICTION_CELLS] = 8.12e-08,
+                               [PREDICTION_STEPS] = 2.20e-06,
+                               [PREDICTION_ROW_STEPS] = 6.60e-08,
+                               [PREDICTION_CELL_STEPS] = 1.78e-09,
+                               [PREDICTION_COVERED_STEPS] = 5.22e-09,
+                               [PREDICTION_RELAXED] = 9.34e-10,
+                               [PREDICTION_COUPLED] = 5.73e-09,
+                               [PREDICTION_FIELD_CELLS] = 1.47e-07,
+                               [PREDICTION_SAMPLE_CELLS] = 6.81e-09,
+                               [PREDICTION_TRACER_STEPS] = 8.22e-08 },
+    [PREDICTION_PLANAR_VERLET] = { [PREDICTION_CELLS] = 9.78e-07,
+                                   [PREDICTION_STEPS] = 7.81e-08,
+                                   [PREDICTION_PART_STEPS] = 1.74e-09,
+                                   [PREDICTION_PAIR_STEPS] = 1.62e-08 },
+    [PREDICTION_PLANAR_IMPLICIT] = { [PREDICTION_SNAPSHOT_CELLS] = 1.87e-08,
+                                     [PREDICTION_PART_STEPS] = 8.49e-08,
+                                     [PREDICTION_PAIR_STEPS] = 2.46e-08 },
+    [PREDICTION_SPATIAL_VERLET] = { [PREDICTION_CELLS] = 2.13e-05,
+                                    [PREDICTION_STEPS] = 2.20e-06,
+                                    [PREDICTION_PART_STEPS] = 1.60e-08,
+                                    [PREDICTION_ROUND_STEPS] = 1.01e-08,
+                                    [PREDICTION_PAIR_STEPS] = 8.19e-07 },
+    [PREDICTION_SPATIAL_IMPLICIT] = { [PREDICTION_STEPS] = 1.09e-06,
+                                      [PREDICTION_PART_STEPS] = 4.14e-07,
+                                      [PREDICTION_ROUND_STEPS] = 6.93e-07,
+                                      [PREDICTION_PAIR_STEPS] = 3.43e-07 },
 };
 
 static prediction_kind kind_of_micro(const micro_def *def)
@@ -58,6 +67,18 @@ static prediction_kind kind_of_micro(const micro_def *def)
     if (micro_def_is_planar(def))
         return is_implicit ? PREDICTION_PLANAR_IMPLICIT : PREDICTION_PLANAR_VERLET;
     return is_implicit ? PREDICTION_SPATIAL_IMPLICIT : PREDICTION_SPATIAL_VERLET;
+}
+
+// The fraction of the parts that are cylinders.
+static double round_fraction(const scene *s)
+{
+    const size_t of = 1000;
+    size_t counts[SCENE_KINDS_MAX], n_round = 0;
+
+    mix_count(s, of, counts);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        n_round += s->cargo[k].shape.type == SCENE_CYLINDER ? counts[k] : 0;
+    return (double)n_round / (double)of;
 }
 
 static void set_macro(const scene *s, const prediction_load *load, prediction_work *work)
@@ -75,12 +96,12 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     amounts[PREDICTION_STEPS] = steps;
     amounts[PREDICTION_ROW_STEPS] = (double)grid.n2 * steps;
     amounts[PREDICTION_CELL_STEPS] = (double)grid_cells(&grid) * steps;
-    amounts[PREDICTION_MOVING_STEPS] =
-        scene_has_moving_obstacles(s) ? (double)grid_cells(&grid) * steps : 0.0;
     amounts[PREDICTION_COVERED_STEPS] = load->area * cells;
-    amounts[PREDICTION_SATURATED_STEPS] = load->saturated_area * cells;
-    if (work->kind == PREDICTION_CONGESTED && !belt_are_forward(s->n_belts, s->belts))
-        amounts[PREDICTION_COUPLED_STEPS] = load->pressed_area * cells;
+    amounts[belt_are_forward(s->n_belts, s->belts) ? PREDICTION_RELAXED : PREDICTION_COUPLED] =
+        work->kind == PREDICTION_CONGESTED ? load->relaxed : 0.0;
+    amounts[PREDICTION_FIELD_CELLS] = load->fields * (double)grid_cells(&grid);
+    amounts[PREDICTION_SAMPLE_CELLS] = load->area / (grid.d1 * grid.d2) / s->output.curve_every;
+    amounts[PREDICTION_TRACER_STEPS] = load->tracers / load->time * steps;
     if (work->kind != PREDICTION_CONGESTED)
         amounts[PREDICTION_SATURATED_STEPS] =
             (is_everywhere ? area : load->saturated_area) * cells *
@@ -103,6 +124,8 @@ static bf_status set_micro(const scene *s, const prediction_load *load, predicti
     run__micro_fini_setup(&setup);
     amounts[PREDICTION_STEPS] = load->time * per_s;
     amounts[PREDICTION_PART_STEPS] = load->parts * per_s;
+    amounts[PREDICTION_ROUND_STEPS] =
+        work->kind >= PREDICTION_SPATIAL_VERLET ? round_fraction(s) * load->parts * per_s : 0.0;
     amounts[PREDICTION_PAIR_STEPS] = load->pairs * per_s * times;
     return BF_OK;
 }

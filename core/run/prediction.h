@@ -30,19 +30,22 @@ typedef enum prediction_kind {
 
 /// What costs time.
 typedef enum prediction_term {
-    PREDICTION_RUN,             ///< 1
-    PREDICTION_CELLS,           ///< of the grid
-    PREDICTION_SNAPSHOT_CELLS,  ///< cells of all snapshots
-    PREDICTION_STEPS,           ///< of time
-    PREDICTION_ROW_STEPS,       ///< rows of the grid times steps
-    PREDICTION_CELL_STEPS,      ///< cells times steps
-    PREDICTION_COVERED_STEPS,   ///< of them, cells that cargo covers
-    PREDICTION_SATURATED_STEPS, ///< of them, cells of a jam; with the dispersive closure times the
-                                ///< cells that the mollifier reaches over
-    PREDICTION_COUPLED_STEPS, ///< congested closure: cells that a pressure may reach times steps, where belts
-                              ///< do not all run along x1
-    PREDICTION_MOVING_STEPS, ///< cells times steps, where plates move
+    PREDICTION_RUN,            ///< 1
+    PREDICTION_CELLS,          ///< of the grid
+    PREDICTION_SNAPSHOT_CELLS, ///< cells of all snapshots
+    PREDICTION_STEPS,          ///< of time
+    PREDICTION_ROW_STEPS,      ///< rows of the grid times steps
+    PREDICTION_CELL_STEPS,     ///< cells times steps
+    PREDICTION_COVERED_STEPS,  ///< of them, cells that cargo covers
+    PREDICTION_SATURATED_STEPS, ///< dispersive closure: of them, cells of a jam times the cells that the mollifier
+                                ///< reaches over
+    PREDICTION_RELAXED, ///< congested closure: cells whose pressure is relaxed, each time that one is
+    PREDICTION_COUPLED,      ///< same, where belts do not all run along x1
+    PREDICTION_FIELD_CELLS,  ///< cells of all fields that are made of plates that move
+    PREDICTION_SAMPLE_CELLS, ///< cells that cargo covers of all samples
+    PREDICTION_TRACER_STEPS, ///< tracers of cargo's time, times steps
     PREDICTION_PART_STEPS,   ///< parts in the domain times steps
+    PREDICTION_ROUND_STEPS,  ///< of them, cylinders in space, which roll
     PREDICTION_PAIR_STEPS,   ///< each times the density around it and, implicit, iterations
     PREDICTION_TERM_COUNT
 } prediction_term;

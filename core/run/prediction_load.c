@@ -1,6 +1,7 @@
 #include "core/run/prediction_load.h"
 
 #include "core/run/run.h"
+#include "core/run/run_priv.h"
 
 #include <math.h>
 
@@ -13,9 +14,8 @@
 #define STEP_WORK 300.0
 #define CELLS_MAX 1e5
 
-/// Densities from which on a cell counts as covered, may have a pressure, and counts as saturated.
+/// Densities from which on a cell counts as covered, and as saturated.
 #define COVERED   0.01
-#define PRESSED   0.25
 #define SATURATED 0.7
 
 enum {
@@ -31,11 +31,13 @@ typedef struct moment {
     double pairs;
     double area;
     double saturated_area;
-    double pressed_area;
+    double relaxed, fields; // since the start
+    double tracers;
 } moment;
 
 /// The moments of a run so far, and the work that they took.
 typedef struct trace {
+    const run *run;
     moment moments[MOMENTS + 4];
     size_t n;
     double cell_area; // m2
@@ -49,13 +51,17 @@ typedef struct trace {
 static void take_density(trace *to, const frame_snapshot *f)
 {
     const double area = to->cell_area;
-    moment m = { .t = f->t, .parts = f->mass };
+    const run_load now = run__measure(to->run);
+    moment m = { .t = f->t,
+                 .parts = f->mass,
+                 .relaxed = now.relaxed,
+                 .fields = now.n_fields,
+                 .tracers = now.n_tracers };
 
     for (size_t k = 0; k < (size_t)f->n1 * f->n2; k++) {
         const double rho = (double)f->rho[k];
         m.area += rho >= COVERED ? area : 0.0;
         m.saturated_area += rho >= SATURATED ? area : 0.0;
-        m.pressed_area += rho >= PRESSED ? area : 0.0;
         m.saturated += rho >= SATURATED ? rho * area * to->packing : 0.0;
         m.pairs += rho * rho * area * to->packing;
     }
@@ -111,10 +117,11 @@ static void add(prediction_load *to, const moment *m, double time)
     to->pairs += m->pairs * time;
     to->area += m->area * time;
     to->saturated_area += m->saturated_area * time;
-    to->pressed_area += m->pressed_area * time;
+    to->tracers += m->tracers * time;
 }
 
-static prediction_load sum_up(const trace *of, const scene *s, bool is_whole)
+// finer: the edge of the run's cells by that of the scenario's.
+static prediction_load sum_up(const trace *of, const scene *s, double finer, bool is_whole)
 {
     prediction_load load = { .time = is_whole ? of->t : s->duration };
 
@@ -127,6 +134,10 @@ static prediction_load sum_up(const trace *of, const scene *s, bool is_whole)
     const double rest = load.time - of->moments[of->n - 1].t;
     for (size_t k = first; k < of->n && rest > 0.0; k++)
         add(&load, &of->moments[k], rest / (double)(of->n - first));
+    const moment *begin = &of->moments[first], *end = &of->moments[of->n - 1];
+    const double times = end->t > begin->t ? fmax(rest, 0.0) / (end->t - begin->t) : 0.0;
+    load.relaxed = finer * finer * finer * (end->relaxed + times * (end->relaxed - begin->relaxed));
+    load.fields = finer * (end->fields + times * (end->fields - begin->fields));
     return load;
 }
 
@@ -142,10 +153,12 @@ bf_status prediction_load_of(const scene *s, prediction_load *ret_load, bf_error
     run *r = NULL;
 
     bf_status status = run_create(&coarse, RUN_MACRO, 1, &r, err);
+    t.run = r;
     if (status == BF_OK)
         status = run_execute(r, &sink, err);
     run_destroy(r);
     if (status == BF_OK)
-        *ret_load = sum_up(&t, s, (double)t.step * t.step_work <= WORK_MAX);
+        *ret_load = sum_up(&t, s, scene_cell_edge(&coarse) / scene_cell_edge(s),
+                           (double)t.step * t.step_work <= WORK_MAX);
     return status;
 }

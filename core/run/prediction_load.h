@@ -6,7 +6,7 @@
 ///     parts = int sum_k rho_k a rho_max dt,   saturated = the same over cells with rho_k >= 0.7,
 ///     pairs = int sum_k rho_k^2 a rho_max dt,   in proportion to the neighbours of all parts,
 ///     area = int sum_k a dt over cells with rho_k >= 0.01,   saturated_area = the same over those with rho_k >= 0.7,
-///     pressed_area = the same over those with rho_k >= 0.25, which the congested closure looks at for a pressure
+///     relaxed, fields, tracers = what that run had to do (run_load); relaxed cells brought to the cells of the scenario
 ///
 /// A run that would be too much work even so is followed for a part of its duration; the mean of the last third of that
 /// stands for the rest.
@@ -25,7 +25,9 @@ typedef struct prediction_load {
     double pairs;          ///< each with the density around it, parts s
     double area;           ///< that cargo covers, m2 s
     double saturated_area; ///< of that a jam's, m2 s
-    double pressed_area;   ///< of that where there may be a pressure, m2 s
+    double relaxed; ///< cells of the scenario whose pressure is relaxed, each time that one is
+    double fields;  ///< of plates that move, made of the scenario
+    double tracers; ///< of cargo's time, tracers s
 } prediction_load;
 
 /// Predict the load of a scenario that was checked for one of the models. BF_ENOMEM, and errors of run_create() and

@@ -69,6 +69,11 @@ static const run_backend *const backends[RUN_MODEL_COUNT] = {
     [RUN_MACRO] = &run__macro, [RUN_MICRO] = &run__micro
 };
 
+run_load run__measure(const run *r)
+{
+    return r->backend->measure(r->solver);
+}
+
 unsigned run_doubts(run_model model, const frame_end *end)
 {
     unsigned doubts = 0;
@@ -149,7 +154,7 @@ bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_r
         status = r->backend->create(s, &r->world, n_threads, &r->solver, &r->plan, err);
     if (status == BF_OK) {
         r->control = control_of(s, &r->world, r->backend, &r->plan);
-        r->parts_start = r->backend->measure(r->solver).parts;
+        r->parts_start = run__measure(r).parts;
         status = allocate_results(r, err);
     }
     if (status != BF_OK) {
@@ -321,7 +326,7 @@ static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
 
 static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_error *err)
 {
-    const run_load load = r->backend->measure(r->solver);
+    const run_load load = run__measure(r);
     frame f = { .type = FRAME_END,
                 .end = { .stopped = is_stopped,
                          .reason = r->reason,
@@ -411,7 +416,7 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
 
     if (status != BF_OK)
         return status;
-    const run_load load = r->backend->measure(r->solver);
+    const run_load load = run__measure(r);
     r->peak = fmax(r->peak, load.peak);
     r->t[r->n_waiting++] = time_now(r);
     fill_columns(r, &load, values);

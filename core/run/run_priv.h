@@ -41,6 +41,7 @@ typedef struct run_load {
     double peak;        ///< largest density; 0 where the model knows it at snapshots only
     double smooth_peak; ///< same by a mollifier that is no narrower than a part
     uint64_t n_rows;    ///< rows of FRAME_PARTS, see frame_parts
+    double relaxed, n_fields, n_tracers; ///< of macro_totals, and tracers there are; else 0
 } run_load;
 
 /// A part that left the domain, or fell off the belts.
@@ -127,6 +128,10 @@ extern const run_backend run__macro;
 
 /// The microscopic model.
 extern const run_backend run__micro;
+
+/// What is in the domain now.
+struct run;
+run_load run__measure(const struct run *r);
 
 /// A definition of the microscopic solver with what it borrows; must stay where it is.
 /// run__micro_fini_setup().

@@ -380,6 +380,11 @@ bf_status congested_check(const macro_solver *s, bf_error *err)
     return BF_OK;
 }
 
+double congested_relaxed(const macro_solver *s)
+{
+    return s->congested->relaxed;
+}
+
 void congested_save(const macro_solver *s, checkpoint_writer *w)
 {
     const congested *c = s->congested;

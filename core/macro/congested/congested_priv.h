@@ -172,7 +172,8 @@ struct congested {
     congested_uniform uniform;          ///< of a forward solver
     bool *is_uniform; ///< per row, colour and group: all faces have the law `uniform`
     congested_range *range,
-        *found; ///< per row: the active cells of this step; those that the row itself asks for
+        *found;     ///< per row: the active cells of this step; those that the row itself asks for
+    double relaxed; ///< congested_relaxed()
     ptrdiff_t first_row, last_row; ///< first row with active cells, and the one after the last
     double density_limit;          ///< density at which the run fails
     float ratio, steepness;        ///< dx1/dx2, and its square, by which pressures count along x2

@@ -188,6 +188,17 @@ static void find_rows(const macro_solver *s, congested *c)
         c->last_row--;
 }
 
+static double count_active(const congested *c)
+{
+    ptrdiff_t n = 0;
+
+    for (ptrdiff_t row = c->first_row; row < c->last_row; row++)
+        n +=
+            2 * (c->range[row].last > c->range[row].first ? c->range[row].last - c->range[row].first
+                                                          : 0);
+    return (double)n;
+}
+
 // One sweep over a member's rows, red before black. A black row follows as soon as the red rows around it are
 // relaxed, while the laws of their faces are still in the cache; the first and the last need the neighbours' rows.
 static float sweep(const congested *c, row_span rows, team_barrier *barrier)
@@ -203,8 +214,8 @@ static float sweep(const congested *c, row_span rows, team_barrier *barrier)
     return largest;
 }
 
-// Relaxes red and black cells in turn until the largest residual of a sweep is below the tolerance.
-static void relax(congested *c, row_span rows, int member, int n_members, team_barrier *barrier)
+// Relaxes red and black cells in turn until the largest residual of a sweep is below the tolerance. Returns the number of sweeps.
+static int relax(congested *c, row_span rows, int member, int n_members, team_barrier *barrier)
 {
     const float enough = tolerance * c->relaxation;
 
@@ -215,8 +226,9 @@ static void relax(congested *c, row_span rows, int member, int n_members, team_b
         for (int other = 0; other < n_members; other++)
             largest = slots[other].residual > largest ? slots[other].residual : largest;
         if (largest < enough)
-            return;
+            return k + 1;
     }
+    return CONGESTED_SWEEPS;
 }
 
 // The fluxes around a cell, towards rising x.
@@ -355,7 +367,9 @@ static void step_member(void *context, int member, int n_members, team_barrier *
         find_rows(s, c);
     team_barrier_wait(barrier);
     const row_span active = active_rows(c, member, n_members);
-    relax(c, active, member, n_members, barrier);
+    const int n_sweeps = relax(c, active, member, n_members, barrier);
+    if (member == 0)
+        c->relaxed += n_sweeps * count_active(c);
     for (ptrdiff_t row = active.first; row < active.last; row++)
         c->kernels.make_flux(c, row);
     team_barrier_wait(barrier);

@@ -5,6 +5,7 @@
 #include "core/run/prediction_load.h"
 #include "tests/unit/core/helper_scene.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -96,6 +97,47 @@ static void test_a_long_run_is_followed_for_a_part_of_it(void **state)
     scene_fini(&s);
 }
 
+static void test_fields_are_made_while_plates_move(void **state)
+{
+    const vec2 flap[] = { { 1.5, 0.0 }, { 1.7, 0.0 } };
+    const double times[] = { 1.0, 2.0 }, angles[] = { 0.0, 0.5 };
+    scene s;
+
+    (void)state;
+    make_scene(&s, 8.0);
+    helper_scene_add_obstacle(&s, flap, 2, SCENE_SEALED);
+    check_scene(&s, RUN_MACRO);
+    assert_true(load_of(&s).fields == 0.0);
+    scene_fini(&s);
+    make_scene(&s, 8.0);
+    helper_scene_add_obstacle(&s, flap, 2, SCENE_SEALED);
+    s.obstacles[0].turn = helper_scene_series(2, times, angles, INFINITY);
+    check_scene(&s, RUN_MACRO);
+    // The flap's tip goes by 0.2 m * 0.5, of which each quarter of a cell asks for one: at most one step late.
+    const double expected = 0.1 / (0.25 * 0.01);
+    const double fields = load_of(&s).fields;
+    assert_true(fields > 0.5 * expected && fields < 1.2 * expected);
+    scene_fini(&s);
+}
+
+static void test_tracers_are_there_while_cargo_is_fed(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_scene(&s, 8.0);
+    check_scene(&s, RUN_MACRO);
+    assert_true(load_of(&s).tracers == 0.0);
+    scene_fini(&s);
+    make_scene(&s, 100.0);
+    helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
+    check_scene(&s, RUN_MACRO);
+    // A thousand of what is fed in 100 s, each for the 4 s of its way.
+    const double expected = 1024.0 * 4.0;
+    assert_near(load_of(&s).tracers, expected, 0.3 * expected);
+    scene_fini(&s);
+}
+
 static void test_a_jam_takes_time_in_proportion_to_its_duration(void **state)
 {
     const vec2 across[] = { { 1.5, 0.0 }, { 1.5, 0.48 } };
@@ -180,6 +222,8 @@ int main(void)
         cmocka_unit_test(test_parts_that_leave_stop_to_count),
         cmocka_unit_test(test_parts_that_jam_count_to_the_end),
         cmocka_unit_test(test_a_long_run_is_followed_for_a_part_of_it),
+        cmocka_unit_test(test_fields_are_made_while_plates_move),
+        cmocka_unit_test(test_tracers_are_there_while_cargo_is_fed),
         cmocka_unit_test(test_a_jam_takes_time_in_proportion_to_its_duration),
         cmocka_unit_test(test_a_machine_half_as_fast_takes_twice_as_long),
         cmocka_unit_test(test_the_speed_is_measured_by_the_clock),

@@ -21,7 +21,7 @@ static prediction_speed speed_of(double factor)
     return speed;
 }
 
-// Work of the congested closure of 1 to 10 million cell steps, of which up to a tenth are a jam.
+// Work of the congested closure of 1 to 10 million cell steps, of which up to a tenth are a jam that takes 100 sweeps.
 static prediction_work draw_work(bf_random *random)
 {
     prediction_work work = { .kind = PREDICTION_CONGESTED };
@@ -30,7 +30,7 @@ static prediction_work draw_work(bf_random *random)
     work.amounts[PREDICTION_RUN] = 1.0;
     work.amounts[PREDICTION_CELL_STEPS] = cell_steps;
     work.amounts[PREDICTION_COVERED_STEPS] = cell_steps * random_unit(random);
-    work.amounts[PREDICTION_SATURATED_STEPS] = 0.1 * cell_steps * random_unit(random);
+    work.amounts[PREDICTION_RELAXED] = 100.0 * 0.1 * cell_steps * random_unit(random);
     return work;
 }
 
@@ -42,7 +42,7 @@ static double seconds_of(const prediction_work *work)
 
     prediction_seconds_of_terms(work, &speed, terms);
     for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
-        seconds += terms[i] * (i == PREDICTION_SATURATED_STEPS ? 2.0 : 0.8);
+        seconds += terms[i] * (i == PREDICTION_RELAXED ? 2.0 : 0.8);
     return seconds;
 }
 
