@@ -42,7 +42,8 @@ static const member speed_schedule_members[] = {
     MEMBER("t_s", numbers, AT(times), "from which on a factor is the target, rising", .unit = "s",
            .offset_n = AT(n_times), .range = &scene_range_instant, .least = 1,
            .limit = SCENE_SPEEDS_MAX),
-    MEMBER("factor", numbers, AT(factors), "of velocity_m_s, one for each time; 0: it stands",
+    MEMBER("factor", numbers, AT(factors),
+           "of velocity_m_s, one for each time; 0: it stands, below 0: it runs backwards",
            .offset_n = AT(n_factors), .range = &scene_range_speed_factor, .least = 1,
            .limit = SCENE_SPEEDS_MAX),
 };
@@ -399,7 +400,8 @@ static const char *const *const action_forms[] = {
 
 static const member do_members[] = {
     MEMBER_OF("belt", &scenario__belt_id, AT(target), "id of a belt that gets another speed"),
-    MEMBER("factor", number, AT(value), "of velocity_m_s, reached with the belt's accelerations",
+    MEMBER("factor", number, AT(value),
+           "of velocity_m_s, reached with the belt's accelerations; below 0: backwards",
            .range = &scene_range_speed_factor),
     MEMBER_OF("obstacle", &scenario__obstacle_id, AT(target),
               "id of an obstacle that moves, comes or goes"),

@@ -215,8 +215,9 @@ static bool find_rooms(const feed_density *d, const feed_line *line, double dema
         const double free =
             free_in(d, c->cell, field) + (c->inner != c->cell ? free_in(d, c->inner, field) : 0.0);
         // The bound first: infinity times the factor 0 is no number.
-        const double most =
-            isinf(c->capacity) ? c->capacity : c->capacity * field->factor(field->context, c->belt);
+        const double most = isinf(c->capacity)
+                                ? c->capacity
+                                : c->capacity * fmax(field->factor(field->context, c->belt), 0.0);
         const double room = fmin(free, most);
         d->rooms[k] = (cell_room){ room, room / c->weight, k };
         is_enough = is_enough && d->rooms[k].level * line->weight >= demand;

@@ -40,7 +40,8 @@ typedef struct feed_field {
     void *context; ///< of the functions
     /// The density of a cell, layout of grid.h.
     double (*density)(const void *context, size_t cell);
-    /// The factor on the velocity of a belt in the step that begins now; n_belts: off every belt.
+    /// The factor on the velocity of a belt in the step that begins now, below 0: it runs backwards and takes nothing from a
+    /// feed on a side; n_belts: off every belt.
     double (*factor)(const void *context, size_t belt);
     /// Add a density > 0 to a cell; it enters at a place on the feed's line, m.
     void (*add)(void *context, size_t cell, double density, vec2 at);

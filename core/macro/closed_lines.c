@@ -1,6 +1,7 @@
 #include "core/macro/closed_lines.h"
 
 #include "core/base/polygon.h"
+#include "core/scene/belt_speeds.h"
 
 #include <math.h>
 
@@ -12,7 +13,9 @@ bool closed_lines_has(const scene *s, const scene_obstacle *obstacle)
 /// How far the line is moved for the links.
 static vec2 shift_of(const surroundings *around, const scene_obstacle *obstacle)
 {
-    const bool moves = scene_obstacle_moves(obstacle);
+    // The line is the same whatever happens: cargo beside it is then still on its side.
+    const bool moves = scene_obstacle_moves(obstacle) ||
+                       belt_speeds_may_reverse_any(around->n_belts, around->belts);
     vec2 sum = { 0.0, 0.0 }, first = { 0.0, 0.0 };
     double length = 0.0;
 

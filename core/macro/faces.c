@@ -1,6 +1,6 @@
 // The static velocity and the closed faces, sorted into the sets that a sweep treats differently.
 //
-// Where speeds of belts change, the velocities of a step are v_full times the factor of the belt under the
+// Where speeds of belts change, the velocities of a step are v_full times the size of the factor of the belt under the
 // face. The sets are the same at all times: faces of the uniform velocity are those over one belt, so
 // that they have one factor.
 
@@ -10,6 +10,7 @@
 #include "core/macro/macro_priv.h"
 #include "core/macro/velocity_field.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { ROWS_AT_ONCE = 16 }; // that a thread updates
@@ -283,6 +284,8 @@ bool macro__faces_update(macro_solver *s)
     if (s->speeds == NULL)
         return false;
     belt_speeds_in_step(s->speeds, s->steps, s->def.dt, s->factors_next);
+    for (size_t k = 0; k < s->def.n_belts; k++)
+        s->factors_next[k] = fabs(s->factors_next[k]);
     if (memcmp(s->factors, s->factors_next, n_bytes) == 0)
         return false;
     memcpy(s->factors, s->factors_next, n_bytes);
@@ -290,10 +293,11 @@ bool macro__faces_update(macro_solver *s)
     return true;
 }
 
-void macro_set_field(macro_solver *s, const velocity_field *field)
+void macro_set_field(macro_solver *s, const velocity_field *field, const scene_belt *belts)
 {
     macro_def def = s->def;
 
+    def.belts = belts;
     def.v1 = field->v1;
     def.v2 = field->v2;
     def.closed1 = field->closed1;

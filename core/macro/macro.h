@@ -5,8 +5,9 @@
 ///     I = -eps grad(eta * rho) / sqrt(1 + |grad(eta * rho)|^2)
 ///     eta(x) = sigma/(2 pi) exp(-sigma |x|^2 / 2)
 ///
-/// Where the speeds of belts change, v and I are multiplied by the factor of the belt under the face in the step
-/// (core/scene/belt_speeds.h): a belt that stands neither carries nor disperses.
+/// Where the speeds of belts change, v and I are multiplied by the size of the factor of the belt under the face in the step
+/// (core/scene/belt_speeds.h): a belt that stands neither carries nor disperses. Of a belt that runs backwards v is that of
+/// the other direction (moving_field.h).
 ///
 /// Static and dynamic flux are upwinded separately (Roe). SCENE_SCHEME_ROE: first order, an x1 sweep and then an
 /// x2 sweep with one field I per step. SCENE_SCHEME_MUSCL: second order, both axes at once from limited slopes, two
@@ -146,12 +147,12 @@ uint64_t macro_flux_steps(const macro_solver *s);
 /// True if what is in a cell falls.
 bool macro_is_off(const macro_solver *s, size_t cell);
 
-/// The factor on the velocities over a belt of the definition in the step that begins now; 1 off every belt.
+/// The factor of a belt of the definition in the step that begins now, below 0 if it runs backwards; 1 off every belt.
 double macro_belt_factor(const macro_solver *s, size_t belt);
 
 /// Let the steps from now on have another velocity field of the same grid: one of the same scene whose obstacles have
-/// moved. Never allocates.
-void macro_set_field(macro_solver *s, const velocity_field *field);
+/// moved, or some of whose belts, which are then given, run backwards (belts: NULL if none may). Never allocates.
+void macro_set_field(macro_solver *s, const velocity_field *field, const scene_belt *belts);
 
 /// Advance by dt. Never allocates. A step itself cannot fail; see macro_check().
 void macro_step(macro_solver *s);

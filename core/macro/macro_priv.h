@@ -131,7 +131,8 @@ struct macro_solver {
     double uniform1_full;        ///< same at the factor 1
     uint16_t uniform_belt;       ///< belt under these x1-faces, if a speed changes
     const belt_speeds *speeds;   ///< of the definition's belts; NULL: none changes
-    double *factors;      ///< of each belt, and off every belt, as they are in v and uniform1
+    double *
+        factors; ///< sizes of those of each belt, and off every belt, as they are in v and uniform1
     double *factors_next; ///< scratch of macro__faces_update()
     ptrdiff_t n1;         ///< cells of a row
     ptrdiff_t n2;         ///< rows

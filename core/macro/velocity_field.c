@@ -339,13 +339,15 @@ static bool is_off_at(const surroundings *around, vec2 at)
     return surroundings_falls(around, surroundings_belt_at(around, at));
 }
 
-/// True if cargo comes over a gap that lies between the centres of a cell and of the one before it on its way.
+/// True if cargo comes at any time over a gap that lies between the centres of a cell and of the one before it on its way.
 static bool is_behind_gap(const surroundings *around, vec2 centre, vec2 to_face)
 {
     const vec2 before = vec2_add(centre, vec2_scale(to_face, 2.0));
+    const size_t belt = surroundings_belt_at(around, before);
+    const double goes = vec2_dot(surroundings_velocity_at(around, belt, before), to_face);
+    const bool reverses = belt < around->n_belts && belt_speeds_may_reverse(&around->belts[belt]);
 
-    return vec2_dot(surroundings_velocity_under(around, before), to_face) < 0.0 &&
-           is_off_at(around, vec2_add(centre, to_face));
+    return (goes < 0.0 || (goes > 0.0 && reverses)) && is_off_at(around, vec2_add(centre, to_face));
 }
 
 /// Find the cells that carry nothing.

@@ -5,6 +5,7 @@
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
 #include "core/feed/line_cells.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/mix.h"
 #include "core/scene/regime.h"
 #include "core/scene/surroundings.h"
@@ -22,23 +23,29 @@ typedef struct crossed_cell {
     size_t cell;
     size_t belt;
     double weight; // length of the line in it, m
-    double speed;  // of its belt at the factor 1, m/s
+    double speed;  // of its belt at the factor 1 on the eye's first way, m/s
 } crossed_cell;
 
 /// The state of an eye, as it is saved.
 typedef struct crossing_state {
     uint64_t part; // the next one, from 1
+    uint64_t way;  // on which the last one came: 0, or 1: backwards
     double due;    // parts until it comes
     double held;   // m of travel in which the last one breaks the beam
 } crossing_state;
 
-typedef struct crossing {
+/// A way on which parts come to a beam.
+typedef struct crossing_way {
     size_t n;
     crossed_cell *cells;
     double weight; // of all cells
     double width;  // P, m
     double chord;  // h, m
     double lanes;  // m
+} crossing_way;
+
+typedef struct crossing {
+    crossing_way ways[2]; // as the belts' velocities, and against them where one may run backwards
     draws from;
     crossing_state state;
 } crossing;
@@ -106,7 +113,7 @@ static bool clip(const scene *s, vec2 line[2])
 }
 
 /// Take the cells of the line on which parts come to the beam.
-static bf_status take_cells(const scene *s, const vec2 line[2], crossing *eye, bf_error *err)
+static bf_status take_cells(const scene *s, const vec2 line[2], crossing_way *eye, bf_error *err)
 {
     const bf_grid grid = scene_grid(s);
     const surroundings around = surroundings_of(s);
@@ -146,7 +153,7 @@ static double carried_on(const scene *s, vec2 from, vec2 along, double most)
 /// Where belts run under a beam, `beam` being the part of it in the domain: how wide it is for parts of a length
 /// along the belts' direction, and the line on which they come.
 static bf_status measure(const scene *s, const vec2 beam[2], vec2 along, double length,
-                         crossing *eye, bf_error *err)
+                         crossing_way *eye, bf_error *err)
 {
     const vec2 way = vec2_sub(beam[1], beam[0]);
     const double beam_length = vec2_length(way), half = 0.5 * length;
@@ -194,7 +201,10 @@ static bf_status create_eye(crossings *c, size_t index, bf_error *err)
     const double speed = vec2_length(velocity);
     if (speed > 0.0) {
         const vec2 along = vec2_scale(velocity, 1.0 / speed);
-        status = measure(s, beam, along, length_of_parts(s, along), eye, err);
+        const double length = length_of_parts(s, along);
+        status = measure(s, beam, along, length, &eye->ways[0], err);
+        if (status == BF_OK && belt_speeds_may_reverse_any(s->n_belts, s->belts))
+            status = measure(s, beam, vec2_scale(along, -1.0), length, &eye->ways[1], err);
     }
     eye->from = (draws){ 0, s->substream, digest_add(DIGEST_START, of->id, strlen(of->id)) };
     eye->state = (crossing_state){ .part = 1,
@@ -228,7 +238,8 @@ crossings *crossings_destroy(crossings *c)
     if (c == NULL)
         return NULL;
     for (size_t k = 0; k < c->n; k++)
-        memory_free(c->eyes[k].cells);
+        for (int way = 0; way < 2; way++)
+            memory_free(c->eyes[k].ways[way].cells);
     memory_free(c);
     return NULL;
 }
@@ -241,7 +252,8 @@ typedef struct crossing_flow {
     double speed; // m/s
 } crossing_flow;
 
-static crossing_flow flow_of(const crossings *c, const crossing *eye, const crossings_field *field)
+static crossing_flow flow_of(const crossings *c, const crossing_way *eye,
+                             const crossings_field *field)
 {
     double density = 0.0, carried = 0.0, speed = 0.0;
 
@@ -262,19 +274,29 @@ bool crossings_advance(crossings *c, size_t index, const crossings_field *field)
     crossing *eye = &c->eyes[index];
     crossing_state *state = &eye->state;
     const bool was_broken = state->held > 0.0;
+    const crossing_way *on = &eye->ways[0];
     bool was_free = false;
 
-    if (eye->n == 0)
+    if (on->n == 0)
         return false;
-    const crossing_flow flow = flow_of(c, eye, field);
-    const double travel = flow.speed * c->dt, across = flow.parts * eye->width;
+    crossing_flow flow = flow_of(c, on, field);
+    if (flow.speed < 0.0) {
+        on = &eye->ways[1];
+        flow = flow_of(c, on, field);
+    }
+    // A part goes back as far as it has come.
+    if (flow.speed != 0.0 && state->way != (flow.speed < 0.0)) {
+        state->way = flow.speed < 0.0;
+        state->held = was_broken ? fmax(on->chord - state->held, 0.0) : 0.0;
+    }
+    const double travel = fabs(flow.speed) * c->dt, across = flow.parts * on->width;
     state->due -= across * travel;
     while (across > 0.0 && state->due <= 0.0) {
         const double came = travel + state->due / across;
         was_free = was_free || came > state->held;
-        state->held = came + eye->chord;
+        state->held = came + on->chord;
         // The gap before the next part, where across * chord parts break the beam in the mean.
-        const double fixed = pow(fmin(across * eye->chord / eye->lanes, 1.0), eye->lanes);
+        const double fixed = pow(fmin(across * on->chord / on->lanes, 1.0), on->lanes);
         state->due += c->shape == 0 ? 1.0
                                     : fixed + (1.0 - fixed) *
                                                   draws_gap(&eye->from, eye->state.part, c->shape);

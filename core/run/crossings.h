@@ -13,7 +13,7 @@
 /// gap c = (N/m)^m <= 1 is not random, with m parts of the length l side by side. Then the beam is free for 1 - N of the
 /// time where parts pass one by one, for exp(-N) on a wide belt that is loosely covered, and never where cargo is packed.
 /// A beam that was free between two steps counts as free at the second one. Where the belt stands, what breaks the beam
-/// goes on breaking it.
+/// goes on breaking it. Where it runs backwards, parts come from the other side; the last one goes back as far as it has come.
 ///
 /// Choice   the length l of a part is its extent along the belt at the heading of the first feed; of random headings and
 ///          of cargo that is there at the start, the mean over all headings; of kinds, the mean by what feeds bring.

@@ -5,7 +5,7 @@
 #include "core/feed/density_entry.h"
 #include "core/macro/macro.h"
 #include "core/macro/mollifier.h"
-#include "core/macro/moving_plates.h"
+#include "core/macro/moving_field.h"
 #include "core/macro/velocity_field.h"
 #include "core/run/beam.h"
 #include "core/run/crossings.h"
@@ -29,9 +29,9 @@ typedef struct macro_run {
     double *speeds;          // scratch: of a row's cells; same
     macro_flows *flows;      // same
     feed_density *feeds;
-    moving_plates *plates; // NULL: no obstacle moves
-    double packing;        // parts/m2 at density 1
-    bool may_drop;         // there are cells off every belt
+    moving_field *moving; // NULL: no obstacle moves, and no belt runs backwards
+    double packing;       // parts/m2 at density 1
+    bool may_drop;        // there are cells off every belt
     bf_grid grid;
     size_t n_counters;
     counter_cells counters[SCENE_COUNTERS_MAX];
@@ -154,7 +154,9 @@ static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
     def.tracer_portion = tracer_portion(s, run);
     if (f->belt1 != NULL) {
         def.n_belts = s->n_belts;
-        def.belts = s->belts;
+        def.belts = run->moving != NULL && moving_field_belts(run->moving) != NULL
+                        ? moving_field_belts(run->moving)
+                        : s->belts;
         def.world = w;
         def.belt1 = f->belt1;
         def.belt2 = f->belt2;
@@ -176,12 +178,14 @@ static bf_status create_solver(const scene *s, bf_world *w, int n_threads, macro
                                bf_error *err)
 {
     velocity_field *f = NULL;
-    bf_status status = scene_has_moving_obstacles(s) ? moving_plates_create(s, w, &run->plates, err)
-                                                     : velocity_field_create(s, &f, err);
+    const bool changes =
+        scene_has_moving_obstacles(s) || belt_speeds_may_reverse_any(s->n_belts, s->belts);
+    bf_status status =
+        changes ? moving_field_create(s, w, &run->moving, err) : velocity_field_create(s, &f, err);
 
     if (status != BF_OK)
         return status;
-    const velocity_field *field = run->plates != NULL ? moving_plates_field(run->plates) : f;
+    const velocity_field *field = changes ? moving_field_now(run->moving) : f;
     const macro_def def = def_of(s, w, run, field, n_threads);
     run->may_drop = field->off != NULL;
     status = macro_create(&def, &run->solver, err);
@@ -251,7 +255,7 @@ static void destroy_run(void *solver)
         return;
     macro_destroy(run->solver);
     feed_density_destroy(run->feeds);
-    moving_plates_destroy(run->plates);
+    moving_field_destroy(run->moving);
     crossings_destroy(run->crossings);
     macro_flows_destroy(run->flows);
     memory_free(run->belt_of);
@@ -411,8 +415,8 @@ static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
 
     (void)err;
     for (uint64_t k = 0; k < n; k++) {
-        if (run->plates != NULL)
-            moving_plates_update(run->plates, run->solver);
+        if (run->moving != NULL)
+            moving_field_update(run->moving, run->solver);
         macro_step(run->solver);
         if (run->is_fed)
             macro_flows_follow(run->flows);
@@ -516,7 +520,7 @@ static void tell_row(const macro_run *run, const double *speeds, size_t j, figur
                                           belt->turn == 0.0
                                               ? speeds[belts[i]]
                                               : vec2_length(belt_velocity(belt, at)) *
-                                                    macro_belt_factor(run->solver, belts[i]),
+                                                    fabs(macro_belt_factor(run->solver, belts[i])),
                                       .parts = parts * densities[i],
                                       .age = (double)NAN };
         figures_add_cargo(to, &cargo);
@@ -529,7 +533,7 @@ static void tell_cargo(const void *solver, figures *to)
     double speeds[SCENE_BELTS_MAX];
 
     for (size_t k = 0; k < run->n_belts; k++)
-        speeds[k] = vec2_length(run->belts[k].velocity) * macro_belt_factor(run->solver, k);
+        speeds[k] = vec2_length(run->belts[k].velocity) * fabs(macro_belt_factor(run->solver, k));
     for (size_t j = 0; run->is_fed && j < run->grid.n2; j++)
         tell_row(run, speeds, j, to);
 }
@@ -548,8 +552,8 @@ static bf_status save_run(const void *solver, checkpoint_writer *w, bf_error *er
 {
     const macro_run *run = solver;
 
-    if (run->plates != NULL)
-        moving_plates_save(run->plates, w);
+    if (run->moving != NULL)
+        moving_field_save(run->moving, w);
     if (run->crossings != NULL)
         crossings_save(run->crossings, w);
     if (run->is_fed) {
@@ -563,7 +567,7 @@ static bf_status load_run(void *solver, checkpoint_reader *r, bf_error *err)
 {
     macro_run *run = solver;
 
-    if ((run->plates != NULL && !moving_plates_load(run->plates, run->solver, r)) ||
+    if ((run->moving != NULL && !moving_field_load(run->moving, run->solver, r)) ||
         (run->crossings != NULL && !crossings_load(run->crossings, r)) ||
         (run->is_fed && (!feed_density_load(run->feeds, r) || !macro_flows_load(run->flows, r))))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's feeds or obstacles are damaged");

@@ -459,7 +459,8 @@ static bf_status look_at_beam(void *solver, size_t eye, run_view *ret_view, bf_e
     const vec2 *beam = run->scene->eyes[eye].line;
     const vec2 along = { beam[1].x - beam[0].x, beam[1].y - beam[0].y };
     const vec2 middle = { 0.5 * (beam[0].x + beam[1].x), 0.5 * (beam[0].y + beam[1].y) };
-    const vec2 belt = surroundings_velocity_under(&around, middle);
+    const vec2 now = micro_belt_velocity(run->solver, middle);
+    const vec2 belt = vec2_length(now) > 0.0 ? now : surroundings_velocity_under(&around, middle);
     const double length = copysign(vec2_length(along), along.y * belt.x - along.x * belt.y);
     look l = { .run = run,
                .beam = beam,
@@ -474,11 +475,9 @@ static bf_status look_at_beam(void *solver, size_t eye, run_view *ret_view, bf_e
         return status;
     if (l.n > 0)
         qsort(run->seen, l.n, sizeof *run->seen, compare_seen);
-    *ret_view = (run_view){ .is_broken = l.n > 0,
-                            .passages = { .belt_speed =
-                                              vec2_length(micro_belt_velocity(run->solver, middle)),
-                                          .n = l.n,
-                                          .parts = run->seen } };
+    *ret_view =
+        (run_view){ .is_broken = l.n > 0,
+                    .passages = { .belt_speed = vec2_length(now), .n = l.n, .parts = run->seen } };
     return BF_OK;
 }
 

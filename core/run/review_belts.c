@@ -1,6 +1,7 @@
 #include "core/run/review_belts.h"
 
 #include "core/base/polygon.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/mix.h"
 #include "core/scene/placement.h"
 #include "core/scene/surroundings.h"
@@ -102,8 +103,10 @@ static bool review_side(borders *b, size_t belt, size_t corner, double turn,
     const vec2 along = vec2_sub(end, start);
     const vec2 out = vec2_scale(vec2_turn_left(along), -turn / vec2_length(along));
     const vec2 velocity = belt_velocity(of, vec2_scale(vec2_add(start, end), 0.5));
-    const vec2 way = vec2_scale(velocity, 1.0 / vec2_length(velocity));
+    vec2 way = vec2_scale(velocity, 1.0 / vec2_length(velocity));
 
+    if (belt_speeds_may_reverse(of) && vec2_dot(way, out) < 0.0)
+        way = vec2_scale(way, -1.0);
     if (!(vec2_dot(way, out) > TOWARDS_SINE))
         return false;
     for (int k = 0; k < BORDER_POINTS && b->steps <= STEPS_MAX; k++) {

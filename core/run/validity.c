@@ -232,14 +232,14 @@ static void note_speeds(findings *f)
         if (schedule->n_times == 0 || schedule->times[0] > 0.0)
             note(f, VALIDITY_SPEED, speed, "/belts/%zu/velocity_m_s", k);
         for (size_t i = 0; i < schedule->n_times; i++)
-            note(f, VALIDITY_SPEED, speed * schedule->factors[i],
+            note(f, VALIDITY_SPEED, speed * fabs(schedule->factors[i]),
                  "/belts/%zu/speed_schedule/factor/%zu", k, i);
         n_schedules += belt_speeds_may_change(belt);
     }
     for (size_t k = 0; k < f->s->n_actions; k++) {
         const scene_action *a = &f->s->actions[k];
         if (a->type == SCENE_ACTION_BELT)
-            note(f, VALIDITY_SPEED, vec2_length(f->s->belts[a->target].velocity) * a->value,
+            note(f, VALIDITY_SPEED, vec2_length(f->s->belts[a->target].velocity) * fabs(a->value),
                  "/actions/%zu/do/factor", k);
     }
     if (n_schedules > 0.0)

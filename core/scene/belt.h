@@ -39,7 +39,7 @@ static inline double belt_friction_ratio(const scene_belt *belt, const scene_con
                                                             : 1.0;
 }
 
-/// True if every belt is level and runs along +x1: then the congested closure has a law for each direction by itself.
+/// True if every belt is level and runs along +x1 at all times: then the congested closure has a law for each direction by itself.
 bool belt_are_forward(size_t n_belts, const scene_belt *belts);
 
 /// The largest |v_T| on a belt, m/s: that at a corner, as it is convex in x; of one without corners that of `velocity`.

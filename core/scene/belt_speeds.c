@@ -10,8 +10,11 @@
 #include <stdio.h>
 #include <string.h>
 
-// A knot at the start, and of each ramp its beginning and its end.
-enum { COMMAND_KNOTS = 3 };
+// Of a ramp its beginning, where it comes to rest between two directions, and its end.
+enum { RAMP_KNOTS = 3 };
+
+// A knot at the start, and a ramp.
+enum { COMMAND_KNOTS = 1 + RAMP_KNOTS };
 
 // A commandable curve in a checkpoint.
 typedef struct saved_curve {
@@ -27,11 +30,12 @@ static void add_knot(belt_speeds_curve *c, double t, double factor)
         c->knots[c->n++] = (belt_speeds_knot){ t, factor };
 }
 
-// The ramp to a target from t on, which ends at `until` at the latest.
-static void add_ramp(double t, double target, double until, belt_speeds_curve *c)
+// The ramp to a target of the same direction, or to rest, from t on, which ends at `until` at the latest. Returns when it ends
+// if nothing else does.
+static double add_way(double t, double target, double until, belt_speeds_curve *c)
 {
     const double from = c->knots[c->n - 1].factor;
-    const double rate = target > from ? c->acceleration : c->deceleration;
+    const double rate = fabs(target) > fabs(from) ? c->acceleration : c->deceleration;
     const double end = t + fabs(target - from) * c->speed / rate;
 
     add_knot(c, t, from);
@@ -41,6 +45,17 @@ static void add_ramp(double t, double target, double until, belt_speeds_curve *c
         add_knot(c, end, target);
     else
         add_knot(c, until, from + (target - from) * ((until - t) / (end - t)));
+    return end;
+}
+
+// The ramp to a target from t on, which ends at `until` at the latest: over rest, if that is the other direction.
+static void add_ramp(double t, double target, double until, belt_speeds_curve *c)
+{
+    const bool reverses = c->knots[c->n - 1].factor * target < 0.0;
+    const double begin = reverses ? add_way(t, 0.0, until, c) : t;
+
+    if (begin < until)
+        (void)add_way(begin, target, until, c);
 }
 
 // Go on to the next time at which the target may change, but to `until` at most.
@@ -49,7 +64,7 @@ static void go_on(const scene_belt *belt, double until, belt_speeds_origin *at)
     const scene_speed_schedule *s = &belt->speed_schedule;
     const double next = at->next < s->n_times ? s->times[at->next] : INFINITY;
 
-    belt_stops_go_on(&belt->stops, at->target > 0.0, fmin(next, until), &at->stops);
+    belt_stops_go_on(&belt->stops, at->target != 0.0, fmin(next, until), &at->stops);
     for (; at->next < s->n_times && s->times[at->next] <= at->stops.t; at->next++)
         at->target = s->factors[at->next];
 }
@@ -100,7 +115,7 @@ static bf_status make_curve(const scene_belt *belt, belt_speeds_curve *c)
         .n_segments = 1 + s->n_times + (has_stops ? belt_stops_count(&belt->stops) : 0),
         .origin = { start, is_stopped ? 0.0 : target, target, begins ? 1 : 0 }
     };
-    c->knots = memory_alloc(COMMAND_KNOTS + 2 * c->n_segments, sizeof *c->knots);
+    c->knots = memory_alloc(1 + RAMP_KNOTS * c->n_segments, sizeof *c->knots);
     c->stops = has_stops ? memory_alloc(c->n_segments, sizeof *c->stops) : NULL;
     if (c->knots == NULL || (has_stops && c->stops == NULL))
         return BF_ENOMEM;
@@ -288,8 +303,27 @@ double belt_speeds_largest(const scene_belt *belt)
     double largest = s->n_times > 0 && s->times[0] == 0.0 ? 0.0 : 1.0;
 
     for (size_t k = 0; k < s->n_factors; k++)
-        largest = fmax(largest, s->factors[k]);
+        largest = fmax(largest, fabs(s->factors[k]));
     return belt->is_commanded ? fmax(largest, belt->command_factor) : largest;
+}
+
+bool belt_speeds_may_reverse(const scene_belt *belt)
+{
+    const scene_speed_schedule *s = &belt->speed_schedule;
+    bool may = belt->is_commanded && belt->command_reverses;
+
+    for (size_t k = 0; k < s->n_factors; k++)
+        may = may || s->factors[k] < 0.0;
+    return may;
+}
+
+bool belt_speeds_may_reverse_any(size_t n_belts, const scene_belt *belts)
+{
+    bool may = false;
+
+    for (size_t k = 0; k < n_belts; k++)
+        may = may || belt_speeds_may_reverse(&belts[k]);
+    return may;
 }
 
 static void check_acceleration(double acceleration, const char *belt, const char *member,
@@ -314,9 +348,9 @@ static void check_factors(const scene_belt *belt, const char *at, bf_faults *fau
         range_check(&scene_range_speed_factor, s->factors[k], pointer, faults);
         // A speed that is too large by itself is reported there.
         if (faults->n == n_before && speed <= SCENE_SPEED_MAX &&
-            speed * s->factors[k] > SCENE_SPEED_MAX)
+            speed * fabs(s->factors[k]) > SCENE_SPEED_MAX)
             faults_add(faults, pointer, "makes the belt move at %g m/s, the limit is %g",
-                       speed * s->factors[k], SCENE_SPEED_MAX);
+                       speed * fabs(s->factors[k]), SCENE_SPEED_MAX);
     }
 }
 

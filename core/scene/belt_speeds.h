@@ -1,9 +1,10 @@
 /// How fast belts move at a time: the factor on a belt's velocity v_T, by its speed schedule.
 ///
 ///     velocity(t) = v_T f(t),   f(t) = 1 before the first time of the schedule, f(0) its first factor if that
-///     time is 0. From times[k] on |velocity| goes to |v_T| factors[k], at the rate `acceleration` if it rises
+///     time is 0. From times[k] on the velocity goes to v_T factors[k], at the rate `acceleration` if the speed rises
 ///     and `deceleration` if it falls, and stays there; a ramp that has not ended at times[k + 1] ends there,
-///     and the next one begins with the speed reached. A belt with v_T = 0 stands.
+///     and the next one begins with the speed reached. A belt with v_T = 0 stands. Below 0 the belt runs backwards; on the
+///     way there it comes to rest first.
 ///
 /// f is piecewise linear, continuous but for jumps where a rate is infinite, and evaluated from its
 /// corners ("knots"), which are made once. In a step of a solver a belt moves at its mean speed over the step: so
@@ -115,8 +116,14 @@ bool belt_speeds_may_change(const scene_belt *belt);
 /// True if no belt_speeds_may_change(): every f is 1 at all times.
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts);
 
-/// The largest f of a belt that its schedule and actions allow at any time.
+/// The largest |f| of a belt that its schedule and actions allow at any time.
 double belt_speeds_largest(const scene_belt *belt);
+
+/// True if a belt may run backwards: a factor of its schedule or of an action on it is below 0.
+bool belt_speeds_may_reverse(const scene_belt *belt);
+
+/// True if any of these belts may.
+bool belt_speeds_may_reverse_any(size_t n_belts, const scene_belt *belts);
 
 /// Note faults of a belt's accelerations, schedule, failures and breaks; pointer is that of the belt.
 void belt_speeds_check(const scene_belt *belt, const char *pointer, bf_faults *faults);

@@ -2,7 +2,7 @@
 ///
 ///     down       from the beginning of a failure until its repair ends
 ///     break      from start + k every on, for its duration, k = 0, 1, ...
-///     operating  told to run (towards a factor above 0), not down and in no break
+///     operating  told to run (towards a factor that is not 0), not down and in no break
 ///
 /// The time to the next drawn failure of a kind is operating time since its last repair, or since t = 0; so a belt that
 /// stands, whatever for, does not fail. **Choice**: that is what planning systems count by default, and what wears a drive; it

@@ -350,9 +350,9 @@ static void check_command(const scene *s, const scene_action *a, const char *poi
         return;
     const double speed = belt_largest_speed(&s->belts[a->target]);
     // A speed that is too large by itself is reported at the belt.
-    if (speed <= SCENE_SPEED_MAX && speed * a->value > SCENE_SPEED_MAX)
-        faults_add(faults, at, "makes the belt move at %g m/s, the limit is %g", speed * a->value,
-                   SCENE_SPEED_MAX);
+    if (speed <= SCENE_SPEED_MAX && speed * fabs(a->value) > SCENE_SPEED_MAX)
+        faults_add(faults, at, "makes the belt move at %g m/s, the limit is %g",
+                   speed * fabs(a->value), SCENE_SPEED_MAX);
 }
 
 void scene__check_actions(const scene *s, bf_faults *faults)

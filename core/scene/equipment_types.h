@@ -39,8 +39,8 @@ typedef struct scene_action {
     double delay;           ///< s after that, >= 0 (default 0)
     scene_action_type type; ///< see there
     size_t target;          ///< index of the belt, obstacle or feed
-    double value; ///< of a belt its factor, >= 0; of a turn the angle, rad; of a presence 1 or 0;
-                  ///< of a feed 1: it is held, 0: it is not
+    double value; ///< of a belt its factor; of a turn the angle, rad; of a presence 1 or 0; of a
+                  ///< feed 1: it is held, 0: it is not
     vec2 shift;   ///< of a shift: to where, from the path as in the document, m
     double over;  ///< of a turn and of a shift: how long it takes, s, > 0 (default 0.5)
 } scene_action;

@@ -296,7 +296,8 @@ static void resolve_actions(scene *s)
         if (a->type == SCENE_ACTION_BELT && a->target < s->n_belts) {
             scene_belt *belt = &s->belts[a->target];
             belt->is_commanded = true;
-            belt->command_factor = fmax(belt->command_factor, a->value);
+            belt->command_factor = fmax(belt->command_factor, fabs(a->value));
+            belt->command_reverses = belt->command_reverses || a->value < 0.0;
         }
     }
 }

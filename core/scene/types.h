@@ -37,7 +37,7 @@ typedef struct scene_speed_schedule {
     size_t n_times;   ///< 0: the factor is 1 at all times (default)
     double *times;    ///< from which on a target applies, s, >= 0, rising
     size_t n_factors; ///< as many as there are times
-    double *factors;  ///< the targets, >= 0
+    double *factors;  ///< the targets; below 0: the belt runs backwards
 } scene_speed_schedule;
 
 /// The outline of a belt that turns about its centre, a curve: a sector of a ring. It moves from `from` to `to`.
@@ -68,7 +68,8 @@ typedef struct scene_belt {
     scene_speed_schedule speed_schedule; ///< see there
     scene_stops stops;                   ///< see there
     bool is_commanded;     ///< there is an action that changes its speed; set by scene_resolve()
-    double command_factor; ///< the largest factor of these; set by scene_resolve()
+    double command_factor; ///< the largest size of a factor of these; set by scene_resolve()
+    bool command_reverses; ///< one of these factors is below 0; set by scene_resolve()
     bool
         is_outlet; ///< it lies along some of a side over which cargo leaves; set by scene_resolve()
     size_t n_points; ///< 0: the belt covers the domain

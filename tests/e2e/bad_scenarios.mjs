@@ -144,7 +144,7 @@ export const badScenarios = [
     "/belts/0/speed_schedule/t_s/2"],
   ["a speed before the start", (s) => (s.belts[0].speed_schedule = { t_s: [-1], factor: [1] }),
     "/belts/0/speed_schedule/t_s/0"],
-  ["a belt that runs backwards", (s) => (s.belts[0].speed_schedule = { t_s: [0, 1], factor: [1, -0.5] }),
+  ["a factor that makes a belt faster backwards than any", (s) => (s.belts[0].speed_schedule = { t_s: [0, 1], factor: [1, -1e6] }),
     "/belts/0/speed_schedule/factor/1"],
   ["a factor that is no number", (s) => (s.belts[0].speed_schedule = { t_s: [0], factor: ["1"] }),
     "/belts/0/speed_schedule/factor/0"],

@@ -64,13 +64,23 @@ function arcVelocity({ velocity_m_s: velocity, arc }, [x, y]) {
   return [-turn * (y - arc.centre_m[1]), turn * (x - arc.centre_m[0])];
 }
 
-// Velocity of the belt under a point; the later of overlapping belts wins.
-export function beltVelocity(scenario, at) {
-  for (const belt of [...scenario.belts].reverse()) {
+// The belt under a point, or undefined; the later of overlapping belts wins.
+export function beltUnder(scenario, at) {
+  return scenario.belts.findLast((belt) => {
     const outline = beltOutline(belt);
-    if (!outline || isInside(outline, at)) return belt.arc ? arcVelocity(belt, at) : belt.velocity_m_s;
-  }
-  return [0, 0];
+    return !outline || isInside(outline, at);
+  });
+}
+
+// Velocity of the belt under a point.
+export function beltVelocity(scenario, at) {
+  const belt = beltUnder(scenario, at);
+  return belt?.arc ? arcVelocity(belt, at) : belt?.velocity_m_s ?? [0, 0];
+}
+
+// True if a belt runs backwards at some time, or an action may let it.
+export function mayReverse({ actions = [] }, { id, speed_schedule: schedule }) {
+  return Boolean(schedule?.factor.some((factor) => factor < 0)) || actions.some(({ do: what }) => what.belt === id && what.factor < 0);
 }
 
 // Centre of mass of the convex hull of points in space, from its level slices: between two heights

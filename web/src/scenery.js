@@ -1,7 +1,7 @@
 // What stands still: axes, walls, belts with their direction, counters, feeds. Drawn once for each size,
 // above the cargo.
 
-import { arcPlace, beltOutline, beltVelocity, isInside } from "./geometry.js";
+import { arcPlace, beltOutline, beltUnder, beltVelocity, isInside, mayReverse } from "./geometry.js";
 
 const FONT = "11px system-ui, sans-serif";
 const RIM = 3; // CSS pixels that walls stand outside of the belt
@@ -100,8 +100,8 @@ function drawEdges(context, view, edges, colors) {
   context.setLineDash([]);
 }
 
-// The outlines of arcs, chevrons, each in the direction of the belt below it, on a lattice and along the middle of arcs, and how much belts
-// rise or fall in that direction.
+// The outlines of arcs, chevrons, each in the direction of the belt below it, and back to back in both of one that may run backwards, on a
+// lattice and along the middle of arcs, and how much belts rise or fall in that direction.
 function drawBelts(context, view, scenario, colors) {
   const { inner, ratio } = view;
   const path = new Path2D();
@@ -109,7 +109,12 @@ function drawBelts(context, view, scenario, colors) {
   const gap = 120 * ratio;
   const put = (at) => {
     const [vx, vy] = beltVelocity(scenario, at);
-    if (vx !== 0 || vy !== 0) addChevron(path, view.x(at[0]), view.y(at[1]), Math.atan2(-vy, vx), 6 * ratio);
+    if (vx === 0 && vy === 0) return;
+    const [x, y, angle] = [view.x(at[0]), view.y(at[1]), Math.atan2(-vy, vx)];
+    const reverses = mayReverse(scenario, beltUnder(scenario, at));
+    const [dx, dy] = [Math.cos(angle), Math.sin(angle)].map((part) => (reverses ? 5 * ratio * part : 0));
+    addChevron(path, x + dx, y + dy, angle, 6 * ratio);
+    if (reverses) addChevron(path, x - dx, y - dy, angle + Math.PI, 6 * ratio);
   };
   for (const belt of scenario.belts.filter(({ arc }) => arc)) {
     beltOutline(belt).forEach(([x, y], k) => outlines[k === 0 ? "moveTo" : "lineTo"](view.x(x), view.y(y)));

@@ -111,6 +111,22 @@ static void find_onto(const macro_def *def, congested *c)
         }
 }
 
+// The belts in the directions that the definition's field has.
+static void copy_belts(const macro_def *def, congested *c)
+{
+    for (size_t k = 0; k < def->n_belts; k++) {
+        c->belts[k] = (scene_belt){ .velocity = def->belts[k].velocity,
+                                    .turn = def->belts[k].turn,
+                                    .centre = def->belts[k].centre,
+                                    .incline = def->belts[k].incline };
+        c->slope_ratio[k] =
+            belt_slope_ratio(&def->belts[k], &(scene_contact){ .friction = def->friction });
+        c->fastest[k] = belt_largest_speed(&def->belts[k]);
+        c->onto[k] = 0.0;
+    }
+    find_onto(def, c);
+}
+
 static bool init_faces(const macro_solver *s, congested *c, const macro_def *def)
 {
     const bf_grid *g = &s->def.grid;
@@ -140,16 +156,7 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
         return false;
     for (size_t k = 0; k <= def->n_belts; k++)
         c->drives[k] = (congested_drives){ 1.0, 1.0, 1.0, 0.0 };
-    for (size_t k = 0; k < def->n_belts; k++) {
-        c->belts[k] = (scene_belt){ .velocity = def->belts[k].velocity,
-                                    .turn = def->belts[k].turn,
-                                    .centre = def->belts[k].centre,
-                                    .incline = def->belts[k].incline };
-        c->slope_ratio[k] =
-            belt_slope_ratio(&def->belts[k], &(scene_contact){ .friction = def->friction });
-        c->fastest[k] = belt_largest_speed(&def->belts[k]);
-    }
-    find_onto(def, c);
+    copy_belts(def, c);
     memcpy(c->closed_edge, def->one_way, sizeof c->closed_edge);
     return true;
 }
@@ -244,6 +251,8 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
         return BF_ENOMEM;
     c->kernels = kernels_of(cpu_best());
     c->is_forward = belt_are_forward(def->n_belts, def->belts);
+    // Of belts that run backwards each may run onto another one.
+    c->has_drives = belt_speeds_may_reverse_any(def->n_belts, def->belts);
     for (size_t k = 0; k < def->n_belts; k++)
         c->has_drives = c->has_drives || def->belts[k].incline != 0.0;
     c->jam_density = def->jam_density;
@@ -290,8 +299,10 @@ static void limit_pressures(const macro_solver *s, congested *c)
 void congested_set_faces(macro_solver *s, const macro_def *def)
 {
     limit_pressures(s, s->congested);
+    if (def->belts != NULL)
+        copy_belts(def, s->congested);
     copy_faces(s, def);
-    congested_update(s, false);
+    congested_update(s, def->belts != NULL);
 }
 
 congested *congested_destroy(congested *c)

@@ -100,7 +100,7 @@ export function freshId(scenario, resolved, list, stem) {
 }
 
 function does({ belt, factor, obstacle, turn_deg: turn, shift_m: shift, present, feed, hold }) {
-  if (belt !== undefined) return factor === 0 ? `stop ${belt}` : `${belt} at ${factor} of its speed`;
+  if (belt !== undefined) return factor === 0 ? `stop ${belt}` : `${belt} ${factor < 0 ? "backwards " : ""}at ${Math.abs(factor)} of its speed`;
   if (turn !== undefined) return `turn ${obstacle} to ${turn}°`;
   if (shift !== undefined) return shift.some((way) => way !== 0) ? `shift ${obstacle} by ${shift.join(", ")} m` : `shift ${obstacle} back`;
   if (feed !== undefined) return `${hold ? "hold" : "release"} ${feed}`;

@@ -2,7 +2,7 @@
 
 #include "core/base/digest.h"
 #include "core/macro/congested/congested_priv.h"
-#include "core/macro/moving_plates.h"
+#include "core/macro/moving_field.h"
 #include "core/macro/tracers.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"

@@ -436,6 +436,31 @@ static void without_memory_no_field_is_given_or_lost(void **state)
     scene_fini(&s);
 }
 
+// A gap of 26 mm, wider than the radius of 12 mm, between the centres of two cells of 50 mm, and with it on their face: what comes
+// over it falls behind it, and where a belt may run backwards on either side.
+static void what_comes_over_a_gap_within_a_cell_falls_behind_it(void **state)
+{
+    static const vec2 first[] = { { 0.0, 0.0 }, { 0.487, 0.0 }, { 0.487, 0.1 }, { 0.0, 0.1 } };
+    static const vec2 second[] = { { 0.513, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.1 }, { 0.513, 0.1 } };
+
+    (void)state;
+    for (int reverses = 0; reverses < 2; reverses++) {
+        scene s;
+        helper_scene_belt(&s, 1.0, 0.1, 0.05, &somewhere, 1);
+        helper_scene_add_belt(&s, (vec2){ speed, 0.0 }, first, 4);
+        scene_belt *belt = helper_scene_add_belt(&s, (vec2){ speed, 0.0 }, second, 4);
+        if (reverses)
+            helper_scene_schedule(belt, 1, (double[]){ 1.0 }, (double[]){ -1.0 });
+        helper_scene_resolve(&s);
+        velocity_field *f = helper_macro_field(&s);
+        assert_int_equal(f->off[9], reverses);
+        assert_int_equal(f->off[10], 1);
+        assert_int_equal(f->off[8] + f->off[11], 0);
+        velocity_field_destroy(f);
+        scene_fini(&s);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -454,6 +479,7 @@ int main(void)
         cmocka_unit_test(the_field_on_a_grid_is_the_plain_rule_at_every_face),
         cmocka_unit_test(no_component_exceeds_the_speed_of_the_fastest_belt),
         cmocka_unit_test(without_memory_no_field_is_given_or_lost),
+        cmocka_unit_test(what_comes_over_a_gap_within_a_cell_falls_behind_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -119,6 +119,69 @@ static void random_parts_of_a_wide_belt_overlap(void **unused)
     scene_fini(&s);
 }
 
+// A density downstream of the beam alone.
+static double density_behind(const void *context, size_t cell)
+{
+    return cell % 200 < 100 ? 0.0 : even_density(context, cell);
+}
+
+static void make_reversing_scene(scene *s)
+{
+    make_scene(s, 0.03, SCENE_ARRIVALS_REGULAR, 0.5);
+    helper_scene_schedule(&s->belts[0], 1, (double[]){ 1.0 }, (double[]){ -1.0 });
+}
+
+static void where_the_belt_runs_backwards_parts_come_from_the_other_side(void **unused)
+{
+    even_field now;
+    const crossings_field field = { &now, density_behind, even_factor };
+    crossings *c = NULL;
+    int n[2] = { 0, 0 };
+    scene s;
+
+    (void)unused;
+    make_reversing_scene(&s);
+    const int n_steps = (int)(20.0 / scene_macro_step(&s));
+    assert_int_equal(crossings_create(&s, &c, NULL), BF_OK);
+    for (int way = 0; way < 2; way++) {
+        bool was_broken = false;
+        now = (even_field){ density_of(&s, 0.03, 5.0), way == 0 ? 1.0 : -1.0 };
+        for (int k = 0; k < n_steps; k++) {
+            const bool is_broken = crossings_advance(c, 0, &field);
+            n[way] += is_broken && !was_broken;
+            was_broken = is_broken;
+        }
+    }
+    assert_int_equal(n[0], 0);
+    assert_in_range(n[1], 99, 101);
+    crossings_destroy(c);
+    scene_fini(&s);
+}
+
+static void a_part_goes_back_as_far_as_it_has_come(void **unused)
+{
+    even_field now;
+    const crossings_field field = { &now, even_density, even_factor };
+    crossings *c = NULL;
+    int n = 0;
+    scene s;
+
+    (void)unused;
+    make_reversing_scene(&s);
+    now = (even_field){ density_of(&s, 0.03, 5.0), 1.0 };
+    assert_int_equal(crossings_create(&s, &c, NULL), BF_OK);
+    while (!crossings_advance(c, 0, &field))
+        ;
+    for (int k = 0; k < 3; k++)
+        assert_true(crossings_advance(c, 0, &field));
+    now = (even_field){ 0.0, -1.0 };
+    while (crossings_advance(c, 0, &field))
+        n++;
+    assert_in_range(n, 2, 4); // it came within the first step
+    crossings_destroy(c);
+    scene_fini(&s);
+}
+
 static void packed_parts_and_parts_that_stand_break_it_all_the_time(void **unused)
 {
     const even_field packed = { 1.0, 1.0 };
@@ -224,6 +287,8 @@ int main(void)
         cmocka_unit_test(regular_parts_break_a_beam_one_by_one),
         cmocka_unit_test(random_parts_of_one_lane_do_not_overlap),
         cmocka_unit_test(random_parts_of_a_wide_belt_overlap),
+        cmocka_unit_test(where_the_belt_runs_backwards_parts_come_from_the_other_side),
+        cmocka_unit_test(a_part_goes_back_as_far_as_it_has_come),
         cmocka_unit_test(packed_parts_and_parts_that_stand_break_it_all_the_time),
         cmocka_unit_test(parts_that_leave_break_a_beam_for_less),
         cmocka_unit_test(an_eye_beside_the_belts_sees_nothing),

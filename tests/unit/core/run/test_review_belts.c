@@ -68,6 +68,22 @@ static void a_belt_that_ends_is_named_with_the_place(void **unused)
     assert_one(&found, "Cargo leaves the belts", "/belts/0/polygon_m", "(0.5, 0.00297) m");
 }
 
+// The second belt alone, which runs back over its western side from 1 s on.
+static void a_belt_that_runs_backwards_leads_off_over_its_other_end(void **unused)
+{
+    scene s;
+
+    (void)unused;
+    make_scene(&s, 0.4, 0.4);
+    s.belts[0].polygon[0].x = s.belts[0].polygon[3].x = 0.05;
+    assert_int_equal(warnings_of(&s).n, 0);
+    make_scene(&s, 0.4, 0.4);
+    s.belts[0].polygon[0].x = s.belts[0].polygon[3].x = 0.05;
+    helper_scene_schedule(&s.belts[0], 1, (double[]){ 1.0 }, (double[]){ -0.5 });
+    const review_warnings found = warnings_of(&s);
+    assert_one(&found, "Cargo leaves the belts", "/belts/0/polygon_m", "(0.05, ");
+}
+
 static void a_gap_below_a_radius_is_bridged(void **unused)
 {
     scene s;
@@ -103,6 +119,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(belts_that_go_on_are_in_order),
         cmocka_unit_test(a_belt_that_ends_is_named_with_the_place),
+        cmocka_unit_test(a_belt_that_runs_backwards_leads_off_over_its_other_end),
         cmocka_unit_test(a_gap_below_a_radius_is_bridged),
         cmocka_unit_test(a_plate_at_the_end_holds_cargo),
         cmocka_unit_test(parts_off_every_belt_are_counted),

@@ -241,7 +241,7 @@ static void accelerations_are_positive(void **state)
     }
 }
 
-static void times_rise_and_factors_are_not_negative(void **state)
+static void times_rise_and_factors_are_finite(void **state)
 {
     static const struct {
         double times[3], factors[3];
@@ -253,11 +253,13 @@ static void times_rise_and_factors_are_not_negative(void **state)
         { { 0.0, 1.0, 1.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/2" },
         { { 0.0, NAN, 1.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/1" },
         { { 0.0, 1.0, INFINITY }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/2" },
-        { { 0.0, 1.0, 2.0 }, { 1.0, -0.1, 1.0 }, "/b/speed_schedule/factor/1" },
+        { { 0.0, 1.0, 2.0 }, { 1.0, -0.1, 1.0 }, NULL },
+        { { 0.0, 1.0, 2.0 }, { 1.0, -INFINITY, 1.0 }, "/b/speed_schedule/factor/1" },
         { { 0.0, 1.0, 2.0 }, { 1.0, NAN, 1.0 }, "/b/speed_schedule/factor/1" },
         { { 0.0, 1.0, 2.0 }, { 1.0, 1.0, INFINITY }, "/b/speed_schedule/factor/2" },
         // 0.5 m/s times 2001 are more than 1000 m/s.
         { { 0.0, 1.0, 2.0 }, { 2001.0, 1.0, 1.0 }, "/b/speed_schedule/factor/0" },
+        { { 0.0, 1.0, 2.0 }, { -2001.0, 1.0, 1.0 }, "/b/speed_schedule/factor/0" },
         { { 0.0, 1.0, 2.0 }, { 2000.0, 1.0, 1.0 }, NULL },
     };
 
@@ -344,6 +346,58 @@ static void a_belt_stands_between_knots_without_speed(void **state)
     belt_speeds_fini(&speeds);
 }
 
+// At 0.5 m/s it brakes by 1/s from 2 s on, stands at 3 s, and speeds up by 0.5/s to -1 at 5 s. At 6 s it brakes for 0.5, to rest at
+// 7 s, and is told at 7.5 s, with 0.25, to run backwards again; 0.25 s later it is at rest once more, and 0.5 s later at -0.25.
+static void a_belt_reverses_over_rest(void **state)
+{
+    double times[] = { 2.0, 6.0, 7.5, 8.25 }, targets[] = { -1.0, 0.5, -1.0, -0.25 };
+    scene_belt belt = belt_with(0.25, 0.5, 4, times, targets);
+    belt_speeds speeds = speeds_of(&belt);
+
+    (void)state;
+    ASSERT_FACTORS(&speeds, { 2.0, 1.0 }, { 2.5, 0.5 }, { 3.0, 0.0 }, { 4.0, -0.5 }, { 5.0, -1.0 },
+                   { 6.5, -0.5 }, { 7.0, 0.0 }, { 7.5, 0.25 }, { 7.75, 0.0 }, { 8.0, -0.125 },
+                   { 8.25, -0.25 }, { 1e9, -0.25 });
+    // By the areas of the triangles between 2 and 5 s: 1/2 forward, 1 backwards.
+    assert_near(belt_speeds_mean(&speeds, 0, 2.0, 5.0), -0.5 / 3.0, 1e-15);
+    assert_true(belt_speeds_largest(&belt) == 1.0 && belt_speeds_may_reverse(&belt));
+    belt_speeds_fini(&speeds);
+    belt.acceleration = belt.deceleration = INFINITY;
+    speeds = speeds_of(&belt);
+    ASSERT_FACTORS(&speeds, { nextafter(2.0, 0.0), 1.0 }, { 2.0, -1.0 }, { 6.0, 0.5 },
+                   { 7.5, -1.0 });
+    belt_speeds_fini(&speeds);
+}
+
+static void a_belt_may_reverse_by_its_schedule_or_by_a_command(void **state)
+{
+    double times[] = { 1.0, 2.0 }, targets[] = { 0.0, 2.0 };
+    scene_belt belt = belt_with(1.0, 1.0, 2, times, targets);
+
+    (void)state;
+    assert_false(belt_speeds_may_reverse(&belt));
+    belt.is_commanded = belt.command_reverses = true;
+    assert_true(belt_speeds_may_reverse(&belt));
+    assert_true(belt_speeds_may_reverse_any(1, &belt));
+    belt.is_commanded = belt.command_reverses = false;
+    targets[1] = -0.001;
+    assert_true(belt_speeds_may_reverse(&belt));
+}
+
+// Back from 1 at 2 s: at rest at 3 s and at -1 at 5 s, from where a command at 4 s, at -0.5, brakes by 1/s and speeds up to 0.5.
+static void a_command_reverses_over_rest(void **state)
+{
+    scene_belt belt = commanded_belt();
+    belt_speeds speeds = speeds_of(&belt);
+
+    (void)state;
+    belt_speeds_command(&speeds, 0, 2.0, -1.0);
+    ASSERT_FACTORS(&speeds, { 2.5, 0.5 }, { 3.0, 0.0 }, { 5.0, -1.0 }, { 1e9, -1.0 });
+    belt_speeds_command(&speeds, 0, 4.0, 0.5);
+    ASSERT_FACTORS(&speeds, { 4.0, -0.5 }, { 4.5, 0.0 }, { 5.5, 0.5 }, { 1e9, 0.5 });
+    belt_speeds_fini(&speeds);
+}
+
 static void saved_commands_come_back_with_the_same_bits(void **state)
 {
     const scene_belt belts[] = { belt_with(INFINITY, INFINITY, 0, NULL, NULL), commanded_belt(),
@@ -356,7 +410,7 @@ static void saved_commands_come_back_with_the_same_bits(void **state)
     (void)state;
     assert_int_equal(belt_speeds_init(&speeds, 3, belts, NULL), BF_OK);
     assert_int_equal(belt_speeds_init(&loaded, 3, belts, NULL), BF_OK);
-    belt_speeds_command(&speeds, 2, 0.1, 0.3);
+    belt_speeds_command(&speeds, 2, 0.1, -0.3);
     checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
     belt_speeds_save(&speeds, &w);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
@@ -386,10 +440,13 @@ int main(void)
         cmocka_unit_test(off_every_belt_the_factor_is_1),
         cmocka_unit_test(without_memory_there_are_no_speeds),
         cmocka_unit_test(accelerations_are_positive),
-        cmocka_unit_test(times_rise_and_factors_are_not_negative),
+        cmocka_unit_test(times_rise_and_factors_are_finite),
         cmocka_unit_test(there_is_a_factor_for_each_time_and_not_too_many),
         cmocka_unit_test(a_command_ramps_and_replaces_the_schedule),
         cmocka_unit_test(a_belt_stands_between_knots_without_speed),
+        cmocka_unit_test(a_belt_reverses_over_rest),
+        cmocka_unit_test(a_belt_may_reverse_by_its_schedule_or_by_a_command),
+        cmocka_unit_test(a_command_reverses_over_rest),
         cmocka_unit_test(saved_commands_come_back_with_the_same_bits),
     };
 

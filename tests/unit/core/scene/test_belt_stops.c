@@ -99,6 +99,23 @@ static void a_belt_that_stands_by_its_schedule_does_not_fail(void **state)
     belt_speeds_fini(&speeds);
 }
 
+static void a_belt_that_runs_backwards_fails_and_comes_to_rest(void **state)
+{
+    scene_failure f = drawn("f", fixed(10.0), fixed(2.0));
+    double times[] = { 4.0 }, factors[] = { -1.0 };
+    scene_belt belt = belt_with((scene_stops){ .n_failures = 1, .failures = &f, .until = 20.0 });
+    (void)state;
+    belt.speed_schedule = (scene_speed_schedule){ 1, times, 1, factors };
+    belt.acceleration = belt.deceleration = 0.5;
+    belt_speeds speeds = speeds_of(&belt);
+    ASSERT_STOPS(&speeds, { 0.0, 0 }, { 10.0, 1 }, { 12.0, 0 });
+    const double expected[][2] = { { 9.0, -1.0 }, { 10.0, -1.0 }, { 10.5, -0.5 }, { 11.0, 0.0 },
+                                   { 12.0, 0.0 }, { 12.5, -0.5 }, { 13.0, -1.0 }, { 14.0, -1.0 } };
+    for (size_t k = 0; k < sizeof expected / sizeof *expected; k++)
+        assert_near(belt_speeds_at(&speeds, 0, expected[k][0]), expected[k][1], 1e-12);
+    belt_speeds_fini(&speeds);
+}
+
 // Failures of "often" at 3, 3 + 1 + 3 = 7 ... of operating time 3 each; "rare" is due after 10 of it.
 static void while_one_failure_lasts_the_others_wait(void **state)
 {
@@ -420,6 +437,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(listed_failures_stop_a_belt_with_its_ramps),
         cmocka_unit_test(a_belt_that_stands_by_its_schedule_does_not_fail),
+        cmocka_unit_test(a_belt_that_runs_backwards_fails_and_comes_to_rest),
         cmocka_unit_test(while_one_failure_lasts_the_others_wait),
         cmocka_unit_test(failures_that_are_due_at_once_come_one_after_the_other),
         cmocka_unit_test(breaks_repeat_and_repairs_go_on_in_them),

@@ -1,7 +1,7 @@
 // Obstacles that turn, are shifted, come and go in the macroscopic model: what plates sweep over stays on the side that they move
 // to, mass is conserved, and the field is that of their present places. Expected values are derived.
 
-#include "core/macro/moving_plates.h"
+#include "core/macro/moving_field.h"
 
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
@@ -64,7 +64,7 @@ typedef struct model {
     const scene *scene;
     bf_grid grid;
     bf_world *world;
-    moving_plates *plates;
+    moving_field *plates;
     macro_solver *solver;
 } model;
 
@@ -81,8 +81,8 @@ static model start(const scene *s, int n_threads)
     model m = { .scene = s, .grid = scene_grid(s) };
 
     m.world = world_of(s);
-    assert_int_equal(moving_plates_create(s, m.world, &m.plates, NULL), BF_OK);
-    const velocity_field *f = moving_plates_field(m.plates);
+    assert_int_equal(moving_field_create(s, m.world, &m.plates, NULL), BF_OK);
+    const velocity_field *f = moving_field_now(m.plates);
     macro_def def = helper_macro_def(s, f);
     def.n_threads = n_threads;
     def.tracer_portion = 1.0;
@@ -95,7 +95,7 @@ static model start(const scene *s, int n_threads)
 static void stop(model *m)
 {
     macro_destroy(m->solver);
-    moving_plates_destroy(m->plates);
+    moving_field_destroy(m->plates);
     world_fini(m->world);
     memory_free(m->world);
 }
@@ -117,7 +117,7 @@ static void fill(const model *m, double x_min, double x_max, double density)
 static void advance(const model *m, int n_steps)
 {
     for (int k = 0; k < n_steps; k++) {
-        moving_plates_update(m->plates, m->solver);
+        moving_field_update(m->plates, m->solver);
         macro_step(m->solver);
     }
     assert_int_equal(macro_check(m->solver, NULL), BF_OK);
@@ -451,7 +451,7 @@ static void a_plate_that_came_to_rest_has_the_field_of_one_that_stands_there(voi
         model m = start(&s, 1);
         advance(&m, 150);
         assert_int_equal(velocity_field_create(&other, &f, NULL), BF_OK);
-        assert_same_faces(moving_plates_field(m.plates), f);
+        assert_same_faces(moving_field_now(m.plates), f);
         velocity_field_destroy(f);
         plate_motion_fini(&motion);
         stop(&m);
@@ -497,7 +497,7 @@ static void save(const model *m, bf_buffer *out)
 
     checkpoint_begin(&w, out, CHECKPOINT_RUN, 0);
     world_save(m->world, &w);
-    moving_plates_save(m->plates, &w);
+    moving_field_save(m->plates, &w);
     assert_int_equal(macro_save(m->solver, out, NULL), BF_OK);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
 }
@@ -507,7 +507,7 @@ static void load(const model *m, const bf_buffer *saved)
     checkpoint_reader r;
 
     assert_int_equal(checkpoint_open(&r, saved->bytes, saved->n, CHECKPOINT_RUN, 0, NULL), BF_OK);
-    assert_true(world_load(m->world, &r) && moving_plates_load(m->plates, m->solver, &r));
+    assert_true(world_load(m->world, &r) && moving_field_load(m->plates, m->solver, &r));
     assert_int_equal(macro_load(m->solver, r.at, r.n_left, NULL), BF_OK);
 }
 
@@ -562,6 +562,66 @@ static void a_run_resumed_in_a_swing_goes_on_with_the_same_bits(void **state)
     }
 }
 
+// A box with a plate at rest through centres of cells, where a line that moved by its tolerance would close other faces. The belt
+// runs backwards from 0.2 s on and stands from 0.4 s on.
+static void make_reversing_box(scene *s, int kind)
+{
+    make_box(s, kind, 0.5, series(0, NULL, NULL));
+    s->obstacles[0].path[0].x = s->obstacles[0].path[1].x = 0.405;
+    s->obstacles[0].path[1].y = 0.2;
+    helper_scene_schedule(&s->belts[0], 2, (double[]){ 0.2, 0.4 }, (double[]){ -1.0, 0.0 });
+}
+
+static void the_field_is_that_of_the_belts_direction_with_the_same_closed_faces(void **state)
+{
+    (void)state;
+    for (int k = 0; k < KINDS; k++) {
+        scene s, other;
+        make_reversing_box(&s, k);
+        make_reversing_box(&other, k);
+        other.belts[0].velocity.x = -0.5;
+        velocity_field *back = helper_macro_field(&other);
+        model m = start(&s, 1);
+        const velocity_field *f = moving_field_now(m.plates);
+        const size_t n1 = (m.grid.n1 + 1) * m.grid.n2;
+        uint8_t *closed = memory_alloc(n1, sizeof *closed);
+        memcpy(closed, f->closed1, n1);
+        advance(&m, 50);
+        assert_true(f->v1[1] == 0.5 && moving_field_belts(m.plates)[0].velocity.x == 0.5);
+        advance(&m, 101);
+        assert_true(moving_field_belts(m.plates)[0].velocity.x == -0.5);
+        assert_memory_equal(f->closed1, closed, n1);
+        for (size_t face = 0; face < n1; face++)
+            assert_true(f->v1[face] == back->v1[face]);
+        memory_free(closed);
+        velocity_field_destroy(back);
+        stop(&m);
+        scene_fini(&s);
+        scene_fini(&other);
+    }
+}
+
+// One that stands keeps its direction.
+static void directions_of_belts_come_back_from_a_checkpoint(void **state)
+{
+    bf_buffer saved = { 0 };
+    scene s;
+
+    (void)state;
+    make_reversing_box(&s, 2);
+    model m = start(&s, 1), then = start(&s, 1);
+    advance(&m, 250);
+    save(&m, &saved);
+    load(&then, &saved);
+    assert_true(macro_belt_factor(m.solver, 0) == 0.0);
+    assert_true(moving_field_belts(then.plates)[0].velocity.x == -0.5);
+    assert_true(moving_field_now(then.plates)->v1[1] == -0.5);
+    buffer_fini(&saved);
+    stop(&m);
+    stop(&then);
+    scene_fini(&s);
+}
+
 static void damaged_places_are_refused(void **state)
 {
     scene s;
@@ -577,12 +637,12 @@ static void damaged_places_are_refused(void **state)
         double places[4] = { n == 0 ? NAN : 0.0, n == 1 ? NAN : 0.0, n == 2 ? INFINITY : 0.0,
                              n == 3 ? 0.5 : 1.0 };
         checkpoint_reader damaged = { (const char *)places, sizeof places };
-        assert_false(moving_plates_load(m.plates, m.solver, &damaged));
+        assert_false(moving_field_load(m.plates, m.solver, &damaged));
     }
     assert_true(world_load(m.world, &r));
     for (size_t n = 0; n < 4 * sizeof(double); n++) {
         checkpoint_reader cut = { r.at, n };
-        assert_false(moving_plates_load(m.plates, m.solver, &cut));
+        assert_false(moving_field_load(m.plates, m.solver, &cut));
     }
     buffer_fini(&saved);
     stop(&m);
@@ -617,12 +677,12 @@ static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
     make_diverter(&s, 2);
     bf_world *w = world_of(&s);
     for (size_t n = 1; status != BF_OK; n++) {
-        moving_plates *plates = NULL;
+        moving_field *plates = NULL;
         memory_plan_fault(n, 0);
-        status = moving_plates_create(&s, w, &plates, NULL);
+        status = moving_field_create(&s, w, &plates, NULL);
         memory_plan_fault(0, 0);
         assert_true(status == BF_OK ? plates != NULL : status == BF_ENOMEM && plates == NULL);
-        moving_plates_destroy(plates);
+        moving_field_destroy(plates);
     }
     world_fini(w);
     memory_free(w);
@@ -644,6 +704,8 @@ int main(void)
         cmocka_unit_test(a_plate_that_has_been_turned_into_the_belts_direction_holds_nothing_back),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(a_run_resumed_in_a_swing_goes_on_with_the_same_bits),
+        cmocka_unit_test(the_field_is_that_of_the_belts_direction_with_the_same_closed_faces),
+        cmocka_unit_test(directions_of_belts_come_back_from_a_checkpoint),
         cmocka_unit_test(damaged_places_are_refused),
         cmocka_unit_test(an_obstacle_turns_by_a_cell_in_a_step_at_most),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error_and_nothing_leaks),

@@ -1,4 +1,4 @@
-#include "core/macro/moving_plates.h"
+#include "core/macro/moving_field.h"
 
 #include "core/base/memory.h"
 #include "core/macro/swept_cells.h"
@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 // How far a point of a plate may move before the field is made again, cells.
 static const double most_moved = 0.25;
@@ -29,11 +30,15 @@ typedef struct plate {
     vec2 *path;         // at its place
 } plate;
 
-struct moving_plates {
+struct moving_field {
     const scene *scene;        // as in the document
+    const belt_speeds *speeds; // of its world, borrowed; NULL: no belt may run backwards
+    scene_belt *belts;         // of now; with speeds
+    int8_t *directions;        // of each of them: 1, or -1: it runs backwards; with speeds
     double dt;                 // step of the solver, s
     double edge;               // shorter one of a cell, m
-    scene now;                 // the same with the plates that are there, at their places
+    scene
+        now; // the same with the plates that are there, at their places, and belts in their directions
     scene_obstacle *obstacles; // of now
     plate_motion *motion;      // of the scene's world, borrowed
     const plate_drive *drives; // same
@@ -73,7 +78,7 @@ static double full_density(const scene *s)
 }
 
 // The places at a time.
-static void find_places(const moving_plates *p, double t, place *ret_places)
+static void find_places(const moving_field *p, double t, place *ret_places)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
         ret_places[k] = (place){ plate_motion_at(p->motion, k, t),
@@ -81,7 +86,7 @@ static void find_places(const moving_plates *p, double t, place *ret_places)
 }
 
 // Makes `now` the scene with these places, and the field that of `now`.
-static void set_places(moving_plates *p, const place *places)
+static void set_places(moving_field *p, const place *places)
 {
     const scene *s = p->scene;
 
@@ -99,7 +104,52 @@ static void set_places(moving_plates *p, const place *places)
     velocity_field_update(p->field, &p->now);
 }
 
-static bf_status init_arrays(moving_plates *p, bf_error *err)
+// Lets the belts of `now` have their directions.
+static void set_directions(moving_field *p)
+{
+    for (size_t k = 0; k < p->scene->n_belts; k++) {
+        const scene_belt *belt = &p->scene->belts[k];
+        p->belts[k].velocity = vec2_scale(belt->velocity, p->directions[k]);
+        p->belts[k].turn = p->directions[k] * belt->turn;
+        p->belts[k].incline = p->directions[k] * belt->incline;
+    }
+}
+
+// Finds the directions of belts in a step; one that stands keeps its own. True if one has changed.
+static bool find_directions(moving_field *p, uint64_t step)
+{
+    bool have_changed = false;
+
+    for (size_t k = 0; p->speeds != NULL && k < p->scene->n_belts; k++) {
+        const double factor =
+            belt_speeds_mean(p->speeds, k, (double)step * p->dt, (double)(step + 1) * p->dt);
+        const int8_t direction = factor < 0.0 ? -1 : factor > 0.0 ? 1 : p->directions[k];
+        have_changed = have_changed || direction != p->directions[k];
+        p->directions[k] = direction;
+    }
+    if (have_changed)
+        set_directions(p);
+    return have_changed;
+}
+
+static bf_status init_belts(moving_field *p, const bf_world *w, bf_error *err)
+{
+    const scene *s = p->scene;
+
+    if (!belt_speeds_may_reverse_any(s->n_belts, s->belts))
+        return BF_OK;
+    p->speeds = &w->belts;
+    p->belts = memory_alloc(s->n_belts, sizeof *p->belts);
+    p->directions = memory_alloc(s->n_belts, sizeof *p->directions);
+    if (p->belts == NULL || p->directions == NULL)
+        return bf_fail(err, BF_ENOMEM, "/belts", "no memory for belts");
+    memcpy(p->belts, s->belts, s->n_belts * sizeof *p->belts);
+    memset(p->directions, 1, s->n_belts);
+    p->now.belts = p->belts;
+    return BF_OK;
+}
+
+static bf_status init_arrays(moving_field *p, bf_error *err)
 {
     const scene *s = p->scene;
     bf_status status = BF_OK;
@@ -122,11 +172,10 @@ static bf_status init_arrays(moving_plates *p, bf_error *err)
     return status == BF_OK ? BF_OK : bf_fail(err, status, "/obstacles", "no memory for obstacles");
 }
 
-bf_status moving_plates_create(const scene *s, bf_world *w, moving_plates **ret_plates,
-                               bf_error *err)
+bf_status moving_field_create(const scene *s, bf_world *w, moving_field **ret_field, bf_error *err)
 {
     const bf_grid grid = scene_grid(s);
-    moving_plates *p = memory_alloc(1, sizeof *p);
+    moving_field *p = memory_alloc(1, sizeof *p);
     bf_status status;
 
     if (p == NULL)
@@ -138,19 +187,20 @@ bf_status moving_plates_create(const scene *s, bf_world *w, moving_plates **ret_
     p->dt = scene_macro_step(s);
     p->edge = scene_cell_edge(s);
     // The field has room for all obstacles, and is then made for those that are there at the start.
-    if ((status = init_arrays(p, err)) != BF_OK ||
+    if ((status = init_arrays(p, err)) != BF_OK || (status = init_belts(p, w, err)) != BF_OK ||
         (status = swept_cells_create(&grid, s->edges, &p->swept, err)) != BF_OK ||
         (status = velocity_field_create(s, &p->field, err)) != BF_OK) {
-        moving_plates_destroy(p);
+        moving_field_destroy(p);
         return status;
     }
     find_places(p, 0.0, p->after);
+    (void)find_directions(p, 0);
     set_places(p, p->after);
-    *ret_plates = p;
+    *ret_field = p;
     return BF_OK;
 }
 
-moving_plates *moving_plates_destroy(moving_plates *p)
+moving_field *moving_field_destroy(moving_field *p)
 {
     if (p == NULL)
         return NULL;
@@ -162,15 +212,22 @@ moving_plates *moving_plates_destroy(moving_plates *p)
     memory_free(p->obstacles);
     memory_free(p->before);
     memory_free(p->after);
+    memory_free(p->belts);
+    memory_free(p->directions);
     velocity_field_destroy(p->field);
     swept_cells_destroy(p->swept);
     memory_free(p);
     return NULL;
 }
 
-const velocity_field *moving_plates_field(const moving_plates *p)
+const velocity_field *moving_field_now(const moving_field *p)
 {
     return p->field;
+}
+
+const scene_belt *moving_field_belts(const moving_field *p)
+{
+    return p->belts;
 }
 
 // How far a point of an obstacle moves at most from one place to another, m.
@@ -181,7 +238,7 @@ static double way_of(const plate *p, const plate_motion_place *from, const plate
 }
 
 // True if the field has to be made again for the step that begins at t, when plates are at `after`.
-static bool is_due(const moving_plates *p, double t)
+static bool is_due(const moving_field *p, double t)
 {
     bool is = false;
 
@@ -198,7 +255,7 @@ static bool is_due(const moving_plates *p, double t)
 }
 
 // The way of an obstacle from `before` to `after`. False: it sweeps over nothing.
-static bool find_sweep(const moving_plates *p, size_t k, swept_cells_plate *ret_sweep)
+static bool find_sweep(const moving_field *p, size_t k, swept_cells_plate *ret_sweep)
 {
     const plate *of = &p->plates[k];
     const place *from = &p->before[k], *to = &p->after[k];
@@ -214,7 +271,7 @@ static bool find_sweep(const moving_plates *p, size_t k, swept_cells_plate *ret_
 }
 
 // Lets the drive of a plate follow until its next load is found.
-static void follow(moving_plates *p, size_t k, macro_solver *s)
+static void follow(moving_field *p, size_t k, macro_solver *s)
 {
     const scene *of = p->scene;
     const plate *moving = &p->plates[k];
@@ -253,7 +310,7 @@ static void follow(moving_plates *p, size_t k, macro_solver *s)
     plate_drive_follow(p->motion, k, &p->drives[k], &load, t, until);
 }
 
-void moving_plates_update(moving_plates *p, macro_solver *s)
+void moving_field_update(moving_field *p, macro_solver *s)
 {
     const scene *of = p->scene;
     swept_cells_plate sweep;
@@ -261,9 +318,15 @@ void moving_plates_update(moving_plates *p, macro_solver *s)
     for (size_t k = 0; k < of->n_obstacles; k++)
         if (p->plates[k].n_steps > 0 && macro_steps(s) % p->plates[k].n_steps == 0)
             follow(p, k, s);
+    const bool reverses = find_directions(p, macro_steps(s));
     find_places(p, macro_time(s), p->after);
-    if (!is_due(p, macro_time(s)))
+    if (!is_due(p, macro_time(s))) {
+        if (reverses) {
+            velocity_field_update(p->field, &p->now);
+            macro_set_field(s, p->field, p->belts);
+        }
         return;
+    }
     for (size_t k = 0; k < of->n_obstacles; k++)
         p->before[k] = p->plates[k].place;
     swept_cells_begin(p->swept, p->field);
@@ -274,16 +337,18 @@ void moving_plates_update(moving_plates *p, macro_solver *s)
     for (size_t k = 0; k < of->n_obstacles; k++)
         if (find_sweep(p, k, &sweep))
             swept_cells_hand_on(p->swept, &sweep, p->field, full_density(of), s);
-    macro_set_field(s, p->field);
+    macro_set_field(s, p->field, p->belts);
 }
 
-void moving_plates_save(const moving_plates *p, checkpoint_writer *w)
+void moving_field_save(const moving_field *p, checkpoint_writer *w)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
         checkpoint_write(w, &p->plates[k].place, sizeof p->plates[k].place);
+    if (p->directions != NULL)
+        checkpoint_write(w, p->directions, p->scene->n_belts);
 }
 
-bool moving_plates_load(moving_plates *p, macro_solver *s, checkpoint_reader *r)
+bool moving_field_load(moving_field *p, macro_solver *s, checkpoint_reader *r)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
         if (!checkpoint_read(r, &p->after[k], sizeof p->after[k]) ||
@@ -291,7 +356,14 @@ bool moving_plates_load(moving_plates *p, macro_solver *s, checkpoint_reader *r)
             !isfinite(p->after[k].at.shift.y) ||
             (p->after[k].presence != 0.0 && p->after[k].presence != 1.0))
             return false;
+    if (p->directions != NULL && !checkpoint_read(r, p->directions, p->scene->n_belts))
+        return false;
+    for (size_t k = 0; p->directions != NULL && k < p->scene->n_belts; k++)
+        if (p->directions[k] != 1 && p->directions[k] != -1)
+            return false;
+    if (p->directions != NULL)
+        set_directions(p);
     set_places(p, p->after);
-    macro_set_field(s, p->field);
+    macro_set_field(s, p->field, p->belts);
     return true;
 }
