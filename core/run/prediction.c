@@ -88,6 +88,8 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     const double cells = steps / (grid.d1 * grid.d2) / load->time;
     const bool is_everywhere = s->macro.heaviside != SCENE_HEAVISIDE_SHARP;
     const double area = grid.d1 * grid.d2 * (double)grid_cells(&grid) * load->time;
+    // On a single belt without plates a heap goes on as dense as it was placed.
+    const bool may_jam = s->n_obstacles > 0 || s->n_belts > 1;
     double *amounts = work->amounts;
 
     work->kind = s->macro.closure == SCENE_CONGESTED     ? PREDICTION_CONGESTED
@@ -100,12 +102,15 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     amounts[belt_are_forward(s->n_belts, s->belts) ? PREDICTION_RELAXED : PREDICTION_COUPLED] =
         work->kind == PREDICTION_CONGESTED ? load->relaxed : 0.0;
     amounts[PREDICTION_FIELD_CELLS] = load->fields * (double)grid_cells(&grid);
-    amounts[PREDICTION_SAMPLE_CELLS] = load->area / (grid.d1 * grid.d2) / s->output.curve_every;
+    if (s->n_feeds > 0)
+        amounts[PREDICTION_SAMPLE_CELLS] = load->area / (grid.d1 * grid.d2) / s->output.curve_every;
     amounts[PREDICTION_TRACER_STEPS] = load->tracers / load->time * steps;
     if (work->kind != PREDICTION_CONGESTED)
         amounts[PREDICTION_SATURATED_STEPS] =
-            (is_everywhere ? area : load->saturated_area) * cells *
-            mollifier_reach(s->macro.mollifier, scene_cell_edge(s));
+            (is_everywhere ? area
+             : may_jam     ? load->saturated_area
+                           : 0.0) *
+            cells * mollifier_reach(s->macro.mollifier, scene_cell_edge(s));
 }
 
 static bf_status set_micro(const scene *s, const prediction_load *load, prediction_work *work,

@@ -42,7 +42,7 @@ typedef enum prediction_term {
     PREDICTION_RELAXED, ///< congested closure: cells whose pressure is relaxed, each time that one is
     PREDICTION_COUPLED,      ///< same, where belts do not all run along x1
     PREDICTION_FIELD_CELLS,  ///< cells of all fields that are made of plates that move
-    PREDICTION_SAMPLE_CELLS, ///< cells that cargo covers of all samples
+    PREDICTION_SAMPLE_CELLS, ///< with feeds, cells that cargo covers of all samples
     PREDICTION_TRACER_STEPS, ///< tracers of cargo's time, times steps
     PREDICTION_PART_STEPS,   ///< parts in the domain times steps
     PREDICTION_ROUND_STEPS,  ///< of them, cylinders in space, which roll
