@@ -34,8 +34,8 @@ test("a line is made from nothing, without JSON, and solved in both models", asy
   assert.deepEqual(domain, { x_m: [0, 1.5], y_m: [0, 0.5] });
   assert.equal(cargo.goods, "pet-500");
   assert.equal(name, "My line");
-  // 70 % of the width by default, at 60 degrees; the angle turns it about its end.
-  assert.deepEqual(obstacles, [{ id: "plate-1", end_m: [1.2, 0.35], angle_deg: 50, length_m: 0.404145 }]);
+  // 70 % of the width by default; it is turned about its end, and its foot stays at the side: 0.35 m / sin 50 degrees.
+  assert.deepEqual(obstacles, [{ id: "plate-1", end_m: [1.2, 0.35], angle_deg: 50, length_m: 0.456892551 }]);
   assert.deepEqual(feeds, [{ id: "feed-1", edge: "west", rate_per_s: 20, arrivals: "poisson" }]);
   await page.getByRole("button", { name: "Run both models" }).click();
   await page.waitForURL(/#\/compare\?runs=/);

@@ -3,7 +3,7 @@
 
 import { h, setText } from "../dom.js";
 import { listsOf, schemaOfLine } from "./schema.js";
-import { freshId, idsOf, kindOf, middleOf, mirrored, movedBy, nameOfThing, rename, turned } from "./things.js";
+import { freshId, idsOf, keepAtSide, kindOf, middleOf, mirrored, movedBy, nameOfThing, rename, turned } from "./things.js";
 import { ThingForm, valueAt } from "./thing_form.js";
 
 const LINE = { list: "" }; // the line as a whole, without what stands on it
@@ -157,8 +157,9 @@ export class Board {
     const named = path[0] === "cargo" && list === LINE.list ? "kinds" : list;
     const idIn = (item) => (path.at(-1) === "id" ? valueAt(item, path) : undefined);
     this.onChange((scenario) => {
-      const item = this.chosenIn(scenario), before = idIn(item);
+      const item = this.chosenIn(scenario), before = idIn(item), old = structuredClone(item);
       edit(item);
+      if (list === "obstacles" && path.join() === "angle_deg") keepAtSide(item, old, scenario.domain);
       const after = idIn(item);
       if (before !== undefined && after !== undefined) rename(scenario, named, before, after);
     }, path.length > 0 ? `${list} ${k} ${path}` : null);

@@ -123,6 +123,16 @@ export function rename(scenario, list, from, to) {
   }
 }
 
+const AT_SIDE_M = 1e-6;
+
+// A plate whose foot stood at a side of the line, and which is turned, has it there again: it is as long as that takes. old: as it was.
+export function keepAtSide(plate, old, { y_m: sides }) {
+  const was = plateOf(old);
+  const side = was && sides.find((y) => Math.abs(y - was.from[1]) < AT_SIDE_M);
+  const length = (was?.to[1] - side) / Math.sin((plate.angle_deg * Math.PI) / 180);
+  if (length > 0 && Number.isFinite(length)) plate.length_m = tidy(length);
+}
+
 const POINTS = ["end_m", "from_m", "to_m", "pivot_m", "centre_m"];
 const ANGLES = ["angle_deg", "from_deg", "to_deg"];
 const LISTS = ["path_m", "polygon_m", "line_m"];
