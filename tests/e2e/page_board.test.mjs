@@ -285,11 +285,26 @@ test("a curve goes on from the belt, with a gate, an eye and a belt that merges"
   await press("+ Curve");
   await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
   // The belt of 2 x 0.6 m stays as it is; the curve is as wide, around a centre 0.3 m beside its end.
-  const { belts, domain, feeds } = await scenarioIn(page);
+  const { belts, domain, feeds, edges } = await scenarioIn(page);
+  assert.deepEqual(edges, { north: "outflow" });
   assert.deepEqual(belts, [{ id: "belt-1", velocity_m_s: [0.4, 0], polygon_m: [[0, 0], [2, 0], [2, 0.6], [0, 0.6]] },
     { id: "belt-2", velocity_m_s: [0.4, 0], arc: { centre_m: [2, 0.9], inner_radius_m: 0.3, outer_radius_m: 0.9, from_deg: -90, to_deg: 0 } }]);
   assert.deepEqual([domain, feeds[0].y_m], [{ x_m: [0, 2.9], y_m: [0, 0.9] }, [0, 0.6]]);
   await assertAccessible(page, "a curve");
+
+  // Another belt brings cargo from the side; the gate, the eye and the rule are ready as they are added.
+  await press("+ Belt");
+  assert.deepEqual((await scenarioIn(page)).belts[2], { id: "belt-3", velocity_m_s: [0, -0.4], polygon_m: [[0.6, 0.6], [1, 0.6], [1, 0.9], [0.6, 0.9]] });
+  await press("+ Feed on a line");
+  assert.deepEqual((await scenarioIn(page)).feeds[1].line_m, [[0.66, 0.81], [0.94, 0.81]]);
+  for (const name of ["+ Gate", "+ Photo eye", "+ Rule"]) await press(name);
+  await page.getByRole("button", { name: "Rule When eye-1 is blocked: stop belt-1" }).waitFor();
+  await page.getByLabel("Duration").fill("2");
+  await page.getByLabel("Warm-up").fill("0");
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+  await page.getByRole("button", { name: "Run both models" }).click();
+  await page.waitForURL(/#\/compare\?runs=/);
+  await page.locator('.pill[data-state="succeeded"]').nth(1).waitFor();
 });
 
 // A DXF file: pairs of a code and a value. Millimetres; a block of an outline of 1,000 x 400, which holds itself, inserted at (500, 100).

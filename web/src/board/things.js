@@ -26,20 +26,32 @@ const plateAcross = (domain) => ({ from_m: across(domain, 0.6)[0], to_m: across(
 const beside = ({ x_m: xs, y_m: ys }) => ({ from_m: [at(xs, 0.4), at(ys, 0.05)], to_m: [at(xs, 0.6), at(ys, 0.05)] });
 const guide = ({ x_m: xs, y_m: ys }) => ({ from_m: [at(xs, 0.1), at(ys, 0.3)], to_m: [at(xs, 0.9), at(ys, 0.3)] });
 
-function middleThird({ x_m: xs, y_m: ys }) {
-  const [left, right] = [at(xs, 1 / 3), at(xs, 2 / 3)];
-  return [[left, ys[0]], [right, ys[0]], [right, ys[1]], [left, ys[1]]];
+const rectangle = ([left, right], [low, high]) => [[left, low], [right, low], [right, high], [left, high]];
+
+// A belt that brings cargo from the left onto the first one, where the line is wider than that; else the middle third.
+function belt({ x_m: xs, y_m: ys }, ids, { belts: [first] }) {
+  const side = Math.max(...(first.polygon_m ?? []).map(([, y]) => y));
+  if (side > ys[0] && side < ys[1]) return { velocity_m_s: [0, -0.4], polygon_m: rectangle([at(xs, 0.2), at(xs, 0.35)], [side, ys[1]]) };
+  return { velocity_m_s: [0.4, 0], polygon_m: rectangle([at(xs, 1 / 3), at(xs, 2 / 3)], ys) };
+}
+
+// Across the beginning of a belt that belt() made at the side, else null.
+function beginOf({ polygon_m: outline = [], velocity_m_s: [vx, vy] = [] } = {}) {
+  if (outline.length !== 4 || vx !== 0 || !(vy < 0)) return null;
+  const [xs, ys] = [0, 1].map((axis) => outline.map((corner) => corner[axis])).map((all) => [Math.min(...all), Math.max(...all)]);
+  return [0.15, 0.85].map((share) => [at(xs, share), at(ys, 0.7)]);
 }
 
 // A quarter of a ring to the left. It goes on from a belt that runs along the whole line: the belt gets the outline that it has there,
-// and the line grows by the curve. Else it stands in the middle.
-function curve(domain, ids, { belts: [belt, ...others], feeds = [] }) {
-  const { x_m: xs, y_m: ys } = domain;
+// and the line grows by the curve, over whose end cargo leaves. Else it stands in the middle.
+function curve(domain, ids, scenario) {
+  const { x_m: xs, y_m: ys } = domain, { belts: [belt, ...others], feeds = [] } = scenario;
   const [vx, vy] = belt.velocity_m_s;
   if (others.length === 0 && vx > 0 && vy === 0 && !belt.polygon_m && !belt.arc && !belt.path_m) {
     const width = ys[1] - ys[0], inner = tidy(width / 2, 4), outer = tidy(inner + width, 4);
-    belt.polygon_m = [[xs[0], ys[0]], [xs[1], ys[0]], [xs[1], ys[1]], [xs[0], ys[1]]];
+    belt.polygon_m = rectangle(xs, ys);
     for (const feed of feeds) if (feed.edge === "west") feed.y_m ??= [...ys];
+    scenario.edges = { ...scenario.edges, north: "outflow" };
     Object.assign(domain, { x_m: [xs[0], tidy(xs[1] + outer, 4)], y_m: [ys[0], tidy(ys[1] + inner, 4)] });
     return { velocity_m_s: [vx, 0], arc: { centre_m: [xs[1], domain.y_m[1]], inner_radius_m: inner, outer_radius_m: outer, from_deg: -90, to_deg: 0 } };
   }
@@ -52,12 +64,12 @@ function curve(domain, ids, { belts: [belt, ...others], feeds = [] }) {
 // ids(list) are those that can be named; needs: a list that must have something.
 const known = {
   belts: { one: "Belt", stem: "belt", first: [{ id: "main", velocity_m_s: [0.395, 0] }],
-    makes: [["Belt", (domain) => ({ velocity_m_s: [0.4, 0], polygon_m: middleThird(domain) })], ["Curve", curve]] },
+    makes: [["Belt", belt], ["Curve", curve]] },
   obstacles: { one: "Plate", stem: "plate", makes: [["Deflector", deflector], ["Guide", guide],
     ["Gate", (domain) => ({ ...plateAcross(domain), present: GATE })], ["Flap", (domain) => ({ ...deflector(domain), motion: FLAP })],
     ["Pusher", (domain) => ({ ...beside(domain), motion: PUSHER(domain) })]] },
   feeds: { one: "Feed", stem: "feed", makes: [["Feed", () => ({ edge: "west", rate_per_s: 5, arrivals: "poisson" })],
-    ["Feed on a line", (domain) => ({ line_m: across(domain, 0.1), rate_per_s: 5, arrivals: "poisson" })]] },
+    ["Feed on a line", (domain, ids, { belts = [] }) => ({ line_m: beginOf(belts.at(-1)) ?? across(domain, 0.1), rate_per_s: 5, arrivals: "poisson" })]] },
   counters: { one: "Counter", stem: "counter", first: [{ id: "upstream" }],
     makes: [["Counter", ({ x_m: xs }) => ({ x_m: [xs[0], at(xs, 0.5)] })]] },
   photo_eyes: { one: "Photo eye", stem: "eye",
