@@ -39,6 +39,11 @@ test("a line is made from nothing, without JSON, and solved in both models", asy
   assert.deepEqual(feeds, [{ id: "feed-1", edge: "west", rate_per_s: 20, arrivals: "poisson" }]);
   await page.getByRole("button", { name: "Run both models" }).click();
   await page.waitForURL(/#\/compare\?runs=/);
+  // Above all numbers stands what the server says of the two.
+  await page.locator('.pill[data-state="succeeded"]').nth(1).waitFor();
+  const [, a, b] = /runs=([^,&]+),([^,&]+)/.exec(decodeURIComponent(page.url()));
+  const [{ text }] = (await d.get(`/v1/compare?a=${a}&b=${b}`)).json.verdicts;
+  await page.locator(".verdict", { hasText: text.slice(0, 20) }).first().waitFor();
 });
 
 test("what was drawn is undone by keys, outlasts a reload, and goes into a file and back", async (t) => {

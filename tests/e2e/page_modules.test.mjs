@@ -6,7 +6,7 @@ import test from "node:test";
 import { cargoOf } from "../../web/src/cargo.js";
 import { chipsOf, differences, nameOfVariant } from "../../web/src/differences.js";
 import { Equipment, isPresentAt, placeAt } from "../../web/src/equipment.js";
-import { fileNameOf, fixed, parts, quantity, readable } from "../../web/src/format.js";
+import { fileNameOf, fixed, number, parts, quantity, readable } from "../../web/src/format.js";
 import { areaOf, beltOutline, beltVelocity, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson } from "../../web/src/json_text.js";
 import { residenceOf } from "../../web/src/key_figures.js";
@@ -83,6 +83,8 @@ test("an arc moves along its circle, at its speed in the middle, and nowhere els
 });
 
 test("numbers and places of messages are written for people", () => {
+  // Of axes, too, which have six digits.
+  assert.deepEqual([0, 1000, 1000000, 2.5].map((value) => number(value, 6)), ["0", "1,000", "1,000,000", "2.5"]);
   assert.deepEqual([parts(-1e-12), parts(1.686e-12), parts(173.25), fixed(-0.001, 1), quantity(-3e-13, "parts").replace(/\s/, " ")],
     ["0", "0", "173.3", "0.0", "0 parts"]);
   assert.equal(readable("-9.2 % (-3 to 5) on 2026-11-26"), "−9.2 % (−3 to 5) on 2026-11-26");

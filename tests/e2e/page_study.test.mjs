@@ -88,6 +88,11 @@ test("a study is begun by the form, shows what it finds, and its points open the
   await page.getByRole("button", { name: "Solve these 4 again and show" }).click();
   await page.getByRole("link", { name: "angle 90°, open the run" }).waitFor();
   await page.waitForFunction(() => [...document.querySelectorAll(".pictures img")].filter((image) => image.naturalWidth > 0).length === 4);
+  // A trial has no pictures, and so none to be played.
+  await page.getByRole("link", { name: "Its runs" }).click();
+  await page.locator("td.name a").first().click();
+  await page.getByText("Trials keep no snapshots: press its point in the study.").waitFor();
+  assert.ok(await page.getByRole("button", { name: "Play", exact: true }).isDisabled());
   await visit(page, "#/studies");
   await page.getByRole("link", { name: "Parts inside, mean" }).waitFor();
   await page.getByRole("cell", { name: "4 trials" }).waitFor();

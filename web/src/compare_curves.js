@@ -148,7 +148,7 @@ export class CompareCurves {
     this.measured = list;
     note({ measured: list.map(({ id }) => id).join(",") });
     this.laid.replaceChildren(...list.map((curve) => h("li", { class: "chip" }, `${curve.label} · ${curve.counter}`,
-      h("button", { type: "button", class: "bare", on: { click: () => this.shift(curve) } }, "Shift …"),
+      h("button", { type: "button", class: "quiet", on: { click: () => this.shift(curve) } }, "Shift …"),
       iconButton("close", `Remove ${curve.label}`, () => this.setMeasured(this.measured.filter(({ id }) => id !== curve.id)), { class: "bare" }))));
     this.show();
     this.onChange();

@@ -11,7 +11,7 @@ const STYLE = `body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2r
 h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:1.6rem}h3{font-size:1rem}img{max-width:100%;display:block}section{break-inside:avoid}
 dl{display:grid;grid-template-columns:repeat(auto-fill,minmax(11rem,1fr));gap:.8rem}dl div{min-width:0}dt,.hint,small,figcaption,footer{color:#52606d;font-size:.85rem}
 dd{margin:0}dd>span{display:block}small{margin:0 .4rem}.plot-legend{list-style:none;padding:0}.plot-legend b{margin-left:.4rem}ul{padding-left:1.2rem}table{border-collapse:collapse;width:100%}td,th{border-bottom:1px solid #d5dbe1;padding:.3rem .5rem;text-align:left;vertical-align:top}
-.verdict{font-weight:600}footer{margin-top:2rem;border-top:1px solid #d5dbe1}pre{white-space:pre-wrap;font-size:.75rem}svg.icon{display:none}summary .hint{margin-left:.5rem}svg path{stroke-width:3}`;
+.verdict{font-weight:600}footer{margin-top:2rem;border-top:1px solid #d5dbe1}pre{white-space:pre-wrap;font-size:.75rem}svg.icon{display:none}summary{list-style:none}summary .hint{margin-left:.5rem}svg path{stroke-width:3}`;
 
 const place = (k) => h("span", { "data-drawing": String(k) });
 
@@ -26,7 +26,7 @@ function stillOf(element, drawings) {
   for (const part of copy.querySelectorAll("[style]")) part.removeAttribute("style");
   for (const anchor of copy.querySelectorAll("a[href]")) anchor.href = new URL(anchor.getAttribute("href"), location.href).href;
   for (const part of copy.querySelectorAll(CONTROLS)) part.remove();
-  for (const fold of copy.querySelectorAll("details")) fold.open = true;
+  for (const fold of [copy, ...copy.querySelectorAll("details")]) if (fold.localName === "details") fold.open = true;
   return copy;
 }
 

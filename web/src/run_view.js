@@ -255,7 +255,7 @@ export class RunView {
     const problem = reel.problemAt(this.cinema.player.t);
     if (problem) return problem.message;
     if (run.status === "queued") return "Waiting for its turn …";
-    if (snapshots.length === 0) return isOver(run) ? "There are no snapshots." : "Waiting for the first snapshot …";
+    if (snapshots.length === 0) return run.study ? "Trials keep no snapshots: press its point in the study." : isOver(run) ? "There are no snapshots." : "Waiting for the first snapshot …";
     return stage.picture === null ? "Loading …" : "";
   }
 }
