@@ -73,8 +73,8 @@ void congested_reset(macro_solver *s);
 /// BF_ENUMERIC if cargo is packed to more than twice what it can be: it has no way out.
 BF_MUST_CHECK bf_status congested_check(const macro_solver *s, bf_error *err);
 
-/// Bring the laws of the faces to the belts' speeds: of all faces where those have changed, else of faces that have.
-void congested_update(macro_solver *s, bool have_changed);
+/// Bring the laws of the faces to the belts' speeds, where those or the faces have changed.
+void congested_update(macro_solver *s);
 
 /// Let the faces have the apertures, transverse velocities and belts of *def, after the solver's own were set.
 void congested_set_faces(macro_solver *s, const macro_def *def);

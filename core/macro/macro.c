@@ -426,7 +426,7 @@ void macro_step(macro_solver *s)
 
     if (s->congested != NULL) {
         if (has_changed)
-            congested_update(s, true);
+            congested_update(s);
         congested_step(s);
         swap_states(s);
     } else {

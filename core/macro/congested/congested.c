@@ -146,16 +146,16 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
             return false;
     }
     c->belts = memory_alloc(def->n_belts + 1, sizeof *c->belts);
-    c->lateral = memory_alloc(def->n_belts + 1, sizeof *c->lateral);
     c->fastest = memory_alloc(def->n_belts + 1, sizeof *c->fastest);
     c->slope_ratio = memory_alloc(def->n_belts + 1, sizeof *c->slope_ratio);
     c->onto = memory_alloc(def->n_belts + 1, sizeof *c->onto);
     c->drives = memory_alloc(def->n_belts + 1, sizeof *c->drives);
-    if (c->belts == NULL || c->lateral == NULL || c->fastest == NULL || c->slope_ratio == NULL ||
+    c->is_changed = memory_alloc(def->n_belts + 1, sizeof *c->is_changed);
+    if (c->belts == NULL || c->is_changed == NULL || c->fastest == NULL || c->slope_ratio == NULL ||
         c->onto == NULL || c->drives == NULL)
         return false;
     for (size_t k = 0; k <= def->n_belts; k++)
-        c->drives[k] = (congested_drives){ 1.0, 1.0, 1.0, 0.0 };
+        c->drives[k] = (congested_drives){ 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0 };
     copy_belts(def, c);
     memcpy(c->closed_edge, def->one_way, sizeof c->closed_edge);
     return true;
@@ -243,6 +243,13 @@ static bool lay_out_stage(const macro_solver *s, congested *c)
     return true;
 }
 
+// The laws of all faces are to be made.
+static void set_stale(const macro_solver *s)
+{
+    for (int axis = 0; axis < 2; axis++)
+        memset(s->congested->is_stale[axis], true, (size_t)(s->n2 + axis) * sizeof(bool));
+}
+
 bf_status congested_create(macro_solver *s, const macro_def *def, congested **ret_congested)
 {
     congested *c = memory_alloc(1, sizeof *c);
@@ -271,7 +278,8 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     }
     *ret_congested = s->congested = c;
     copy_faces(s, def);
-    congested_update(s, true);
+    set_stale(s);
+    congested_update(s);
     congested_reset(s);
     return BF_OK;
 }
@@ -299,10 +307,12 @@ static void limit_pressures(const macro_solver *s, congested *c)
 void congested_set_faces(macro_solver *s, const macro_def *def)
 {
     limit_pressures(s, s->congested);
-    if (def->belts != NULL)
+    if (def->belts != NULL) {
         copy_belts(def, s->congested);
+        set_stale(s);
+    }
     copy_faces(s, def);
-    congested_update(s, def->belts != NULL);
+    congested_update(s);
 }
 
 congested *congested_destroy(congested *c)
@@ -319,7 +329,7 @@ congested *congested_destroy(congested *c)
         memory_free(c->is_stale[axis]);
     }
     memory_free(c->belts);
-    memory_free(c->lateral);
+    memory_free(c->is_changed);
     memory_free(c->fastest);
     memory_free(c->slope_ratio);
     memory_free(c->onto);

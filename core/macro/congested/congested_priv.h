@@ -135,10 +135,12 @@ typedef struct congested_kernels {
     void (*make_coupling)(const macro_solver *s, const congested *c, ptrdiff_t row);
 } congested_kernels;
 
-/// What a belt drives cargo by, of what a level one does, times chi of congested.h; and tanh(lambda v_T/2) if it does not turn.
+/// A belt at its present speed. What it drives cargo by, of what a level one does, is times chi of congested.h.
 typedef struct congested_drives {
     double slower, faster, across; ///< cos(alpha) times 1 - tau, 1 + tau, 1
-    double grip;                   ///< of internal friction
+    double factor;                 ///< on its velocity
+    double speed, grip,
+        lateral; ///< if it does not turn: v_T, tanh(lambda v_T/2), most speed of cargo across it
 } congested_drives;
 
 /// The closure's state and what it precomputes.
@@ -147,8 +149,7 @@ struct congested {
     bool is_forward; ///< belts are level and run along +x1: each direction has a law of its own
     bool has_drives; ///< a belt is not level, or runs onto another one across it
     bool has_standing, has_moving; ///< a belt stands, and one moves
-    double jam_density;            ///< rho_j
-    double slip_rate;              ///< lambda, s/m
+    double jam_density, slip_rate; ///< rho_j; lambda, s/m
     double *aperture[2];           ///< open fraction of the x1- and x2-faces, layout of grid.h
     double *transverse[2];         ///< v_stat along these faces: its other component, m/s
     double *slide[2]; ///< v_stat across these faces times the aperture, at the factor 1, m/s
@@ -157,12 +158,12 @@ struct congested {
     bool *is_stale[2];           ///< per row: its faces have changed, and their laws have not
     uint16_t *belt[2];           ///< belt under these faces
     size_t n_belts;              ///< belts
-    scene_belt *belts;   ///< each, without corners and schedule, and one at rest off every belt
-    double *fastest;     ///< largest speed on each of them at the factor 1, m/s
-    double *lateral;     ///< most speed of cargo across each of them, m/s
-    double *slope_ratio; ///< tau of each of them (core/scene/belt_slope.h)
-    double *onto;        ///< speed of each across one that it runs onto, at the factor 1, m/s
+    scene_belt *belts; ///< each, without corners and schedule, and one at rest off every belt
+    double *fastest;   ///< largest speed on each of them at the factor 1, m/s
+    double *slope_ratio,
+        *onto; ///< tau of each (belt_slope.h); speed across one that it runs onto, at the factor 1, m/s
     congested_drives *drives; ///< of each now
+    bool *is_changed;         ///< these have, since the laws of their faces were made
     uint8_t closed_edge[4];   ///< west, east, south, north: nothing is corrected across it
     ptrdiff_t half_stride;    ///< floats from half row to half row
     float *storage;           ///< of all half rows
@@ -177,9 +178,8 @@ struct congested {
     ptrdiff_t first_row, last_row; ///< first row with active cells, and the one after the last
     double density_limit;          ///< density at which the run fails
     float ratio, steepness;        ///< dx1/dx2, and its square, by which pressures count along x2
-    float relaxation;              ///< omega dx1 / (2 (1 + ratio^2) dt)
+    float relaxation, lambda;      ///< omega dx1/(2 (1 + ratio^2) dt); dt/dx1
     float *relaxations[2]; ///< with has_drives, of cells: omega over the slopes of their laws
-    float lambda;          ///< dt/dx1
     congested_slot *slots; ///< two of each thread, used in turn
     macro_state stage;     ///< density after the first stage and its spans (muscl; else NULL)
     double *stage_storage; ///< of all rows below (muscl; else NULL)

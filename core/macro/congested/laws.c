@@ -17,24 +17,15 @@ static double grip_of(const congested *c, double speed)
     return tanh(0.5 * c->slip_rate * speed);
 }
 
-static congested_drives drives_of(const congested *c, size_t belt, double speed, double chi)
-{
-    const double level = chi * cos(c->belts[belt].incline), tau = c->slope_ratio[belt];
-
-    return (congested_drives){ level * (1.0 - tau), level * (1.0 + tau), level, grip_of(c, speed) };
-}
-
 // The belt's speed and v_stat at a face in the directions of the face: e its normal, t the left of e.
 typedef struct face_state {
     double scale;    // of fluxes: 1, or the ratio of the cells' edges
     double aperture; // 0 closed .. 1 open
     double belt_e;   // v_T
     double belt_t;
-    double lateral; // most across the belt, either way
-    double stat_e;  // v_stat
+    double stat_e; // v_stat
     double stat_t;
-    double grip;                    // grip_of() the belt's speed
-    const congested_drives *drives; // of the belt
+    const congested_drives *drives; // of the belt there
 } face_state;
 
 // Elements of the half rows that belong to a face.
@@ -57,14 +48,14 @@ static face_slot slot_of(const congested *c, int axis, ptrdiff_t i, ptrdiff_t j)
 static void set_across(const congested *c, const face_slot *f, const face_state *x, double speed,
                        double lateral)
 {
-    const double most = c->jam_density * x->lateral, open = x->scale * x->aperture;
+    const double most = c->jam_density * x->drives->lateral, open = x->scale * x->aperture;
 
     f->law->lower[f->at] = (float)(open * fmin(0.0, -most - c->jam_density * lateral));
     f->law->upper[f->at] = (float)(open * fmax(0.0, most - c->jam_density * lateral));
     f->law->full_slip[f->at] = (float)(c->jam_density * speed);
     // What is held back bears on its neighbours by what the belt drives it by, and gives way by its friction across.
     const double bearing = x->drives->slower / x->drives->across;
-    f->law->gain[f->at] = (float)(x->scale * 0.25 * friction * bearing * x->grip);
+    f->law->gain[f->at] = (float)(x->scale * 0.25 * friction * bearing * x->drives->grip);
     if (c->has_drives)
         f->law->sideways[f->at] = (float)(1.0 / x->drives->across);
 }
@@ -101,7 +92,7 @@ static void close_face(const congested *c, const face_slot *f, double speed)
 
 static void set_face(const congested *c, const face_slot *f, const face_state *x)
 {
-    const double speed = hypot(x->belt_e, x->belt_t);
+    const double speed = x->drives->speed;
 
     if (x->aperture == 0.0 || speed == 0.0) {
         close_face(c, f, speed);
@@ -132,29 +123,41 @@ static vec2 place_of(const bf_grid *g, int axis, ptrdiff_t i, ptrdiff_t j)
                    g->lower2 + ((double)j + (axis == 0 ? 0.5 : 0.0)) * g->d2 };
 }
 
+// What a belt that turns has at a place.
+static congested_drives drives_at(const congested *c, const congested_drives *of, vec2 v_t)
+{
+    congested_drives at = *of;
+
+    at.speed = hypot(v_t.x, v_t.y);
+    at.grip = grip_of(c, at.speed);
+    at.lateral = lateral_most * vec2_length(v_t);
+    return at;
+}
+
 static void set_axis(const macro_solver *s, const congested *c, int axis)
 {
     const ptrdiff_t n_columns = s->n1 + (axis == 0), n_rows = s->n2 + axis;
 
     for (ptrdiff_t j = 0; j < n_rows; j++) {
-        for (ptrdiff_t i = 0; c->is_stale[axis][j] && i < n_columns; i++) {
-            const size_t at = (size_t)(j * n_columns + i);
-            const size_t belt = c->belt[axis][at];
-            const double factor = s->factors[belt], aperture = c->aperture[axis][at];
+        for (ptrdiff_t i = 0; i < n_columns; i++) {
+            const size_t at = (size_t)(j * n_columns + i), belt = c->belt[axis][at];
+            if (!c->is_stale[axis][j] && !c->is_changed[belt])
+                continue;
             const scene_belt *under = &c->belts[belt];
+            const double factor = s->factors[belt], aperture = c->aperture[axis][at];
             const vec2 v_t =
                 vec2_scale(belt_velocity(under, place_of(&s->def.grid, axis, i, j)), factor);
+            const congested_drives drives =
+                under->turn == 0.0 ? c->drives[belt] : drives_at(c, &c->drives[belt], v_t);
             const face_slot f = slot_of(c, axis, i, j);
-            face_state x = {
+            const face_state x = {
                 .scale = axis == 0 ? 1.0 : (double)c->ratio,
                 .aperture = is_edge_closed(s, c, axis, i, j) ? 0.0 : aperture,
                 .belt_e = axis == 0 ? v_t.x : v_t.y,
                 .belt_t = axis == 0 ? v_t.y : -v_t.x,
-                .lateral = under->turn == 0.0 ? c->lateral[belt] : lateral_most * vec2_length(v_t),
                 .stat_e = aperture > 0.0 ? factor * c->slide[axis][at] / aperture : 0.0,
                 .stat_t = (axis == 0 ? 1.0 : -1.0) * factor * c->transverse[axis][at],
-                .grip = under->turn == 0.0 ? c->drives[belt].grip : grip_of(c, vec2_length(v_t)),
-                .drives = &c->drives[belt]
+                .drives = &drives
             };
             set_face(c, &f, &x);
         }
@@ -203,13 +206,9 @@ static void set_uniform(const macro_solver *s, congested *c)
                                 .gain = &others[2],
                                 .at_rest = &others[3] };
     const face_slot slot = { &law, 0 };
-    face_state x = { .scale = 1.0,
-                     .aperture = 1.0,
-                     .belt_e = speed,
-                     .lateral = c->lateral[0],
-                     .stat_e = speed,
-                     .grip = c->drives[0].grip,
-                     .drives = &c->drives[0] };
+    face_state x = {
+        .scale = 1.0, .aperture = 1.0, .belt_e = speed, .stat_e = speed, .drives = &c->drives[0]
+    };
 
     set_face(c, &slot, &x);
     if (speed == 0.0)
@@ -262,30 +261,39 @@ static double most_across(const macro_solver *s, const congested *c, size_t belt
     return most;
 }
 
-// What belts do at their present speeds.
-static void set_belts(const macro_solver *s, congested *c)
+static congested_drives drives_of(const macro_solver *s, const congested *c, size_t belt)
 {
-    c->has_standing = c->has_moving = false;
-    for (size_t k = 0; k < c->n_belts; k++) {
-        const double speed = s->factors[k] * vec2_length(c->belts[k].velocity);
-        const bool is_standing = speed == 0.0;
-        c->has_standing |= is_standing;
-        c->has_moving |= !is_standing;
-        c->lateral[k] = most_across(s, c, k);
-        // Cargo that is held back slips little on its own belt, where friction is lambda |slip|, and fast across one that it is
-        // pushed onto, where it is tanh(lambda |slip|); the laws are linear.
-        const double slip = c->slip_rate * s->factors[k] * c->onto[k];
-        c->drives[k] = drives_of(c, k, speed, slip > 0.0 ? slip / tanh(slip) : 1.0);
-    }
+    const double factor = s->factors[belt], tau = c->slope_ratio[belt];
+    const vec2 v = vec2_scale(c->belts[belt].velocity, factor);
+    const double speed = hypot(v.x, v.y);
+    // Cargo that is held back slips little on its own belt, where friction is lambda |slip|, and fast across one that it is
+    // pushed onto, where it is tanh(lambda |slip|); the laws are linear.
+    const double slip = c->slip_rate * factor * c->onto[belt];
+    const double chi = slip > 0.0 ? slip / tanh(slip) : 1.0;
+    const double level = chi * cos(c->belts[belt].incline);
+
+    return (congested_drives){ .slower = level * (1.0 - tau),
+                               .faster = level * (1.0 + tau),
+                               .across = level,
+                               .factor = factor,
+                               .speed = speed,
+                               .grip = grip_of(c, speed),
+                               .lateral = most_across(s, c, belt) };
 }
 
-void congested_update(macro_solver *s, bool have_changed)
+void congested_update(macro_solver *s)
 {
     congested *c = s->congested;
 
-    for (int axis = 0; have_changed && axis < 2; axis++)
-        memset(c->is_stale[axis], true, (size_t)(s->n2 + axis) * sizeof *c->is_stale[axis]);
-    set_belts(s, c);
+    c->has_standing = c->has_moving = false;
+    for (size_t k = 0; k < c->n_belts; k++) {
+        const congested_drives now = drives_of(s, c, k);
+        const bool is_standing = s->factors[k] * vec2_length(c->belts[k].velocity) == 0.0;
+        c->has_standing |= is_standing;
+        c->has_moving |= !is_standing;
+        c->is_changed[k] = memcmp(&now, &c->drives[k], sizeof now) != 0;
+        c->drives[k] = now;
+    }
     set_axis(s, c, 0);
     set_axis(s, c, 1);
     if (c->has_drives)
