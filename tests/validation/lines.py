@@ -3,7 +3,7 @@
 
 Lengths are in diameters d of the parts, times in d/v, v the speed of the belt, so that a row says what is the same for
 pills and for drums. Constants of the closure `congested` are chosen by the rows `development` alone; the rows `apart`
-are drawn at random, and nothing is fitted to them.
+are drawn at random, but for those of belts that run backwards, and nothing is fitted to them.
 """
 
 import math
@@ -46,6 +46,7 @@ class Line:
     ratio: float = 1.0  # speed of the second belt to that of the first
     incline: float = 0.0  # of the belt, degrees
     ramp: tuple = ()  # from where to where it has that incline, d, between level belts; (): everywhere
+    back: tuple = ()  # for how long the belt, or the one that takes cargo over, runs forward and back in turn, d/v; (): forward
 
     @property
     def name(self):
@@ -65,6 +66,8 @@ class Line:
             told.append(f"ratio {self.ratio:g}")
         if self.incline:
             told.append(f"incline {self.incline:g}" + (f" from {self.ramp[0]:g} to {self.ramp[1]:g}" if self.ramp else ""))
+        if self.back:
+            told.append(f"forward {self.back[0]:g}, back {self.back[1]:g}")
         return "; ".join(told)
 
     @property
@@ -113,8 +116,10 @@ class Line:
         ends = [s for path in paths for s, _ in path]
         length = max(ends + [0.0 if self.box else LENGTH - 8.0]) + 8.0
         warm_up, measured = (WARM_UP_OF_BOXES, MEASURED_OF_BOXES) if self.box else (WARM_UP, MEASURED)
-        placed = self.transfer(length) if self.layout == "transfer" else (
+        placed = self.shuttle() if self.layout == "shuttle" else self.transfer(length) if self.layout == "transfer" else (
             self.oblique(paths, length) if self.turned else self.straight(paths, length))
+        if self.back:
+            placed["belts"][-1].update(self.turns(warm_up + measured))
         arrivals = "regular" if self.load < 1.0 else "poisson"
         feed = {"arrivals": arrivals, "rate_per_s": round(self.load * self.opening * v / d, 5), **placed.pop("feed")}
         return {
@@ -125,6 +130,14 @@ class Line:
                          "conveyor_cargo": {"friction": self.belt}},
             "output": {"curve_every_s": round(unit, 5), "snapshot_every_s": round(40 * unit, 5)},
         }
+
+    def turns(self, until):
+        """What lets a belt run back for a while again and again."""
+        forward, back = self.back
+        starts = range(math.ceil(until / (forward + back)))
+        times = [k * (forward + back) + t for k in starts for t in (forward, forward + back)]
+        return {"acceleration_m_s2": 1, "deceleration_m_s2": 1,
+                "speed_schedule": {"t_s": [round(t * self.d / self.v, 5) for t in times], "factor": [-1, 1] * len(starts)}}
 
     def scaled(self, path):
         return [[round(s * self.d, 9), round(e * self.d, 9)] for s, e in path]
@@ -177,6 +190,22 @@ class Line:
                        "polygon_m": self.scaled([(at, 0), (east, 0), (east, north), (at, north)])}],
             "obstacles": [{"path_m": self.scaled([(at, w), (0, w)])}],
             "feed": {"edge": "west", "y_m": [round(0.5 * d, 6), round((w - 0.5) * d, 6)]},
+        }
+
+    def shuttle(self):
+        """A belt of the width `opening` onto the middle of another one, which hands on to either end; rails beside both."""
+        d, w, at = self.d, self.opening, 10.0
+        east, low, high, rail = at + w, at, at + w, 0.05
+        rails = [[(0, high + rail), (at - rail, high + rail), (at - rail, high + at)],
+                 [(0, low - rail), (at - rail, low - rail), (at - rail, 0)]]
+        return {
+            "domain": {"x_m": [0, east * d], "y_m": [0, (high + at) * d]},
+            "edges": {"west": "inflow", "east": "wall", "south": "outflow", "north": "outflow"},
+            "belts": [{"velocity_m_s": [self.v, 0], "polygon_m": self.scaled([(0, low), (at, low), (at, high), (0, high)])},
+                      {"velocity_m_s": [0, self.ratio * self.v],
+                       "polygon_m": self.scaled([(at, 0), (east, 0), (east, high + at), (at, high + at)])}],
+            "obstacles": [{"path_m": self.scaled(path)} for path in rails],
+            "feed": {"edge": "west", "y_m": [round((low + 0.6) * d, 6), round((high - 0.6) * d, 6)]},
         }
 
 
@@ -290,6 +319,12 @@ def apart():
             made.append(Line("apart", "lane", layout="rail" if k % 3 == 2 else "lane", angle=between(15, 85, 0),
                              opening=between(4, 9, 1), d=log_between(.02, .4), v=log_between(.1, 1.2), parts=between(.05, .6),
                              plates=between(.05, .5), belt=between(.3, .8)))
+    made += [Line("apart", "reverse", back=back, **row) for back, row in (
+        ((30, 5), dict(layout="none", opening=WIDTH, load=.4)), ((30, 5), dict()), ((30, 5), dict(d=.41)),
+        ((30, 5), dict(load=.4)), ((20, 8), dict(layout="funnel", angle=75, opening=7)),
+        ((40, 40), dict(layout="shuttle", opening=6, load=.3)), ((40, 40), dict(layout="shuttle", opening=6, load=.3, d=.41)),
+        ((40, 40), dict(layout="shuttle", opening=6, load=.7)), ((40, 40), dict(layout="shuttle", opening=6, load=.7, d=.41)),
+        ((30, 5), dict(box=1.33, opening=5.5, angle=60, **BOXES)))]
     return made
 
 

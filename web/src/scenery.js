@@ -112,7 +112,7 @@ function drawBelts(context, view, scenario, colors) {
     if (vx === 0 && vy === 0) return;
     const [x, y, angle] = [view.x(at[0]), view.y(at[1]), Math.atan2(-vy, vx)];
     const reverses = mayReverse(scenario, beltUnder(scenario, at));
-    const [dx, dy] = [Math.cos(angle), Math.sin(angle)].map((part) => (reverses ? 5 * ratio * part : 0));
+    const [dx, dy] = [Math.cos(angle), Math.sin(angle)].map((part) => (reverses ? 8 * ratio * part : 0));
     addChevron(path, x + dx, y + dy, angle, 6 * ratio);
     if (reverses) addChevron(path, x - dx, y - dy, angle + Math.PI, 6 * ratio);
   };
