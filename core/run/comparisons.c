@@ -45,6 +45,9 @@ const comparison_column comparisons_columns[COMPARISON_COLUMNS] = {
     AS_MANY(VALIDITY_FALLS),
     { VALIDITY_INCLINE, true, COMPARISON_DIFFERENCE, 5.0 },
     BY_DIFFERENCE(VALIDITY_INCLINE, 5.0),
+    BY_DIFFERENCE(VALIDITY_STAGGER, 2.0),
+    BY_RATIO(VALIDITY_RUN_OUT, 1.4),
+    AS_MANY(VALIDITY_BENDS),
 };
 
 static bool is_alike(const comparison_column *column, double a, double b)

@@ -25,7 +25,7 @@ typedef struct comparison_column {
     double tolerance;       ///< unit of the figure, or 1 or more of a ratio
 } comparison_column;
 
-enum { COMPARISON_COLUMNS = 27 };
+enum { COMPARISON_COLUMNS = 30 };
 
 extern const comparison_column comparisons_columns[COMPARISON_COLUMNS];
 

@@ -34,6 +34,9 @@
 /// From this share on parts that arrive by chance queue now and then.
 #define QUEUES 0.5
 
+/// Part diameters of belt behind a plate beyond which more of it changes nothing.
+#define LONG_ENOUGH 8.0
+
 /// Parts within which a queue may stop for good.
 #define BRIDGED_WITHIN 1000.0
 
@@ -167,7 +170,14 @@ static void note_heap(findings *f, const layout *of)
     if (isfinite(width))
         note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
              of->opening.index);
-    if (f->s->n_feeds == 0 || f->rate >= QUEUES * full_rate(f, of))
+    const bool queues = f->s->n_feeds == 0 || f->rate >= QUEUES * full_rate(f, of);
+    if (queues && isfinite(of->stagger.value))
+        note(f, VALIDITY_STAGGER, of->stagger.value / f->diameter, "/obstacles/%zu",
+             of->stagger.index);
+    if (queues && isfinite(of->run_out.value))
+        note(f, VALIDITY_RUN_OUT, fmin(of->run_out.value / f->diameter, LONG_ENOUGH),
+             "/obstacles/%zu", of->run_out.index);
+    if (queues)
         note(f, VALIDITY_BRIDGES, 100.0 * bridges_of(f->s, of, f->diameter, BRIDGED_WITHIN),
              "/obstacles/%zu", of->opening.index);
     if (width > 0.0 && isfinite(width))

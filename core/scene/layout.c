@@ -417,6 +417,24 @@ static bool closes_but_for_gaps(measuring *m)
     return closes;
 }
 
+/// The way along a belt to the side where it leaves the domain, m; INFINITY: a wall is there.
+static double way_out(const measuring *m, vec2 from, vec2 belt)
+{
+    const vec2 ahead = vec2_scale(belt, 1.0 / vec2_length(belt));
+    double nearest = INFINITY;
+    bool is_open = false;
+
+    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
+        const double approach = -vec2_dot(ahead, surroundings_side(&m->around, side).inward);
+        const double distance = fmax(-surroundings_excess(&m->around, side, from), 0.0);
+        if (approach <= RIGHT_ANGLE || distance >= nearest * approach)
+            continue;
+        nearest = distance / approach;
+        is_open = !is_wall(m, side);
+    }
+    return is_open ? nearest : INFINITY;
+}
+
 static void measure_plates(const measuring *m, layout *out)
 {
     size_t last = SIZE_MAX, last_of_all = SIZE_MAX;
@@ -431,15 +449,43 @@ static void measure_plates(const measuring *m, layout *out)
         last = p->obstacle;
         const bool closes = closes_domain(m, body_of(m, k));
         const double acute = angle_of(p->along, p->belt);
-        const double angle = !closes && ends_in_corner(m, p) ? 180.0 - acute : acute;
+        const bool is_corner = !closes && ends_in_corner(m, p);
+        const double angle = is_corner ? 180.0 - acute : acute;
+        const vec2 tip = vec2_dot(p->along, p->belt) > 0.0 ? p->end : p->start;
+        const double way = way_out(m, tip, p->belt);
         if (closes)
             out->opening = (layout_figure){ 0.0, p->obstacle };
         if (angle < out->least.value)
             out->least = (layout_figure){ angle, p->obstacle };
         if (angle > out->greatest.value)
             out->greatest = (layout_figure){ angle, p->obstacle };
+        if (!is_corner && way < out->run_out.value)
+            out->run_out = (layout_figure){ way, p->obstacle };
     }
     out->n_guides -= out->n_plates;
+}
+
+static void measure_stagger(const measuring *m, layout *out)
+{
+    double nearest = INFINITY;
+    vec2 on_p, on_q;
+
+    for (size_t k = 0; k < m->n; k++) {
+        const piece *p = &m->pieces[k];
+        for (size_t i = 0; i < k; i++) {
+            const piece *q = &m->pieces[i];
+            if (!p->deflects || !q->deflects || body_of(m, k) == body_of(m, i) ||
+                !may_be_within(p, q, nearest))
+                continue;
+            const double way =
+                polygon_distance(p->corners, CORNERS, q->corners, CORNERS, &on_p, &on_q);
+            const double along =
+                fabs(vec2_dot(vec2_sub(on_q, on_p), p->belt)) / vec2_length(p->belt);
+            if (way < nearest)
+                out->stagger = (layout_figure){ along, p->obstacle };
+            nearest = fmin(nearest, way);
+        }
+    }
 }
 
 static void measure_walls(const measuring *m, layout *out)
@@ -470,7 +516,10 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
                     .closed_gap = fmax(0.5 * scene_cell_edge(s), SCENE_LENGTH_MIN),
                     .opening = { INFINITY, 0 },
                     .gap = { INFINITY, 0 } };
-    layout out = { .least = { INFINITY, 0 }, .greatest = { -INFINITY, 0 } };
+    layout out = { .least = { INFINITY, 0 },
+                   .greatest = { -INFINITY, 0 },
+                   .stagger = { INFINITY, 0 },
+                   .run_out = { INFINITY, 0 } };
 
     for (size_t k = 0; k < s->n_obstacles; k++)
         out.n_pieces += s->obstacles[k].n_points - 1;
@@ -494,6 +543,7 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
         out.gap = m.gap;
         measure_bends(&m, &out);
         measure_plates(&m, &out);
+        measure_stagger(&m, &out);
         measure_walls(&m, &out);
         if (out.opening.value > 0.0 && isfinite(out.gap.value) &&
             (isinf(out.opening.value) || closes_but_for_gaps(&m)))

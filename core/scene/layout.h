@@ -10,6 +10,9 @@
 ///              walls, joined by plates and such gaps, leave, or where there is nothing else. What lies behind a
 ///              plate, where no belt brings cargo and nothing ahead would spread it to, is none; nor is one
 ///              between guides, or a guide and a wall, to which no belt brings cargo
+///     stagger  how far two bodies with plates are apart along the belt where they are nearest to each other: 0 where the ends of a
+///              funnel's plates are opposite each other
+///     run-out  the way along the belt from the downstream end of a plate, unless that is a corner, to where the domain ends
 ///
 /// Plates are solid with their thickness, and are looked at as far as they lie in the domain, or beyond a
 /// side where cargo flows in. Pieces along their belt are guides: they bound openings and deflect nothing. A gap at a wall of at most half a
@@ -37,15 +40,17 @@ typedef struct layout_figure {
 
 /// Figures of a layout. Those of plates are only valid if n_plates > 0.
 typedef struct layout {
-    size_t n_pieces;          ///< straight pieces of all plates
-    bool is_measured;         ///< pieces and steps are within limits; else nothing below is known
-    size_t n_plates;          ///< obstacles with a piece that deflects cargo
-    size_t n_guides;          ///< obstacles whose pieces all run along their belts
-    layout_figure least;      ///< smallest angle of such a piece; index of the obstacle
-    layout_figure greatest;   ///< largest angle of such a piece; index of the obstacle
-    layout_figure bends;      ///< most bends of a plate; index of the obstacle
-    layout_figure opening;    ///< the narrowest, m, INFINITY: none; index of an obstacle at it
-    layout_figure gap;        ///< the same of gaps that no part fits through
+    size_t n_pieces;        ///< straight pieces of all plates
+    bool is_measured;       ///< pieces and steps are within limits; else nothing below is known
+    size_t n_plates;        ///< obstacles with a piece that deflects cargo
+    size_t n_guides;        ///< obstacles whose pieces all run along their belts
+    layout_figure least;    ///< smallest angle of such a piece; index of the obstacle
+    layout_figure greatest; ///< largest angle of such a piece; index of the obstacle
+    layout_figure bends;    ///< most bends of a plate; index of the obstacle
+    layout_figure opening;  ///< the narrowest, m, INFINITY: none; index of an obstacle at it
+    layout_figure gap;      ///< the same of gaps that no part fits through
+    layout_figure stagger;  ///< of the two nearest to each other, m, INFINITY: no two; index of one
+    layout_figure run_out;  ///< the least, m, INFINITY: to walls alone; index of the obstacle
     layout_figure wall_angle; ///< largest angle at which a belt runs against a wall, 0: none does;
                               ///< index of the side
 } layout;

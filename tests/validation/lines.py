@@ -45,6 +45,8 @@ class Line:
     foot: float = 20.0  # of belt upstream of the plates, d
     ratio: float = 1.0  # speed of the second belt to that of the first
     incline: float = 0.0  # of the belt, degrees
+    stagger: float = 0.0  # by which the end of the second plate of "staggered" is farther down the belt, d
+    behind: float = 8.0  # of belt behind the plates, d
     ramp: tuple = ()  # from where to where it has that incline, d, between level belts; (): everywhere
     back: tuple = ()  # for how long the belt, or the one that takes cargo over, runs forward and back in turn, d/v; (): forward
 
@@ -64,6 +66,10 @@ class Line:
             told.append(f"turned {self.turned:g}")
         if self.ratio != 1.0:
             told.append(f"ratio {self.ratio:g}")
+        if self.stagger:
+            told.append(f"stagger {self.stagger:g}")
+        if self.behind != 8.0:
+            told.append(f"behind {self.behind:g}")
         if self.incline:
             told.append(f"incline {self.incline:g}" + (f" from {self.ramp[0]:g} to {self.ramp[1]:g}" if self.ramp else ""))
         if self.back:
@@ -97,6 +103,10 @@ class Line:
         if self.layout == "funnel":
             tip = foot + across / 2 * slope
             return [[(foot, 0.0), (tip, across / 2)], [(foot, self.width), (tip, self.width - across / 2)]]
+        if self.layout == "staggered":  # of which each leaves the opening to its own wall
+            tip = foot + across * slope
+            return [[(foot, 0.0), (tip, across)],
+                    [(foot + self.stagger, self.width), (tip + self.stagger, self.width - across)]]
         if self.layout == "free":
             gap = self.opening / 2
             return [[(foot, gap), (foot + across * slope, self.width - gap)]]
@@ -114,7 +124,7 @@ class Line:
         foot = self.foot
         paths = self.plates_of(foot)
         ends = [s for path in paths for s, _ in path]
-        length = max(ends + [0.0 if self.box else LENGTH - 8.0]) + 8.0
+        length = (max(ends) if self.behind != 8.0 else max(ends + [0.0 if self.box else LENGTH - 8.0])) + self.behind
         warm_up, measured = (WARM_UP_OF_BOXES, MEASURED_OF_BOXES) if self.box else (WARM_UP, MEASURED)
         placed = self.shuttle() if self.layout == "shuttle" else self.transfer(length) if self.layout == "transfer" else (
             self.oblique(paths, length) if self.turned else self.straight(paths, length))
@@ -210,7 +220,7 @@ class Line:
 
 
 def development():
-    """The rows that constants were fitted to, by group."""
+    """The rows that constants were fitted to, by group; to `staggered` and `end` nothing was."""
     groups = {
         "plate": [dict(angle=a, opening=o, d=d) for a, o, d in (
             (30, 5.5, .066), (45, 4, .024), (45, 7, .2), (60, 3.5, .41), (60, 5.5, .066), (60, 8, .01), (75, 4.5, .066),
@@ -254,6 +264,11 @@ def development():
         + [dict(ratio=1.6), dict(ratio=.7)],
         "transfer": [dict(layout="transfer", opening=10, load=q, ratio=r) for q, r in ((.4, 1), (.6, 1), (.8, .8), (1, 1))],
         "mix": [dict(sizes=z, angle=a) for z, a in (((1, 1.5), 60), ((.7, 1), 60), ((1, 1.3, 1.8), 60), ((.8, 1.2), 75))],
+        "staggered": [dict(layout="staggered", angle=a, opening=o, stagger=t) for a, o, t in (
+            (45, 5, 14), (60, 5, 10), (60, 5, 14), (60, 9, 4), (60, 9, 8), (75, 5, 10), (75, 5, 14), (75, 9, 8), (90, 5, 10),
+            (90, 5, 14), (60, 10, 1.5), (60, 10, 3), (75, 10, 3), (90, 10, 3))],
+        "end": [dict(angle=a, opening=o, behind=t) for a, o, t in (
+            (45, 6, 1), (45, 6, 2), (45, 6, 4), (60, 5, 1), (60, 5, 4), (75, 5, 1), (75, 5, 4), (75, 5, 6))],
         "slope": [dict(incline=i, angle=a, opening=o, belt=b) for i, a, o, b in (
             (10, 60, 5.5, .3), (-10, 60, 5.5, .3), (5, 75, 7, .25), (-12, 90, 6, .4), (15, 45, 5.5, .5), (-8, 45, 5, .3),
             (10, 60, 5.5, 1))]

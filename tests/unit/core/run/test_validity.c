@@ -300,6 +300,46 @@ static void a_funnel_was_not_compared(void **state)
     assert_only(&s, VALIDITY_PLATES, 2.0, "/obstacles");
 }
 
+// A funnel of 0.2 m, the second plate of which is 72 mm, 3 diameters of 24 mm, farther down the belt. The domain ends 0.3 m behind it.
+static void staggered_plates_were_not_compared_where_cargo_queues(void **state)
+{
+    static const vec2 upper[] = { { 0.622, 0.6 }, { 0.822, 0.4 } };
+    scene s;
+
+    (void)state;
+    make_plate(&s, 45.0, 0.2);
+    helper_scene_add_obstacle(&s, upper, 2, SCENE_SEALED);
+    helper_scene_resolve(&s);
+    s.macro.closure = SCENE_CONGESTED;
+    assert_only(&s, VALIDITY_STAGGER, 3.0, "/obstacles/1");
+    make_plate(&s, 45.0, 0.2);
+    helper_scene_add_obstacle(&s, upper, 2, SCENE_SEALED);
+    s.initial.type = SCENE_INITIAL_EMPTY;
+    helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_POISSON, 5.0);
+    helper_scene_resolve(&s);
+    s.macro.closure = SCENE_CONGESTED;
+    const validity of = validity_now(&s);
+    for (size_t k = 0; k < of.n; k++)
+        assert_int_not_equal(of.items[k].figure, VALIDITY_STAGGER);
+    scene_fini(&s);
+}
+
+// The plate ends at x = 0.75 m, 4 diameters of 24 mm before the end of the domain.
+static void a_plate_at_the_end_of_the_belt_was_not_compared(void **state)
+{
+    validity of;
+    scene s;
+
+    (void)state;
+    make_plate(&s, 45.0, 0.5);
+    s.domain.x_max = 0.846;
+    helper_scene_resolve(&s);
+    s.macro.closure = SCENE_CONGESTED;
+    assert_int_equal(validity_of_parts(&s, NAN, &of, NULL), BF_OK);
+    assert_int_equal(of.items[0].figure, VALIDITY_RUN_OUT);
+    assert_only(&s, VALIDITY_RUN_OUT, 4.0, "/obstacles/0");
+}
+
 static void a_plate_that_is_bent_twice_was_not_compared(void **state)
 {
     static const vec2 path[] = { { 0.45, 0.0 }, { 0.6, 0.2 }, { 0.65, 0.35 }, { 0.75, 0.5 } };
@@ -583,6 +623,8 @@ int main(void)
         cmocka_unit_test(belts_of_several_velocities_were_not_compared),
         cmocka_unit_test(a_belt_against_a_wall_was_not_compared),
         cmocka_unit_test(a_funnel_was_not_compared),
+        cmocka_unit_test(staggered_plates_were_not_compared_where_cargo_queues),
+        cmocka_unit_test(a_plate_at_the_end_of_the_belt_was_not_compared),
         cmocka_unit_test(a_plate_that_is_bent_twice_was_not_compared),
         cmocka_unit_test(parts_of_another_size_were_not_compared),
         cmocka_unit_test(other_shapes_were_not_compared),

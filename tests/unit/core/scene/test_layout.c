@@ -115,6 +115,60 @@ static void the_way_between_plates_one_behind_the_other_is_an_opening(void **sta
     assert_angles(&of, 90.0, 90.0);
 }
 
+// Two plates at 45 degrees from both walls, the ends of which are 0.2 m apart across the belt, and then 0.1 m along it as well, so that
+// they stay the places where they are nearest. From the end (0.6, 0.4) of a plate to the line y = 1.1 - x it is 0.1/sqrt 2, half
+// a thickness less of each plate, and as far along the belt as across it.
+static void plates_are_staggered_by_how_far_one_is_downstream_of_the_other(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_belt(&s, east[0], east[1]);
+    add_plate(&s, 0.5, 0.0, 0.7, 0.2);
+    const layout alone = measure(&s);
+    assert_true(isinf(alone.stagger.value));
+    make_belt(&s, east[0], east[1]);
+    add_plate(&s, 0.5, 0.0, 0.7, 0.2);
+    add_plate(&s, 0.5, 0.6, 0.7, 0.4);
+    const layout opposite = measure(&s);
+    assert_near(opposite.stagger.value, 0.0, 1e-12);
+    make_belt(&s, east[0], east[1]);
+    add_plate(&s, 0.5, 0.0, 0.7, 0.2);
+    add_plate(&s, 0.6, 0.6, 0.8, 0.4);
+    const layout shifted = measure(&s);
+    assert_near(shifted.stagger.value, 0.1, 1e-12);
+    assert_int_equal(shifted.stagger.index, 1);
+}
+
+// From the downstream end at x = 0.7 m of a plate to the end of the belt at 1 m; to the side that a belt at atan(3/4) reaches first, where
+// it is 0.2 m to y = 0.6 m and 0.3 m to x = 1 m, or 0.4 m and 0.1 m; to none where it reaches a wall.
+static void the_belt_behind_a_plate_ends_at_the_first_open_side(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_belt(&s, east[0], east[1]);
+    add_plate(&s, 0.7, 0.4, 0.5, 0.6);
+    add_plate(&s, 0.4, 0.0, 0.5, 0.1);
+    const layout straight = measure(&s);
+    assert_near(straight.run_out.value, 0.3, 1e-12);
+    assert_int_equal(straight.run_out.index, 0);
+    make_belt(&s, 0.4, 0.3);
+    s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
+    add_plate(&s, 0.4, 0.4, 0.7, 0.4);
+    const layout oblique = measure(&s);
+    assert_near(oblique.run_out.value, 0.2 * 5.0 / 3.0, 1e-12);
+    make_belt(&s, 0.4, 0.3);
+    s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
+    add_plate(&s, 0.6, 0.2, 0.9, 0.2);
+    const layout other = measure(&s);
+    assert_near(other.run_out.value, 0.1 * 5.0 / 4.0, 1e-12);
+    make_belt(&s, 0.4, 0.3);
+    add_plate(&s, 0.4, 0.4, 0.7, 0.4);
+    const layout walled = measure(&s);
+    assert_true(isinf(walled.run_out.value));
+}
+
 // 45 degrees up to (0.6, 0.2), then atan 2 = 63.43 degrees, up to (0.7, 0.4); the tip is 0.2 m off the wall.
 static void a_bent_plate_has_the_angles_of_its_pieces(void **state)
 {
@@ -489,6 +543,8 @@ int main(void)
         cmocka_unit_test(a_single_plate_opens_from_its_tip_to_the_wall),
         cmocka_unit_test(a_funnel_opens_between_its_tips),
         cmocka_unit_test(the_way_between_plates_one_behind_the_other_is_an_opening),
+        cmocka_unit_test(plates_are_staggered_by_how_far_one_is_downstream_of_the_other),
+        cmocka_unit_test(the_belt_behind_a_plate_ends_at_the_first_open_side),
         cmocka_unit_test(a_bent_plate_has_the_angles_of_its_pieces),
         cmocka_unit_test(angles_are_those_to_the_belt),
         cmocka_unit_test(a_belt_may_run_in_any_direction),
