@@ -459,7 +459,7 @@ static void measure_plates(const measuring *m, layout *out)
             out->least = (layout_figure){ angle, p->obstacle };
         if (angle > out->greatest.value)
             out->greatest = (layout_figure){ angle, p->obstacle };
-        if (!is_corner && way < out->run_out.value)
+        if (!closes && !is_corner && way < out->run_out.value)
             out->run_out = (layout_figure){ way, p->obstacle };
     }
     out->n_guides -= out->n_plates;

@@ -12,7 +12,8 @@
 ///              between guides, or a guide and a wall, to which no belt brings cargo
 ///     stagger  how far two bodies with plates are apart along the belt where they are nearest to each other: 0 where the ends of a
 ///              funnel's plates are opposite each other
-///     run-out  the way along the belt from the downstream end of a plate, unless that is a corner, to where the domain ends
+///     run-out  the way along the belt from the downstream end of a plate, unless that closes the belt or ends in a corner, to where
+///              the domain ends
 ///
 /// Plates are solid with their thickness, and are looked at as far as they lie in the domain, or beyond a
 /// side where cargo flows in. Pieces along their belt are guides: they bound openings and deflect nothing. A gap at a wall of at most half a

@@ -313,6 +313,7 @@ static void plates_that_join_opposite_walls_leave_no_opening(void **state)
     const layout of = measure(&s);
     assert_true(of.opening.value == 0.0);
     assert_angles(&of, 45.0, 45.0);
+    assert_true(isinf(of.run_out.value));
 }
 
 // A rail along the belt with a joint of 3 mm, 0.1 m off the wall; and the same with a plate that joins it.
