@@ -124,7 +124,8 @@ SPOIL(no_target, of_belt->target = 1)
 SPOIL(no_obstacle, turn->target = 1)
 SPOIL(no_feed, s->actions[SCENE_ACTION_FEED].target = 1)
 SPOIL(bad_delay, of_belt->delay = -1.0)
-SPOIL(bad_factor, of_belt->value = -0.5)
+SPOIL(bad_factor, of_belt->value = -2e9)
+SPOIL(too_fast_backwards, of_belt->value = -1e4)
 SPOIL(too_fast, of_belt->value = 1e4)
 SPOIL(bad_turn, turn->value = INFINITY)
 SPOIL(sudden, turn->over = 0.0)
@@ -239,7 +240,8 @@ static void what_is_wrong_is_pointed_at(void **unused)
         { no_obstacle, "/actions/1/do/obstacle", "" },
         { no_feed, "/actions/3/do/feed", "" },
         { bad_delay, "/actions/0/delay_s", "" },
-        { bad_factor, "/actions/0/do/factor", "at least 0" },
+        { bad_factor, "/actions/0/do/factor", "at least -1e+09" },
+        { too_fast_backwards, "/actions/0/do/factor", "4000 m/s, the limit is 1000" },
         { too_fast, "/actions/0/do/factor", "4000 m/s, the limit is 1000" },
         { bad_turn, "/actions/1/do/turn_deg", "" },
         { sudden, "/actions/1/do/over_s", "above 0" },
