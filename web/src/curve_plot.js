@@ -17,9 +17,11 @@ function markOf({ color: name, dash, points }) {
   return mark;
 }
 
+const PAST_END = 1e-3; // of its length: the last step of a density may pass the end, where other runs have their last sample
+
 // The value of a curve at a time; null: it has none there. Parts that are counted one by one are whole between samples, too.
 function valueOf({ t, v, points }, time) {
-  if (t.length === 0 || time > t.at(-1) + 1e-9) return null;
+  if (t.length === 0 || time > t.at(-1) + PAST_END * Math.abs(t.at(-1))) return null;
   const k = indexBefore(t, time + 1e-9);
   const isCount = !points && Number.isInteger(v[k]) && Number.isInteger(v[k + 1] ?? 0);
   return isCount ? v[k] : valueAt(t, v, time);
