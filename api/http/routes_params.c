@@ -12,6 +12,14 @@
 #define TEXT_OF(macro)   TEXT_OF_IT(macro)
 #define TEXT_OF_IT(text) #text
 
+#define PARAM(in_, name_, kind_, ...)                                                              \
+    {                                                                                              \
+        .name = (name_), .in = (in_), .kind = &param_##kind_, __VA_ARGS__                          \
+    }
+#define PATH(name_, kind_, ...)   PARAM("path", name_, kind_, .is_required = true, __VA_ARGS__)
+#define QUERY(name_, kind_, ...)  PARAM("query", name_, kind_, __VA_ARGS__)
+#define HEADER(name_, kind_, ...) PARAM("header", name_, kind_, __VA_ARGS__)
+
 static bool is_state(const char *text)
 {
     return run_state_find(text) != RUN_STATE_COUNT;
@@ -37,378 +45,195 @@ static bool is_colormap(const char *text)
     return colormap_find(text) != NULL;
 }
 
-const param routes__run_id = {
-    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which run"
-};
-
-const param routes__study_id = {
-    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which study"
-};
-
-const param routes__lease_id = {
-    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which lease"
-};
+const param routes__run_id = PATH("id", id, .help = "Which run");
+const param routes__study_id = PATH("id", id, .help = "Which study");
+const param routes__lease_id = PATH("id", id, .help = "Which lease");
 
 // One of several that are counted.
-#define COUNTED(word, what)                                                                        \
-    {                                                                                              \
-        .name = word, .in = "path", .kind = &param_whole, .type = "#Count", .most = UINT64_MAX,    \
-        .is_required = true, .help = what                                                          \
-    }
+#define COUNTED(word, what) PATH(word, whole, .type = "#Count", .most = UINT64_MAX, .help = what)
 
 const param routes__trial_number = COUNTED("number", "Which trial, from 0");
 const param routes__grant_number = COUNTED("number", "Which grant");
 const param routes__snapshot_n = COUNTED("n", "Which snapshot, from 0");
 
-const param routes__measurement_id = {
-    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which measurement"
-};
+const param routes__measurement_id = PATH("id", id, .help = "Which measurement");
 
-const param routes__example_name = { .name = "name",
-                                     .in = "path",
-                                     .kind = &param_text,
-                                     .limits = "\"pattern\":\"^[a-z0-9-]+$\"",
-                                     .is_required = true,
-                                     .help = "Which ready scenario" };
+const param routes__example_name =
+    PATH("name", text, .limits = "\"pattern\":\"^[a-z0-9-]+$\"", .help = "Which ready scenario");
 
-const param routes__problem_word = { .name = "kind",
-                                     .in = "path",
-                                     .kind = &param_text,
-                                     .limits = "\"pattern\":\"^[a-z-]+$\"",
-                                     .is_required = true,
-                                     .help = "The last segment of a problem's type" };
+const param routes__problem_word = PATH("kind", text, .limits = "\"pattern\":\"^[a-z-]+$\"",
+                                        .help = "The last segment of a problem's type");
 
-const param routes__compared_a = {
-    .name = "a",
-    .in = "query",
-    .kind = &param_id,
-    .help = "The first of two runs or measurements, and the reference; with b, without `runs`"
-};
+const param routes__compared_a = QUERY(
+    "a", id,
+    .help = "The first of two runs or measurements, and the reference; with b, without `runs`");
 
-const param routes__compared_b = {
-    .name = "b", .in = "query", .kind = &param_id, .help = "The second of them"
-};
+const param routes__compared_b = QUERY("b", id, .help = "The second of them");
 
-const param routes__compared_runs = {
-    .name = "runs",
-    .in = "query",
-    .kind = &param_ids,
-    .least = 2,
-    .most = API_COMPARE_MAX,
-    .help = "Which runs and measurements, with commas between; without a and b"
-};
+const param routes__compared_runs =
+    QUERY("runs", ids, .least = 2, .most = API_COMPARE_MAX,
+          .help = "Which runs and measurements, with commas between; without a and b");
 
-const param routes__reference = {
-    .name = "reference",
-    .in = "query",
-    .kind = &param_text,
-    .type = "#Id",
-    .help = "Which of `runs` the others are compared with; the first one if missing"
-};
+const param routes__reference =
+    QUERY("reference", text, .type = "#Id",
+          .help = "Which of `runs` the others are compared with; the first one if missing");
 
-const param routes__column = { .name = "column",
-                               .in = "query",
-                               .kind = &param_text,
-                               .type = "#ColumnName",
-                               .help = "Which column of the curves is compared; the first one of "
-                                       "the reference that all have if missing" };
+const param routes__column = QUERY("column", text, .type = "#ColumnName",
+                                   .help = "Which column of the curves is compared; the first one "
+                                           "of the reference that all have if missing");
 
-const param routes__csv_label = { .name = "label",
-                                  .in = "query",
-                                  .kind = &param_member,
-                                  .most = API_LABEL_SIZE - 1,
-                                  .help = "The label of the measurement",
-                                  .formats = "csv" };
+const param routes__csv_label = QUERY("label", member, .most = API_LABEL_SIZE - 1,
+                                      .help = "The label of the measurement", .formats = "csv");
 
-const param routes__csv_counter = {
-    .name = "counter",
-    .in = "query",
-    .kind = &param_member,
-    .type = "#CounterId",
-    .help = "Which column of a curve was measured; the name of its own if missing",
-    .formats = "csv"
-};
+const param routes__csv_counter =
+    QUERY("counter", member, .type = "#CounterId",
+          .help = "Which column of a curve was measured; the name of its own if missing",
+          .formats = "csv");
 
-const param routes__csv_kind = { .name = "kind",
-                                 .in = "query",
-                                 .kind = &param_word,
-                                 .type = "#MeasuredKind",
-                                 .is_word = is_measured_kind,
-                                 .help = "A curve to compare with, or for feeds a profile or "
-                                         "a schedule, their list of arrivals; a curve if missing",
-                                 .formats = "csv" };
+const param routes__csv_kind =
+    QUERY("kind", word, .type = "#MeasuredKind", .is_word = is_measured_kind,
+          .help = "A curve to compare with, or for feeds a profile or a schedule, their list of "
+                  "arrivals; a curve if missing",
+          .formats = "csv");
 
-const param routes__run_status = { .name = "status",
-                                   .in = "query",
-                                   .kind = &param_word,
-                                   .type = "#RunStatus",
-                                   .is_word = is_state,
-                                   .help = "Only runs in this state" };
+const param routes__run_status = QUERY("status", word, .type = "#RunStatus", .is_word = is_state,
+                                       .help = "Only runs in this state");
 
-const param routes__run_model_word = { .name = "model",
-                                       .in = "query",
-                                       .kind = &param_word,
-                                       .type = "#Model",
-                                       .is_word = is_model,
-                                       .help = "Only runs of this model" };
+const param routes__run_model_word =
+    QUERY("model", word, .type = "#Model", .is_word = is_model, .help = "Only runs of this model");
 
-const param routes__run_label = { .name = "label",
-                                  .in = "query",
-                                  .kind = &param_text,
-                                  .most = API_LABEL_SIZE - 1,
-                                  .help = "Only runs with this label" };
+const param routes__run_label =
+    QUERY("label", text, .most = API_LABEL_SIZE - 1, .help = "Only runs with this label");
 
-const param routes__of_line = { .name = "line",
-                                .in = "query",
-                                .kind = &param_text,
-                                .most = API_LABEL_SIZE - 1,
-                                .help = "Only those that belong to this line" };
+const param routes__of_line =
+    QUERY("line", text, .most = API_LABEL_SIZE - 1, .help = "Only those that belong to this line");
 
-const param routes__run_search = {
-    .name = "search",
-    .in = "query",
-    .kind = &param_text,
-    .most = API_LABEL_SIZE - 1,
-    .help = "Only runs whose name, label or line contains this, A to Z being the same as a to z"
-};
+const param routes__run_search = QUERY(
+    "search", text, .most = API_LABEL_SIZE - 1,
+    .help = "Only runs whose name, label or line contains this, A to Z being the same as a to z");
 
-const param routes__run_sort = {
-    .name = "sort",
-    .in = "query",
-    .kind = &param_word,
-    .type = "string",
-    .limits = "\"default\":\"-created\",\"examples\":[\"name\",\"-throughput_per_h\",\"residence_s."
-              "p95\"]",
-    .is_word = run_sort_is_word,
-    .list_words = run_sort_words,
-    .help = "The order: created, finished, name, label, model, status, or a key figure of the run, "
-            "rising; falling with `-` before it. Runs without a value come last"
-};
+const param routes__run_sort =
+    QUERY("sort", word, .type = "string",
+          .limits = "\"default\":\"-created\",\"examples\":[\"name\",\"-throughput_per_h\","
+                    "\"residence_s.p95\"]",
+          .is_word = run_sort_is_word, .list_words = run_sort_words,
+          .help = "The order: created, finished, name, label, model, status, or a key figure of "
+                  "the run, rising; falling with `-` before it. Runs without a value come last");
 
-const param routes__run_created_from = { .name = "created_from",
-                                         .in = "query",
-                                         .kind = &param_time,
-                                         .help = "Only runs that were accepted then or later" };
+const param routes__run_created_from =
+    QUERY("created_from", time, .help = "Only runs that were accepted then or later");
 
-const param routes__run_created_before = { .name = "created_before",
-                                           .in = "query",
-                                           .kind = &param_time,
-                                           .help = "Only runs that were accepted earlier" };
+const param routes__run_created_before =
+    QUERY("created_before", time, .help = "Only runs that were accepted earlier");
 
-const param routes__run_starred = { .name = "starred",
-                                    .in = "query",
-                                    .kind = &param_flag,
-                                    .default_text = "0",
-                                    .most = 1,
-                                    .help = "1: only starred runs" };
+const param routes__run_starred =
+    QUERY("starred", flag, .default_text = "0", .most = 1, .help = "1: only starred runs");
 
-const param routes__run_count = { .name = "count",
-                                  .in = "query",
-                                  .kind = &param_flag,
-                                  .default_text = "0",
-                                  .most = 1,
-                                  .help = "1: the answer has the `total` of all pages" };
+const param routes__run_count = QUERY("count", flag, .default_text = "0", .most = 1,
+                                      .help = "1: the answer has the `total` of all pages");
 
 const param routes__run_cursor = { .name = "cursor",
                                    .in = "query",
                                    .kind = &run_sort_cursor_kind,
                                    .help = "Where the page begins; take it from the `next` link" };
 
-const param routes__run_study = { .name = "study",
-                                  .in = "query",
-                                  .kind = &param_id,
-                                  .help = "The runs of this study's trials; if missing, only runs "
-                                          "that are nobody's trials" };
+const param routes__run_study = QUERY(
+    "study", id,
+    .help = "The runs of this study's trials; if missing, only runs that are nobody's trials");
 
-const param routes__study_status = { .name = "status",
-                                     .in = "query",
-                                     .kind = &param_word,
-                                     .type = "#StudyStatus",
-                                     .is_word = is_study_state,
-                                     .help = "Only studies in this state" };
+const param routes__study_status =
+    QUERY("status", word, .type = "#StudyStatus", .is_word = is_study_state,
+          .help = "Only studies in this state");
 
-const param routes__trials_from = { .name = "from",
-                                    .in = "query",
-                                    .kind = &param_whole,
-                                    .type = "#Count",
-                                    .default_text = "0",
-                                    .most = STUDY_TRIALS_MAX,
-                                    .help = "Number of the first trial on the page",
-                                    .formats = "json" };
+const param routes__trials_from =
+    QUERY("from", whole, .type = "#Count", .default_text = "0", .most = STUDY_TRIALS_MAX,
+          .help = "Number of the first trial on the page", .formats = "json");
 
-const param routes__trials_limit = { .name = "limit",
-                                     .in = "query",
-                                     .kind = &param_whole,
-                                     .default_text = "100",
-                                     .least = 1,
-                                     .most = API_TRIALS_PAGE_MAX,
-                                     .help = "Trials on a page",
-                                     .formats = "json" };
+const param routes__trials_limit =
+    QUERY("limit", whole, .default_text = "100", .least = 1, .most = API_TRIALS_PAGE_MAX,
+          .help = "Trials on a page", .formats = "json");
 
-const param routes__measurement_label = { .name = "label",
-                                          .in = "query",
-                                          .kind = &param_text,
-                                          .most = API_LABEL_SIZE - 1,
-                                          .help = "Only measurements with this label" };
+const param routes__measurement_label =
+    QUERY("label", text, .most = API_LABEL_SIZE - 1, .help = "Only measurements with this label");
 
-const param routes__page_limit = { .name = "limit",
-                                   .in = "query",
-                                   .kind = &param_whole,
-                                   .default_text = "50",
-                                   .least = 1,
-                                   .most = API_LIST_MAX,
-                                   .help = "Items on a page" };
+const param routes__page_limit = QUERY("limit", whole, .default_text = "50", .least = 1,
+                                       .most = API_LIST_MAX, .help = "Items on a page");
 
-const param routes__page_cursor = { .name = "cursor",
-                                    .in = "query",
-                                    .kind = &param_cursor,
-                                    .help = "Where the page begins; take it from the `next` link" };
+const param routes__page_cursor =
+    QUERY("cursor", cursor, .help = "Where the page begins; take it from the `next` link");
 
-const param routes__wait_s = { .name = "wait",
-                               .in = "query",
-                               .kind = &param_whole,
-                               .default_text = "0",
-                               .most = API_WAIT_MAX_S,
-                               .help = "Answer when the run has ended, or with If-None-Match when "
-                                       "it is another, at the latest after so many seconds [s]" };
+const param routes__wait_s =
+    QUERY("wait", whole, .default_text = "0", .most = API_WAIT_MAX_S,
+          .help = "Answer when the run has ended, or with If-None-Match when it is another, at the "
+                  "latest after so many seconds [s]");
 
-const param routes__format = { .name = "format",
-                               .in = "query",
-                               .kind = &param_format,
-                               .help =
-                                   "The format, in preference to what the Accept header asks for" };
+const param routes__format =
+    QUERY("format", format, .help = "The format, in preference to what the Accept header asks for");
 
-const param routes__snapshot_count = {
-    .name = "count",
-    .in = "query",
-    .kind = &param_whole,
-    .least = 1,
-    .most = EXCHANGE_SNAPSHOTS_MAX,
+const param routes__snapshot_count = QUERY(
+    "count", whole, .least = 1, .most = EXCHANGE_SNAPSHOTS_MAX,
     .help = "So many snapshots from this one on, their files one after the other, as numpy.load() "
-            "reads "
-            "them from one file: as many as there are, and as 4 MB hold. Default: 1",
-    .formats = "npy"
-};
+            "reads them from one file: as many as there are, and as 4 MB hold. Default: 1",
+    .formats = "npy");
 
-const param routes__picture_width = { .name = "width",
-                                      .in = "query",
-                                      .kind = &param_whole,
-                                      .least = 1,
-                                      .most = PICTURE_WIDTH_MAX,
-                                      .help = "Its width in pixels; some 1000 if missing",
-                                      .formats = "png" };
+const param routes__picture_width =
+    QUERY("width", whole, .least = 1, .most = PICTURE_WIDTH_MAX,
+          .help = "Its width in pixels; some 1000 if missing", .formats = "png");
 
-const param routes__picture_colormap = { .name = "colormap",
-                                         .in = "query",
-                                         .kind = &param_word,
-                                         .type = "#Colormap",
-                                         .is_word = is_colormap,
-                                         .list_words = colormap_words,
-                                         .help = "Its colours",
-                                         .formats = "png" };
+const param routes__picture_colormap =
+    QUERY("colormap", word, .type = "#Colormap", .is_word = is_colormap,
+          .list_words = colormap_words, .help = "Its colours", .formats = "png");
 
-const param routes__picture_max = { .name = "max",
-                                    .in = "query",
-                                    .kind = &param_real,
-                                    .default_text = TEXT_OF(PICTURE_TOP),
-                                    .least_real = 1e-3,
-                                    .most_real = 1e3,
-                                    .help =
-                                        "The density at the end of the scale; 1 is close packing",
-                                    .formats = "png" };
+const param routes__picture_max =
+    QUERY("max", real, .default_text = TEXT_OF(PICTURE_TOP), .least_real = 1e-3, .most_real = 1e3,
+          .help = "The density at the end of the scale; 1 is close packing", .formats = "png");
 
-const param routes__with_vtk = { .name = "vtk",
-                                 .in = "query",
-                                 .kind = &param_flag,
-                                 .default_text = "0",
-                                 .most = 1,
-                                 .help = "1: with files for ParaView beside the others" };
+const param routes__with_vtk = QUERY("vtk", flag, .default_text = "0", .most = 1,
+                                     .help = "1: with files for ParaView beside the others");
 
-const param routes__with_densities = { .name = "densities",
-                                       .in = "query",
-                                       .kind = &param_flag,
-                                       .default_text = "1",
-                                       .most = 1,
-                                       .help = "0: without the densities, which take most time" };
+const param routes__with_densities =
+    QUERY("densities", flag, .default_text = "1", .most = 1,
+          .help = "0: without the densities, which take most time");
 
-const param routes__start_parts = { .name = "parts",
-                                    .in = "query",
-                                    .kind = &param_whole,
-                                    .default_text = "0",
-                                    .most = SUBMISSION_PARTS_MAX,
-                                    .help =
-                                        "How many of the parts at the start are listed at most" };
+const param routes__start_parts =
+    QUERY("parts", whole, .default_text = "0", .most = SUBMISSION_PARTS_MAX,
+          .help = "How many of the parts at the start are listed at most");
 
-const param routes__followed_runs = { .name = "runs",
-                                      .in = "query",
-                                      .kind = &param_ids,
-                                      .least = 1,
-                                      .most = API_STREAM_RUNS_MAX,
-                                      .is_required = true,
-                                      .help = "Which runs, with commas between" };
+const param routes__followed_runs =
+    QUERY("runs", ids, .least = 1, .most = API_STREAM_RUNS_MAX, .is_required = true,
+          .help = "Which runs, with commas between");
 
-const param routes__inline_grids = { .name = "inline",
-                                     .in = "query",
-                                     .kind = &param_flag,
-                                     .default_text = "0",
-                                     .most = 1,
-                                     .help = "1: snapshot events contain the grid, as `data`" };
+const param routes__inline_grids = QUERY("inline", flag, .default_text = "0", .most = 1,
+                                         .help = "1: snapshot events contain the grid, as `data`");
 
-const param routes__last_event_id = {
-    .name = "last_event_id",
-    .in = "query",
-    .kind = &param_whole,
-    .type = "#Count",
-    .default_text = "0",
-    .most = UINT64_MAX,
-    .help = "Only events after the one with this id; the header Last-Event-ID counts more"
-};
+const param routes__last_event_id =
+    QUERY("last_event_id", whole, .type = "#Count", .default_text = "0", .most = UINT64_MAX,
+          .help = "Only events after the one with this id; the header Last-Event-ID counts more");
 
-const param routes__idempotency_key = {
-    .name = "Idempotency-Key",
-    .in = "header",
-    .kind = &param_text,
-    .limits = "\"minLength\":1",
-    .help = "Any text: a request with the same key and body gets the first answer again"
-};
+const param routes__idempotency_key =
+    HEADER("Idempotency-Key", text, .limits = "\"minLength\":1",
+           .help = "Any text: a request with the same key and body gets the first answer again");
 
-const param routes__if_match = { .name = "If-Match",
-                                 .in = "header",
-                                 .kind = &param_text,
-                                 .help = "The ETag that the resource must still have" };
+const param routes__if_match =
+    HEADER("If-Match", text, .help = "The ETag that the resource must still have");
 
-const param routes__if_none_match = {
-    .name = "If-None-Match",
-    .in = "header",
-    .kind = &param_text,
-    .help = "The ETag of an answer before; 304 if nothing has changed since"
-};
+const param routes__if_none_match =
+    HEADER("If-None-Match", text,
+           .help = "The ETag of an answer before; 304 if nothing has changed since");
 
-const param routes__if_range = { .name = "If-Range",
-                                 .in = "header",
-                                 .kind = &param_text,
-                                 .help = "The ETag that the bytes asked for must still belong to",
-                                 .formats = "npy png vti vtp" };
+const param routes__if_range =
+    HEADER("If-Range", text, .help = "The ETag that the bytes asked for must still belong to",
+           .formats = "npy png vti vtp");
 
-const param routes__last_event_id_header = {
-    .name = "Last-Event-ID",
-    .in = "header",
-    .kind = &param_whole,
-    .type = "#Count",
-    .help = "Only events after the one with this id; browsers send it by themselves"
-};
+const param routes__last_event_id_header =
+    HEADER("Last-Event-ID", whole, .type = "#Count",
+           .help = "Only events after the one with this id; browsers send it by themselves");
 
-const param routes__prefer = {
-    .name = "Prefer",
-    .in = "header",
-    .kind = &param_text,
-    .limits = "\"examples\":[\"wait=30\"]",
-    .help = "`wait=N`: answer when the run has ended, at the latest after N seconds, 60 at most [s]"
-};
+const param routes__prefer = HEADER(
+    "Prefer", text, .limits = "\"examples\":[\"wait=30\"]",
+    .help =
+        "`wait=N`: answer when the run has ended, at the latest after N seconds, 60 at most [s]");
 
-const param routes__range = { .name = "Range",
-                              .in = "header",
-                              .kind = &param_text,
-                              .limits = "\"examples\":[\"bytes=0-1023\"]",
-                              .help = "Which bytes of a binary body",
-                              .formats = "npy png vti vtp" };
+const param routes__range =
+    HEADER("Range", text, .limits = "\"examples\":[\"bytes=0-1023\"]",
+           .help = "Which bytes of a binary body", .formats = "npy png vti vtp");
