@@ -24,7 +24,7 @@ static bf_status review_side(const scene *s, compare_side *side, bf_error *err)
     run_review *review = memory_alloc(1, sizeof *review);
 
     if (review == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     const bf_status status = run_review_of(s, side->model, review, err);
     side->is_compared = status == BF_OK && review->validity.is_compared;
     memory_free(review);
@@ -138,6 +138,17 @@ bf_status compare_verdict_side_of_summary(const char *summary, size_t n, compare
 bool compare_verdict_is_content(const compare_side *side, const char *column)
 {
     return side->is_fed && (column == NULL || !columns_is_count(column));
+}
+
+void compare_verdict_leave_out(const compare_side *reference, const compare_side *side,
+                               const char *column, compare_figures *figures,
+                               compare_measures *measures)
+{
+    const bool is = compare_verdict_is_content(side, column);
+
+    compare_measures_of_content(measures, compare_verdict_is_content(reference, column), is);
+    if (is)
+        compare_figures_of_content(figures);
 }
 
 // Half the width of the interval of the difference; NAN: not known.

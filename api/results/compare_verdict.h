@@ -16,6 +16,7 @@
 
 #include "api/results/compare_flows.h"
 #include "api/results/verdict.h"
+#include "core/compare/compare.h"
 #include "core/run/run.h"
 
 #include <stdbool.h>
@@ -55,6 +56,11 @@ BF_MUST_CHECK bf_status compare_verdict_side_of_summary(const char *summary, siz
 /// True if a column of the curve of a side is what is inside while cargo enters and leaves (compare_figures_of_content()).
 /// NULL: the first column, a counter.
 bool compare_verdict_is_content(const compare_side *side, const char *column);
+
+/// Leave out what such a column of the reference or of a side does not tell: figures of the side, measures of both.
+void compare_verdict_leave_out(const compare_side *reference, const compare_side *side,
+                               const char *column, compare_figures *figures,
+                               compare_measures *measures);
 
 /// Add what b's throughput is to that of the reference a.
 void compare_verdict_find(const compare_side *a, const compare_side *b, verdicts *ret_verdicts);

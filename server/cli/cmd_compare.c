@@ -128,24 +128,6 @@ static void find_verdicts(const compare_result *a, const compare_result *b, verd
     compare_verdict_flows(&of_a, &of_b, &a->flows, &b->flows, ret_all);
 }
 
-static void print_table(const compare_arguments *a, const compare_result *results)
-{
-    static verdicts all;
-
-    print_head(titles);
-    printf("  curve\n");
-    print_head(units);
-    printf("\n");
-    for (size_t i = 0; i < a->n; i++)
-        print_row(&results[i], a->paths[i]);
-    for (size_t i = 1; i < a->n; i++) {
-        find_verdicts(&results[0], &results[i], &all);
-        for (size_t k = 0; k < all.n; k++)
-            printf("\n%s: %s", a->paths[i], all.items[k].text);
-    }
-    putchar('\n');
-}
-
 static bf_status print_json(const compare_arguments *a, const compare_result *results,
                             bf_error *err)
 {
@@ -217,19 +199,6 @@ static bf_status measure(const char *path, const char *column, const compare_cur
     return status == BF_OK ? BF_OK : fail_curve(status, &why, path, err);
 }
 
-// Where cargo enters while it leaves, what is inside tells no outflow.
-static void leave_out_contents(const compare_arguments *a, compare_result *results)
-{
-    const bool is_reference = compare_verdict_is_content(&results[0].side, a->column);
-
-    for (size_t i = 0; i < a->n; i++) {
-        const bool is = compare_verdict_is_content(&results[i].side, a->column);
-        compare_measures_of_content(&results[i].measures, is_reference, is);
-        if (is)
-            compare_figures_of_content(&results[i].figures);
-    }
-}
-
 static bf_status measure_all(const compare_arguments *a, compare_result *results, bf_error *err)
 {
     const compare_measures none = {
@@ -256,8 +225,9 @@ static bf_status measure_all(const compare_arguments *a, compare_result *results
     for (size_t i = 0; i < a->n && status == BF_OK; i++)
         status = find_side(a->paths[i], &results[i], err);
     cmd_curve_fini(&curve);
-    if (status == BF_OK)
-        leave_out_contents(a, results);
+    for (size_t i = 0; i < a->n && status == BF_OK; i++)
+        compare_verdict_leave_out(&results[0].side, &results[i].side, a->column,
+                                  &results[i].figures, &results[i].measures);
     return status;
 }
 
@@ -268,8 +238,21 @@ static bf_status compare(const compare_arguments *a, bf_error *err)
     bf_status status = measure_all(a, results, err);
     if (status == BF_OK && a->is_json)
         status = print_json(a, results, err);
-    else if (status == BF_OK)
-        print_table(a, results);
+    else if (status == BF_OK) {
+        static verdicts all;
+        print_head(titles);
+        printf("  curve\n");
+        print_head(units);
+        printf("\n");
+        for (size_t i = 0; i < a->n; i++)
+            print_row(&results[i], a->paths[i]);
+        for (size_t i = 1; i < a->n; i++) {
+            find_verdicts(&results[0], &results[i], &all);
+            for (size_t k = 0; k < all.n; k++)
+                printf("\n%s: %s", a->paths[i], all.items[k].text);
+        }
+        putchar('\n');
+    }
     return status;
 }
 
