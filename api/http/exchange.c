@@ -155,11 +155,16 @@ static bf_status dispatch(exchange *x, bf_error *err)
     return status;
 }
 
-// Faults of numbers get the units of the document, which the core does not know: its angles are in radians.
-static void name_units(exchange *x)
+static void refuse(exchange *x, bf_status code, const bf_error *error)
 {
-    const member_table *table = x->route == NULL ? NULL : x->route->body;
+    int status = x->refusal != 0 ? x->refusal : problem_status(code);
+    char allow[ROUTES_ALLOW_SIZE];
 
+    // Text that is not JSON or CSV is a 400; a document that can be parsed but is at fault, a 422.
+    if (x->refusal == 0 && (code == BF_EINPUT || code == BF_ELIMIT) && x->faults.n > 0)
+        status = x->faults.items[0].pointer[0] == '\0' ? 400 : 422;
+    // Faults of numbers get the units of the document, which the core does not know: its angles are in radians.
+    const member_table *table = x->route == NULL ? NULL : x->route->body;
     for (size_t k = 0; table != NULL && k < faults_kept(&x->faults); k++) {
         bf_error *fault = &x->faults.items[k];
         fault->unit = members_unit(table, fault->pointer);
@@ -170,17 +175,6 @@ static void name_units(exchange *x)
         snprintf(fault->text, sizeof fault->text, "must be %s %.9g, not %.9g",
                  fault->value < fault->limit ? "at least" : "at most", fault->limit, fault->value);
     }
-}
-
-static void refuse(exchange *x, bf_status code, const bf_error *error)
-{
-    int status = x->refusal != 0 ? x->refusal : problem_status(code);
-    char allow[ROUTES_ALLOW_SIZE];
-
-    // Text that is not JSON or CSV is a 400; a document that can be parsed but is at fault, a 422.
-    if (x->refusal == 0 && (code == BF_EINPUT || code == BF_ELIMIT) && x->faults.n > 0)
-        status = x->faults.items[0].pointer[0] == '\0' ? 400 : 422;
-    name_units(x);
     problem_write(x->response, status, x->request->path, error, &x->faults);
     if (status == 405 && routes_allow(x->request->path, allow))
         api_response_header(x->response, "Allow", "%s", allow);

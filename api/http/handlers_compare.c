@@ -128,7 +128,7 @@ static bf_status find_entry(exchange *x, entry *e, bf_error *err)
                                 e->id);
     if (status == BF_OK && !e->is_run &&
         buffer_printf(&e->columns, "%s", e->measurement.counter) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     if (status != BF_OK || !e->is_run)
         return status;
     // From behind the last sample on: the columns alone.
@@ -211,7 +211,7 @@ static bf_status take_column(const comparison *c, const entry *e, const api_curv
         return bf_fail(err, BF_ECORRUPT, "", "the curve of '%s' has changed its columns", e->id);
     char *parts = buffer_reserve(&to->parts, n_bytes);
     if (parts == NULL || buffer_append(&to->t, curve->t.bytes, n_bytes) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     for (size_t i = 0; i < curve->n; i++)
         memcpy(parts + i * sizeof(double), &values[i * curve->n_columns + index], sizeof(double));
     to->parts.n += n_bytes;
@@ -316,20 +316,6 @@ static bf_status find_side(exchange *x, entry *e, bf_error *err)
     return status == BF_ECORRUPT ? BF_OK : status;
 }
 
-// Where cargo enters while it leaves, what is inside tells no outflow.
-static void leave_out_contents(comparison *c)
-{
-    const bool is_reference = compare_verdict_is_content(&c->entries[c->reference].side, c->column);
-
-    for (size_t i = 0; i < c->n; i++) {
-        entry *e = &c->entries[i];
-        const bool is = compare_verdict_is_content(&e->side, c->column);
-        compare_measures_of_content(&e->measures, is_reference, is);
-        if (is)
-            compare_figures_of_content(&e->figures);
-    }
-}
-
 // A run that is compared with counts has the throughput of the same column.
 static bf_status write_verdicts(json_out *w, const comparison *c, const entry *e, bf_error *err)
 {
@@ -338,7 +324,7 @@ static bf_status write_verdicts(json_out *w, const comparison *c, const entry *e
 
     verdicts *all = memory_alloc(1, sizeof *all);
     if (all == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     if (!a.is_run || !b.is_run) {
         a.throughput_per_h = s_per_h * reference->figures.throughput;
         b.throughput_per_h = s_per_h * e->figures.throughput;
@@ -460,7 +446,9 @@ static bf_status compare_all(exchange *x, comparison *c, bf_error *err)
         status = find_side(x, &c->entries[i], err);
     if (status != BF_OK)
         return status;
-    leave_out_contents(c);
+    for (size_t i = 0; i < c->n; i++)
+        compare_verdict_leave_out(&c->entries[c->reference].side, &c->entries[i].side, c->column,
+                                  &c->entries[i].figures, &c->entries[i].measures);
     exchange__cache_revalidate(x);
     json_out w = json_out_to(&x->response->body);
     json_out_object(&w);
@@ -474,7 +462,7 @@ bf_status handlers_compare_runs(exchange *x, bf_error *err)
     comparison *c = memory_alloc(1, sizeof *c);
 
     if (c == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = compare_all(x, c, err);
     for (size_t i = 0; i < c->n; i++)
         buffer_fini(&c->entries[i].columns);

@@ -89,8 +89,7 @@ bf_status handlers_leases_deliver(exchange *x, bf_error *err)
     if (status != BF_OK)
         return status;
     api_lease_section *sections = memory_alloc(LEASE_SECTIONS_MAX, sizeof *sections);
-    status = sections == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                              : deliver(x, leases, id, sections, err);
+    status = sections == NULL ? bf_fail_memory(err) : deliver(x, leases, id, sections, err);
     memory_free(sections);
     return status;
 }

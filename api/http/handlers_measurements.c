@@ -62,7 +62,7 @@ bf_status handlers_measurements_add(exchange *x, bf_error *err)
     // Room for the answer comes first: what was stored must not be answered with a failure.
     size_t room = MEMBERS_JSON_MAX + 2 * m.curve.n * NUMBER_SIZE + CSV_JSON_MAX * m.csv.n;
     if (buffer_reserve(&x->response->body, room) == NULL)
-        status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+        status = bf_fail_memory(err);
     else
         status = x->services->add_measurement(x->services->store, &m.about, &m.curve, &m.csv,
                                               &stored, err);
@@ -85,7 +85,7 @@ bf_status handlers_measurements_list(exchange *x, bf_error *err)
     snprintf(wanted.before, sizeof wanted.before, "%s", page.cursor);
     api_measurement_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = x->services->list_measurements(x->services->store, &wanted, list, err);
     if (status == BF_OK && list->has_more && list->n > 0) {
         memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);

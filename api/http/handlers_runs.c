@@ -177,29 +177,6 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     return list;
 }
 
-// What the list is narrowed and ordered by goes on to the next page. None of these is longer than its kind of parameter allows.
-static void add_next_link(exchange *x, const exchange_page *page, const api_list_query *wanted,
-                          api_run_list *list)
-{
-    static const char *const texts[] = { "status", "model", "line",         "study",
-                                         "search", "sort",  "created_from", "created_before" };
-    char filters[FILTERS_SIZE], *end = filters;
-
-    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
-        const char *value = exchange__text(x, texts[k]);
-        if (value == NULL)
-            continue;
-        end += sprintf(end, "&%s=", texts[k]);
-        exchange__encode(value, end);
-        end += strlen(end);
-    }
-    end += sprintf(end, "%s%s", wanted->is_starred ? "&starred=1" : "",
-                   wanted->counts ? "&count=1" : "");
-    BF_CHECK(end < filters + sizeof filters);
-    run_sort_write_cursor(list->last_id, list->last_key, list->next_cursor);
-    exchange__link_next(x, page, filters, list->next_cursor);
-}
-
 bf_status handlers_runs_list(exchange *x, bf_error *err)
 {
     const exchange_page page = exchange__page(x);
@@ -210,10 +187,26 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
                                 "query parameter 'cursor' is of a list in another order");
     api_run_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = x->services->list(x->services->service, &list_query, list, err);
-    if (status == BF_OK && list->has_more)
-        add_next_link(x, &page, &list_query, list);
+    if (status == BF_OK && list->has_more) {
+        static const char *const texts[] = { "status", "model", "line",         "study",
+                                             "search", "sort",  "created_from", "created_before" };
+        char filters[FILTERS_SIZE], *end = filters;
+        for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+            const char *value = exchange__text(x, texts[k]);
+            if (value == NULL)
+                continue;
+            end += sprintf(end, "&%s=", texts[k]);
+            exchange__encode(value, end);
+            end += strlen(end);
+        }
+        end += sprintf(end, "%s%s", list_query.is_starred ? "&starred=1" : "",
+                       list_query.counts ? "&count=1" : "");
+        BF_CHECK(end < filters + sizeof filters);
+        run_sort_write_cursor(list->last_id, list->last_key, list->next_cursor);
+        exchange__link_next(x, &page, filters, list->next_cursor);
+    }
     exchange__cache_revalidate(x);
     if (status == BF_OK)
         status = exchange__write(x, &run_json_list, list, err);

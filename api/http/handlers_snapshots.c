@@ -93,7 +93,7 @@ static bf_status write_picture(exchange *x, const api_run *of, uint64_t index,
         return status;
     uint8_t *levels = memory_alloc(p.width, p.height);
     if (levels == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     status = draw(x, &p, of->id, index, levels, &t, err);
     if (status == BF_OK)
         status = results_snapshot_png(&p, wanted->map, levels, t, &x->response->body, err);

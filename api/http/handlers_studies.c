@@ -82,7 +82,7 @@ bf_status handlers_studies_list(exchange *x, bf_error *err)
     }
     api_study_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = x->services->list_studies(x->services->store, &wanted, list, err);
     if (status == BF_OK && list->has_more && list->n > 0) {
         memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);

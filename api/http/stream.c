@@ -15,11 +15,6 @@ typedef struct batch {
     char run[API_ID_SIZE]; // its run
 } batch;
 
-static bf_status out_of_memory(bf_error *err)
-{
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
-}
-
 // What a run still has for a client that has seen the events up to after.
 typedef enum backlog { BACKLOG_EMPTY, BACKLOG_EVENTS, BACKLOG_ENDED } backlog;
 
@@ -79,7 +74,7 @@ static bf_status take_event(void *context, const api_event *event, bf_error *err
     if (status == BF_OK && !is_left_open)
         status = append_close(cursor->format, b->out);
     if (status != BF_OK)
-        return out_of_memory(err);
+        return bf_fail_memory(err);
     cursor->after = event->id;
     if (event->type == API_EVENT_END && cursor->n_open > 0)
         cursor->n_open--;
@@ -135,7 +130,7 @@ static bf_status append_grid(batch *b, const api_services *services, bf_error *e
     }
     buffer_fini(&grid_bytes);
     if (status == BF_OK && (!is_written || append_close(b->cursor->format, b->out) != BF_OK))
-        status = out_of_memory(err);
+        status = bf_fail_memory(err);
     b->is_pending = false;
     return status;
 }
@@ -193,7 +188,7 @@ static bf_status append_batch(batch *b, const api_services *services, size_t lim
 
     if (cursor->format == STREAM_SSE && !cursor->has_begun &&
         buffer_append(b->out, "retry: 3000\n\n", 13) != BF_OK)
-        return out_of_memory(err);
+        return bf_fail_memory(err);
     cursor->has_begun = true;
     if (cursor->n_open > 0) {
         bf_status status = append_events(b, services, limit_bytes, err);
@@ -243,7 +238,7 @@ bf_status stream_open(const stream_cursor *cursor, body_source *ret_source, bf_e
     stream_cursor *state = memory_alloc(1, sizeof *state);
 
     if (state == NULL)
-        return out_of_memory(err);
+        return bf_fail_memory(err);
     *state = *cursor;
     *ret_source = (body_source){ .state = state,
                                  .next_chunk = stream_next,

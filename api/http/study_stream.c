@@ -105,7 +105,7 @@ static bf_status next_chunk(void *state, const api_services *services, size_t li
     api_study about;
 
     if (!s->has_begun && s->format == STREAM_SSE && buffer_printf(out, "retry: 3000\n\n") != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     s->has_begun = true;
     const bf_status status = services->find_study(services->store, s->id, &about, err);
     *ret_state = BODY_DONE;
@@ -120,7 +120,7 @@ bf_status study_stream_open(const study_stream *stream, body_source *ret_source,
     study_stream *state = memory_alloc(1, sizeof *state);
 
     if (state == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     *state = *stream;
     *ret_source = (body_source){ .state = state,
                                  .next_chunk = next_chunk,

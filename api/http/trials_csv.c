@@ -59,7 +59,7 @@ bf_status trials_csv_open(const api_study *about, const study_columns *columns,
     sending *s = memory_alloc(1, sizeof *s);
 
     if (s == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     memcpy(s->id, about->id, sizeof s->id);
     s->columns = *columns;
     s->n_ended = api_study_ended(about);

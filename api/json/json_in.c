@@ -50,7 +50,7 @@ bf_status json_in_status(const json_in *in, bf_error *err)
         return faults_status(in->faults, err);
     if (failure != NULL && failure->code != BF_OK)
         return bf_fail(err, failure->code, failure->pointer, "%s", failure->text);
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return bf_fail_memory(err);
 }
 
 static void format_clean(char *text, size_t size, const char *format, va_list args)

@@ -123,5 +123,5 @@ bf_status json_layout(const char *json, size_t n, bf_buffer *out, bf_error *err)
     if (!l.has_failed)
         return BF_OK;
     buffer_truncate(out, n_before);
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return bf_fail_memory(err);
 }

@@ -16,7 +16,7 @@ json_out json_out_to(bf_buffer *buffer)
 
 bf_status json_out_status(const json_out *w, bf_error *err)
 {
-    return w->has_failed ? bf_fail(err, BF_ENOMEM, "", "out of memory") : BF_OK;
+    return w->has_failed ? bf_fail_memory(err) : BF_OK;
 }
 
 static void put(json_out *w, const char *bytes, size_t n)

@@ -14,23 +14,17 @@
 
 #define SEED_MAX 9007199254740991.0 // 2^53 - 1
 
-// The bounds of a number; most is the largest that the C type holds.
-static void describe_range(json_out *w, const bf_range *range, double most)
-{
-    double maximum = range == NULL ? most : fmin(range->maximum, most);
-
-    if (range != NULL && isfinite(range->minimum))
-        json_out_key_number(w, range->excludes_min ? "exclusiveMinimum" : "minimum",
-                            range->minimum);
-    if (isfinite(maximum))
-        json_out_key_number(
-            w, range != NULL && range->excludes_max ? "exclusiveMaximum" : "maximum", maximum);
-}
-
 void member__describe_bounded(json_out *w, const char *type, const member *m, double most)
 {
     json_out_key_string(w, "type", type);
-    describe_range(w, m->range, most);
+    double maximum = m->range == NULL ? most : fmin(m->range->maximum, most);
+    if (m->range != NULL && isfinite(m->range->minimum))
+        json_out_key_number(w, m->range->excludes_min ? "exclusiveMinimum" : "minimum",
+                            m->range->minimum);
+    if (isfinite(maximum))
+        json_out_key_number(
+            w, m->range != NULL && m->range->excludes_max ? "exclusiveMaximum" : "maximum",
+            maximum);
 }
 
 // ---- numbers

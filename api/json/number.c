@@ -49,26 +49,6 @@ static bool round_decimal(const binary *b, int n_decimals, decimal *ret_decimal)
     return apart < unit || (apart == unit && (b->significand & 1) == 0);
 }
 
-static int write_decimal(decimal d, bool is_negative, char *text)
-{
-    char reversed[NUMBER_SIZE];
-    int n = 0, n_text = 0;
-
-    for (; d.n_decimals > 0 && d.digits % 10 == 0; d.n_decimals--)
-        d.digits /= 10;
-    for (int i = 0; i <= d.n_decimals || d.digits > 0; i++, d.digits /= 10) {
-        if (i == d.n_decimals && i > 0)
-            reversed[n++] = '.';
-        reversed[n++] = (char)('0' + d.digits % 10);
-    }
-    if (is_negative)
-        reversed[n++] = '-';
-    while (n > 0)
-        text[n_text++] = reversed[--n];
-    text[n_text] = '\0';
-    return n_text;
-}
-
 // format_shortest() for numbers of moderate size, which it writes without an exponent, in integers. 0: not one of these.
 static int format_moderate(double value, int digits, int digits_max, int n_bits, char *text)
 {
@@ -91,7 +71,21 @@ static int format_moderate(double value, int digits, int digits_max, int n_bits,
         digits++;
         n_decimals++;
     }
-    return write_decimal(d, value < 0.0, text);
+    char reversed[NUMBER_SIZE];
+    int n = 0, n_text = 0;
+    for (; d.n_decimals > 0 && d.digits % 10 == 0; d.n_decimals--)
+        d.digits /= 10;
+    for (int i = 0; i <= d.n_decimals || d.digits > 0; i++, d.digits /= 10) {
+        if (i == d.n_decimals && i > 0)
+            reversed[n++] = '.';
+        reversed[n++] = (char)('0' + d.digits % 10);
+    }
+    if (value < 0.0)
+        reversed[n++] = '-';
+    while (n > 0)
+        text[n_text++] = reversed[--n];
+    text[n_text] = '\0';
+    return n_text;
 }
 
 // The first precision from `digits` on that reads back; %g leaves trailing zeros out, so that

@@ -14,24 +14,6 @@ static const char *const titles[FIGURE_SCOPES] = { "RunFigures",     "FeedFigure
                                                    "BeltFigures",    "FailureFigures",
                                                    "OutletFigures" };
 
-static void write_number(json_out *w, const figure *f)
-{
-    static const char *const models[] = { [FIGURE_BY_DENSITY] = " (macroscopic model)",
-                                          [FIGURE_BY_PARTS] = " (microscopic model)",
-                                          [FIGURE_BY_BOTH] = "",
-                                          [FIGURE_BY_BOTH_FED] = " (microscopic model; "
-                                                                 "macroscopic with feeds)" };
-    char help[HELP_SIZE];
-
-    snprintf(help, sizeof help, "%s%s%s%s%s", f->definition, f->unit != NULL ? " [" : "",
-             f->unit != NULL ? f->unit : "", f->unit != NULL ? "]" : "", models[f->models]);
-    json_out_key(w, f->part != NULL ? f->part : f->word);
-    json_out_object(w);
-    json_out_key_string(w, "type", "number");
-    json_out_key_string(w, "description", help);
-    json_out_object_end(w);
-}
-
 static void end_object(json_out *w)
 {
     json_out_object_end(w);
@@ -58,7 +40,19 @@ static void write_properties(json_out *w, figure_scope scope)
             json_out_object(w);
             open = f;
         }
-        write_number(w, f);
+        static const char *const models[] = { [FIGURE_BY_DENSITY] = " (macroscopic model)",
+                                              [FIGURE_BY_PARTS] = " (microscopic model)",
+                                              [FIGURE_BY_BOTH] = "",
+                                              [FIGURE_BY_BOTH_FED] = " (microscopic model; "
+                                                                     "macroscopic with feeds)" };
+        char help[HELP_SIZE];
+        snprintf(help, sizeof help, "%s%s%s%s%s", f->definition, f->unit != NULL ? " [" : "",
+                 f->unit != NULL ? f->unit : "", f->unit != NULL ? "]" : "", models[f->models]);
+        json_out_key(w, f->part != NULL ? f->part : f->word);
+        json_out_object(w);
+        json_out_key_string(w, "type", "number");
+        json_out_key_string(w, "description", help);
+        json_out_object_end(w);
     }
     if (open != NULL)
         end_object(w);

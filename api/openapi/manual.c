@@ -18,20 +18,6 @@ static const char *const chapters[] = {
     "limits",      "access",         "operating", "other_origins", "stability",
 };
 
-static void describe_kind(const member *m, char *text, size_t size)
-{
-    size_t n = 0;
-
-    if (m->kind == &member_text)
-        snprintf(text, size, "string, at most %zu bytes", m->limit - 1);
-    else if (m->limit > 0)
-        snprintf(text, size, "%s, %zu to %zu", m->kind->text, m->least, m->limit);
-    else if (m->kind->text != NULL)
-        snprintf(text, size, "%s", m->kind->text);
-    for (size_t k = 0; m->kind->text == NULL && m->words != NULL && m->words[k] != NULL; k++)
-        n += (size_t)snprintf(text + n, size - n, "%s%s", k == 0 ? "" : ", ", m->words[k]);
-}
-
 static bool is_of_a_form(const member_table *table, const member *m)
 {
     for (size_t k = 0; table->choice == MEMBER_ONE_FORM && table->forms[k] != NULL; k++) {
@@ -46,7 +32,16 @@ static bf_status write_row(bf_buffer *out, const member_table *table, const memb
 {
     char kind[120], range[MEMBER_TEXT_SIZE], standard[MEMBER_TEXT_SIZE];
 
-    describe_kind(m, kind, sizeof kind);
+    const size_t size = sizeof kind;
+    size_t n = 0;
+    if (m->kind == &member_text)
+        snprintf(kind, size, "string, at most %zu bytes", m->limit - 1);
+    else if (m->limit > 0)
+        snprintf(kind, size, "%s, %zu to %zu", m->kind->text, m->least, m->limit);
+    else if (m->kind->text != NULL)
+        snprintf(kind, size, "%s", m->kind->text);
+    for (size_t k = 0; m->kind->text == NULL && m->words != NULL && m->words[k] != NULL; k++)
+        n += (size_t)snprintf(kind + n, size - n, "%s%s", k == 0 ? "" : ", ", m->words[k]);
     members_range_text(m->range, range);
     if (!members_default_text(table, m, standard))
         return BF_ENOMEM;

@@ -161,13 +161,10 @@ static const member best_members[] = {
     ROW("verdicts", "[#Verdict]",
         "What this says, in sentences: equal, alone, one_run_each, everything_through, edge, "
         "demand_met, demand_not_met, front, no_chance, no_value, confirmed, undecided or "
-        "unconfirmed; of a "
-        "base that is repeated replications "
-        "and jams"),
+        "unconfirmed; of a base that is repeated replications and jams"),
     ROW("front", "[#StudyPoint]",
         "Where a second objective is given: the points to none of which another one is better in "
-        "one "
-        "of the two and not worse in the other, by their means",
+        "one of the two and not worse in the other, by their means",
         .flags = MEMBER_OPTIONAL),
     ROW("is_decided", "boolean", "Of screen: the selection ended by itself, with its confidence",
         .flags = MEMBER_OPTIONAL),
@@ -342,14 +339,13 @@ static const openapi_schema table[] = {
            "A figure of a scenario that is out of its range or was never compared"),
     OBJECT(review_warning_members, "A reason to doubt the results; it is no fault"),
     OBJECT(results_curve_members, "Outflow curve"),
-    { .help =
-          "A list for each column under its name, each as long as that of the times: parts in each "
-          "counter, under its id; `left_domain`, that have left the domain; `fallen` off the "
-          "belts, where some of the domain is under no belt; of each feed `<feed>.offered`, "
-          "`.admitted`, `.waiting` and `.discarded`; of each photo eye `<eye>.blocked`; "
-          "of each belt whose speed changes `<belt>.speed_m_s`; of each kind of failure "
-          "`<failure>.failed`, 1 while a belt is down by it; with feeds, of "
-          "each belt from which cargo leaves the domain, where there are several, `<belt>.left`",
+    { .help = "A list for each column under its name, each as long as that of the times: parts in "
+              "each counter, under its id; `left_domain`, that have left the domain; `fallen` off "
+              "the belts, where some of the domain is under no belt; of each feed "
+              "`<feed>.offered`, `.admitted`, `.waiting` and `.discarded`; of each photo eye "
+              "`<eye>.blocked`; of each belt whose speed changes `<belt>.speed_m_s`; of each kind "
+              "of failure `<failure>.failed`, 1 while a belt is down by it; with feeds, of each "
+              "belt from which cargo leaves the domain, where there are several, `<belt>.left`",
       .table = &results_columns_members,
       .others = "[number]" },
     OBJECT(results_changes_members, "What the photo eyes of a run saw and did"),
@@ -428,9 +424,7 @@ static const openapi_schema table[] = {
          "{\"$ref\":\"#/components/schemas/EventData\"}",
          "Server-sent events. `event` is one of status, progress, curve, snapshot, figures, "
          "photo_eye, action, drive, belt and end, of a study trial, status and end; `data` is an "
-         "object "
-         "in one "
-         "line; `id` rises. A comment is sent while there are no events"),
+         "object in one line; `id` rises. A comment is sent while there are no events"),
     TYPE(
         "EventLines", "string",
         "\"contentMediaType\":\"application/json\",\"contentSchema\":"

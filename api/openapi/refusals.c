@@ -52,21 +52,6 @@ static void write_name(const problem_kind *kind, char *ret_name)
     *ret_name = '\0';
 }
 
-static void write_example(json_out *w, const problem_kind *kind)
-{
-    char type[64];
-
-    snprintf(type, sizeof type, "/problems/%s", kind->word);
-    json_out_key(w, "example");
-    json_out_object(w);
-    json_out_key_string(w, "type", type);
-    json_out_key_string(w, "title", kind->title);
-    json_out_key_integer(w, "status", kind->status);
-    json_out_key_string(w, "detail", kind->when);
-    json_out_key_string(w, "instance", "/v1/runs");
-    json_out_object_end(w);
-}
-
 static void write_refusal(json_out *w, const problem_kind *kind)
 {
     char name[64];
@@ -82,7 +67,16 @@ static void write_refusal(json_out *w, const problem_kind *kind)
     json_out_object(w);
     json_out_key(w, "schema");
     schema_write(w, "#Problem", NULL, NULL);
-    write_example(w, kind);
+    char type[64];
+    snprintf(type, sizeof type, "/problems/%s", kind->word);
+    json_out_key(w, "example");
+    json_out_object(w);
+    json_out_key_string(w, "type", type);
+    json_out_key_string(w, "title", kind->title);
+    json_out_key_integer(w, "status", kind->status);
+    json_out_key_string(w, "detail", kind->when);
+    json_out_key_string(w, "instance", "/v1/runs");
+    json_out_object_end(w);
     json_out_object_end(w);
     json_out_object_end(w);
     json_out_object_end(w);

@@ -215,23 +215,6 @@ static void write_choices(json_out *w, const member_table *table, member_view vi
     json_out_array_end(w);
 }
 
-static void write_table(json_out *w, const member_table *table, member_view view)
-{
-    bool has_choices =
-        table->choice != MEMBER_ALL || (table->forms != NULL && view == MEMBER_GIVEN);
-    const form all = { .view = view };
-    char name[MEMBER_TEXT_SIZE];
-
-    members_schema_name(table, view, name);
-    json_out_key(w, name);
-    json_out_object(w);
-    if (has_choices)
-        write_choices(w, table, view);
-    else
-        write_object(w, table, &all, NULL);
-    json_out_object_end(w);
-}
-
 // A table, then those of its members.
 static void write_tables(json_out *w, const member_table *table, member_view view, seen *done)
 {
@@ -241,7 +224,18 @@ static void write_tables(json_out *w, const member_table *table, member_view vie
     }
     BF_CHECK(done->n < TABLES_MAX);
     done->tables[done->n++] = table;
-    write_table(w, table, view);
+    bool has_choices =
+        table->choice != MEMBER_ALL || (table->forms != NULL && view == MEMBER_GIVEN);
+    const form all = { .view = view };
+    char name[MEMBER_TEXT_SIZE];
+    members_schema_name(table, view, name);
+    json_out_key(w, name);
+    json_out_object(w);
+    if (has_choices)
+        write_choices(w, table, view);
+    else
+        write_object(w, table, &all, NULL);
+    json_out_object_end(w);
     for (size_t k = 0; k < table->n; k++) {
         if (table->members[k].table != NULL)
             write_tables(w, table->members[k].table, view, done);

@@ -34,7 +34,7 @@ bf_status array_file_open(const api_services *services, const char *id, uint64_t
     else
         array_file_fini(&file);
     // What is appended to buffers says no more than that there is no memory.
-    return status == BF_ENOMEM ? bf_fail(err, BF_ENOMEM, "", "out of memory") : status;
+    return status == BF_ENOMEM ? bf_fail_memory(err) : status;
 }
 
 uint64_t array_file_size(const array_file *file)
@@ -50,7 +50,7 @@ static bf_status read_text(const bf_buffer *text, uint64_t at, size_t limit, bf_
 
     if (buffer_append(out, text->bytes + at, left < limit ? left : limit) == BF_OK)
         return BF_OK;
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return bf_fail_memory(err);
 }
 
 // From byte `at` of the numbers on. Whole numbers are read, so that their byte order can be changed.
@@ -135,7 +135,7 @@ bf_status array_file_send(array_file *file, body_source *ret_source, bf_error *e
 
     if (sent == NULL) {
         array_file_fini(file);
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     }
     sent->file = *file;
     *file = (array_file){ .item_size = 0 };

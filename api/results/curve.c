@@ -171,7 +171,7 @@ static bf_status read_row(text_piece row, size_t column, size_t n_columns, size_
         return fail_line(err, line, text);
     if (buffer_append(t, &time, sizeof time) != BF_OK ||
         buffer_append(parts, &count, sizeof count) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     return BF_OK;
 }
 
@@ -220,7 +220,7 @@ bf_status results_read_curve_csv(const char *text, size_t n, const char *id, bf_
             continue;
         status = read_row(row, column, n_columns, line, t, parts, err);
         if (status == BF_OK && lines != NULL && buffer_append(lines, &line, sizeof line) != BF_OK)
-            status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+            status = bf_fail_memory(err);
     }
     if (status != BF_OK) {
         buffer_truncate(t, n_t);

@@ -86,7 +86,7 @@ bf_status curve_file_send(const curve_file *file, body_source *ret_source, bf_er
     curve_file *sent = memory_alloc(1, sizeof *sent);
 
     if (sent == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     *sent = *file;
     *ret_source = (body_source){
         .state = sent, .next_chunk = next_chunk, .destroy = memory_free, .n_held = HELD_BYTES

@@ -298,5 +298,5 @@ bf_status events_of_run(const char *run_id, const char *data, size_t n, bf_buffe
         buffer_append(out, data + n_first + n_id, n - n_first - n_id) == BF_OK)
         return BF_OK;
     buffer_truncate(out, start);
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return bf_fail_memory(err);
 }

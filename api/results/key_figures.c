@@ -206,7 +206,7 @@ bf_status key_figures_parse(const char *json, size_t n, json_t **ret_root, bf_er
     *ret_root = json_in_parse(&in, json, n);
     if (*ret_root != NULL)
         return BF_OK;
-    return in.has_failed ? bf_fail(err, BF_ENOMEM, "", "out of memory")
+    return in.has_failed ? bf_fail_memory(err)
                          : bf_fail(err, BF_ECORRUPT, "", "stored key figures are damaged");
 }
 
@@ -230,7 +230,7 @@ bf_status key_figures_csv(const char *json, size_t n, bf_buffer *out, bf_error *
     if (status == BF_OK)
         return BF_OK;
     buffer_truncate(out, start);
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return bf_fail_memory(err);
 }
 
 static double *read_item(figure_scope scope, const json_t *object, double *values)

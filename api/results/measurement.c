@@ -106,7 +106,7 @@ static bf_status make_measurement(const samples *s, const char *label, const cha
         buffer_append(&made.curve.t, s->t, n_bytes) != BF_OK ||
         buffer_append(&made.curve.values, s->counts, n_bytes) != BF_OK) {
         measurement_fini(&made);
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     }
     *ret_measurement = made;
     return BF_OK;
@@ -175,22 +175,6 @@ static void choose_counter(const char *column, const char *wanted, char *ret_cou
     snprintf(ret_counter, SCENE_ID_SIZE, "%s", wanted);
 }
 
-static void check_lines(const samples *s, bf_faults *faults)
-{
-    char pointer[BF_POINTER_SIZE];
-
-    if (s->n < SAMPLES_MIN)
-        faults_add(faults, "/line/1", "must be followed by at least %d samples, not %zu",
-                   SAMPLES_MIN, s->n);
-    if (s->n > API_MEASUREMENT_SAMPLES_MAX)
-        faults_add_limit(faults,
-                         place_of(s, "", API_MEASUREMENT_SAMPLES_MAX, pointer, sizeof pointer),
-                         "is the first of too many: there are %zu samples, the limit is %d", s->n,
-                         API_MEASUREMENT_SAMPLES_MAX);
-    else
-        check_samples(s, faults);
-}
-
 // Buffers of a CSV text that is read.
 typedef struct columns {
     bf_buffer t;
@@ -221,7 +205,18 @@ static bf_status read_columns(const char *text, size_t n, const char *column, co
                                   .t = (const double *)(const void *)c->t.bytes,
                                   .counts = (const double *)(const void *)c->counts.bytes,
                                   .lines = (const size_t *)(const void *)c->lines.bytes };
-        check_lines(ret_samples, faults);
+        char pointer[BF_POINTER_SIZE];
+        if (ret_samples->n < SAMPLES_MIN)
+            faults_add(faults, "/line/1", "must be followed by at least %d samples, not %zu",
+                       SAMPLES_MIN, ret_samples->n);
+        if (ret_samples->n > API_MEASUREMENT_SAMPLES_MAX)
+            faults_add_limit(
+                faults,
+                place_of(ret_samples, "", API_MEASUREMENT_SAMPLES_MAX, pointer, sizeof pointer),
+                "is the first of too many: there are %zu samples, the limit is %d", ret_samples->n,
+                API_MEASUREMENT_SAMPLES_MAX);
+        else
+            check_samples(ret_samples, faults);
     }
     return note(status, &why, faults, err);
 }

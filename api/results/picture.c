@@ -133,7 +133,7 @@ bf_status picture_draw(const picture *p, picture_cells_fn *cells, void *context,
 
     d.line = memory_alloc(p->grid.n1, sizeof *d.line);
     if (d.line == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     for (size_t k = 0; status == BF_OK && k < p->height; k++) {
         const span rows = find_span(k, p->height, p->grid.n2);
         status = add_rows(&d, &rows, err);

@@ -74,7 +74,7 @@ static bf_status write_photo_eyes(const archive *a, const api_services *services
     (void)index;
     if (buffer_append(out, a->eyes.bytes, a->eyes.n) == BF_OK)
         return BF_OK;
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return bf_fail_memory(err);
 }
 
 static bf_status write_list(const archive *a, const api_services *services, uint64_t index,
@@ -304,7 +304,7 @@ bf_status results_archive_open(const api_run *of, results_archive_kind kind,
 
     BF_CHECK(run_state_is_end(of->state));
     if (a == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     memcpy(a->id, of->id, sizeof a->id);
     a->has_summary = of->has_summary;
     a->has_vtk = kind == RESULTS_ARCHIVE_VTK;

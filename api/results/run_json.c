@@ -218,7 +218,7 @@ bf_status run_json_write(const api_run *record, bf_buffer *out, bf_error *err)
     json_out w = json_out_to(out);
 
     if (buffer_reserve(out, USUAL_BYTES) == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     members_write(&w, &run_json, record);
     return json_out_status(&w, err);
 }

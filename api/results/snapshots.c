@@ -146,26 +146,6 @@ bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_
     return results__finish(json_out_status(&w, err), out, n_before, err);
 }
 
-static void write_density(json_out *w, const bf_grid *grid, const float *rho)
-{
-    char text[NUMBER_SIZE];
-
-    json_out_key(w, "density");
-    json_out_array(w);
-    for (size_t j = 0; j < grid->n2; j++) {
-        json_out_array(w);
-        for (size_t i = 0; i < grid->n1; i++) {
-            float value = rho[j * grid->n1 + i];
-            if (isfinite(value))
-                json_out_raw(w, text, (size_t)number_format_float(value, text));
-            else
-                json_out_null(w);
-        }
-        json_out_array_end(w);
-    }
-    json_out_array_end(w);
-}
-
 typedef struct snapshot_view {
     api_snapshot of;
     bf_grid grid;
@@ -193,7 +173,21 @@ bf_status results_snapshot_json(const float *rho, const bf_grid *grid, const api
 
     json_out_object(&w);
     members_write_into(&w, &results_snapshot_members, &view);
-    write_density(&w, grid, rho);
+    char text[NUMBER_SIZE];
+    json_out_key(&w, "density");
+    json_out_array(&w);
+    for (size_t j = 0; j < grid->n2; j++) {
+        json_out_array(&w);
+        for (size_t i = 0; i < grid->n1; i++) {
+            float value = rho[j * grid->n1 + i];
+            if (isfinite(value))
+                json_out_raw(&w, text, (size_t)number_format_float(value, text));
+            else
+                json_out_null(&w);
+        }
+        json_out_array_end(&w);
+    }
+    json_out_array_end(&w);
     json_out_object_end(&w);
     return results__finish(json_out_status(&w, err), out, n_before, err);
 }

@@ -232,8 +232,7 @@ static const member summary_members[] = {
            "What the run says, in sentences: everything_through, queue_at_inlet, inlet_limit, "
            "queue_grows, belt_fills or throughput of a belt that is fed, drained or not_drained of "
            "another, bridges or pauses, stalled, too_short, not_compared; missing in summaries of "
-           "versions "
-           "that did not say so",
+           "versions that did not say so",
            .table = &verdict_members, .offset_n = AT(verdicts.n), .limit = VERDICTS_MAX,
            .flags = MEMBER_OPTIONAL),
     MEMBER("warnings", warnings, 0, "Reasons to doubt the results"),
@@ -243,8 +242,8 @@ static const member summary_members[] = {
            .table = &review_warning_members, .offset_n = AT(warnings.n),
            .limit = REVIEW_WARNINGS_MAX, .flags = MEMBER_OPTIONAL),
     MEMBER("validity", object, AT(review.validity),
-           "Whether the model was compared for scenarios like this one; missing "
-           "in summaries of versions that did not say so",
+           "Whether the model was compared for scenarios like this one; missing in summaries of "
+           "versions that did not say so",
            .table = &review_validity_members, .flags = MEMBER_OPTIONAL),
     MEMBER("cached", described, 0, "The results were known from an earlier run", .type = "boolean",
            .flags = MEMBER_OPTIONAL),
@@ -333,5 +332,5 @@ bf_status results_summary_cached(const char *summary, size_t n_summary, const ch
         buffer_append(out, scenario, n_scenario) == BF_OK && buffer_append(out, "}", 1) == BF_OK)
         return BF_OK;
     buffer_truncate(out, n_before);
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return bf_fail_memory(err);
 }

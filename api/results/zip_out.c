@@ -35,7 +35,7 @@ static la_ssize_t append_bytes(struct archive *archive, void *context, const voi
 // The library refuses nothing of what this module asks for but where it has no memory.
 static bf_status check(int result, bf_error *err)
 {
-    return result == ARCHIVE_OK ? BF_OK : bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return result == ARCHIVE_OK ? BF_OK : bf_fail_memory(err);
 }
 
 // The end of a call that writes.

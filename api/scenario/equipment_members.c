@@ -370,8 +370,7 @@ static const member photo_eye_members[] = {
            .range = &scene_range_instant, .flags = MEMBER_INIT),
     MEMBER("density_ratio", step, AT(density_ratio),
            "macroscopic model: the beam is broken where the largest density on it is at least "
-           "this; auto: by the parts "
-           "that cross it",
+           "this; auto: by the parts that cross it",
            .range = &scene_range_ratio, .flags = MEMBER_INIT),
 };
 const member_table scenario__photo_eye_members = { MEMBER_TABLE("photoEye", photo_eye_members),

@@ -56,8 +56,7 @@ static const member validity_members[] = {
            "Every figure of the scenario was compared and is within its range"),
     MEMBER("like", object, AT(like),
            "Scenes that were solved for the comparison and are like this one: each figure that "
-           "both have is about the "
-           "same, and neither has others. Absent: there are none",
+           "both have is about the same, and neither has others. Absent: there are none",
            .table = &review_like_members, .applies = has_like),
     MEMBER("outside", array, AT(items), "Figures that are out of their range",
            .table = &review_outside_members, .offset_n = AT(n), .limit = VALIDITY_OUTSIDE_MAX),

@@ -25,26 +25,6 @@ static void write_interval(json_out *w, double low, double high)
     write_pair(w, low, high);
 }
 
-// In how many replications there was a jam.
-static void write_jams(json_out *w, const study *s, size_t point, size_t value)
-{
-    uint64_t n = 0, n_jams = 0;
-
-    for (size_t trial = 0; trial < study_trials(s); trial++) {
-        const double count = study_values(s, trial)[value];
-        if (study_trial_at(s, trial).point == point && isfinite(count)) {
-            n++;
-            n_jams += count > 0.0;
-        }
-    }
-    const statistics_range range = statistics_wilson(n_jams, n, confidence);
-    json_out_key(w, "jam_probability");
-    json_out_object(w);
-    json_out_key_measure(w, "mean", n > 0 ? (double)n_jams / (double)n : (double)NAN);
-    write_interval(w, range.low, range.high);
-    json_out_object_end(w);
-}
-
 static void write_value(json_out *w, const study_document *d, const study *s, size_t point,
                         size_t value)
 {
@@ -61,8 +41,23 @@ static void write_value(json_out *w, const study_document *d, const study *s, si
         json_out_key_measure(w, "deviation", statistics_deviation(&sample));
         write_interval(w, sample.mean - half, sample.mean + half);
     }
-    if (value < d->n_objectives && d->objectives[value].figure == FIGURE_JAM_COUNT)
-        write_jams(w, s, point, value);
+    if (value < d->n_objectives && d->objectives[value].figure == FIGURE_JAM_COUNT) {
+        // In how many replications there was a jam.
+        uint64_t n = 0, n_jams = 0;
+        for (size_t trial = 0; trial < study_trials(s); trial++) {
+            const double count = study_values(s, trial)[value];
+            if (study_trial_at(s, trial).point == point && isfinite(count)) {
+                n++;
+                n_jams += count > 0.0;
+            }
+        }
+        const statistics_range range = statistics_wilson(n_jams, n, confidence);
+        json_out_key(w, "jam_probability");
+        json_out_object(w);
+        json_out_key_measure(w, "mean", n > 0 ? (double)n_jams / (double)n : (double)NAN);
+        write_interval(w, range.low, range.high);
+        json_out_object_end(w);
+    }
     json_out_object_end(w);
 }
 
@@ -158,7 +153,7 @@ static bf_status write_warnings(json_out *w, study_document *d, const study *s, 
     scene scene_;
 
     bf_status status = faults == NULL || review == NULL
-                           ? bf_fail(err, BF_ENOMEM, "", "out of memory")
+                           ? bf_fail_memory(err)
                            : study_document_scene(d, p.at, 0, model, &scene_, faults, err);
     if (status == BF_OK) {
         status = run_review_of(&scene_, model, review, err);
@@ -204,7 +199,7 @@ static bf_status write_verdicts(json_out *w, study_document *d, const study *s,
     verdicts *all = memory_alloc(1, sizeof *all);
 
     if (all == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     const bf_status status = study_verdict_find(d, s, choice, is_in, all, err);
     json_out_key(w, "verdicts");
     verdict_write_all(w, all);
@@ -256,7 +251,7 @@ bf_status study_best_write(study_document *d, const study *s, bf_buffer *out, bf
 
     bool *is_in = memory_alloc(2 * study_points(s) + 1, sizeof *is_in);
     if (is_in == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     json_out_object(&w);
     json_out_key_string(&w, "name", d->name);
     json_out_key_string(&w, "method", study_document_methods[d->method.type]);

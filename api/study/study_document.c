@@ -114,7 +114,7 @@ bf_status study_document_scene(study_document *d, const double *point, uint32_t 
         json_real_set(d->parameters[k].number, study_document_value(&d->parameters[k], point[k]));
     json_t *number = json_real((double)(d->substream + substream));
     if (number == NULL || json_object_set_new(d->scenario, "substream", number) != 0)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     return scenario_read_tree(&in, d->scenario, model, ret_scene) ? BF_OK
                                                                   : json_in_status(&in, err);
 }
@@ -142,7 +142,7 @@ static bf_status mean_square(const study_document_curve *measured,
     compare_measures measures;
 
     if (parts == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     for (size_t k = 0; k < outcome->n; k++)
         parts[k] = outcome->columns[k * outcome->n_columns + measured->column];
     const compare_curve computed = { outcome->n, outcome->t, parts };

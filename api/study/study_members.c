@@ -181,8 +181,7 @@ static const member objective_members[] = {
            .flags = MEMBER_INIT),
     MEMBER("demand", demand, AT(demand),
            "of the first objective, of grid, list, lhs and sobol: best is the least value of the "
-           "first "
-           "parameter at which the figure is at least this, with the method's confidence",
+           "first parameter at which the figure is at least this, with the method's confidence",
            .default_text = "none: the largest or least value of the figure is best"),
 };
 #undef AT
@@ -300,12 +299,12 @@ static const member members[] = {
     MEMBER("parameters", array, AT(parameters),
            "what trials differ in; of list it may be empty: the base is repeated",
            .table = &parameter_table, .offset_n = AT(n_parameters), .limit = STUDY_PARAMETERS),
-    MEMBER("objectives", array, AT(objectives),
-           "what is best, the first one; between equal points the second one decides, of sweeps "
-           "and screen "
-           "residence_s.mean where there is none. The others are told only; calibrate has none",
-           .table = &objective_table, .offset_n = AT(n_objectives), .limit = STUDY_VALUES,
-           .default_text = "[]"),
+    MEMBER(
+        "objectives", array, AT(objectives),
+        "what is best, the first one; between equal points the second one decides, of sweeps and "
+        "screen residence_s.mean where there is none. The others are told only; calibrate has none",
+        .table = &objective_table, .offset_n = AT(n_objectives), .limit = STUDY_VALUES,
+        .default_text = "[]"),
     MEMBER("curves", array, AT(curves), "of calibrate: what was measured", .table = &curve_table,
            .offset_n = AT(n_curves), .limit = STUDY_DOCUMENT_CURVES, .default_text = "[]"),
     MEMBER("method", object, AT(method), "how points are chosen", .table = &method_table),

@@ -12,29 +12,14 @@
 static const figure_id values[] = { FIGURE_SUSTAINED, FIGURE_RESIDENCE_MEAN, FIGURE_RESIDENCE_P95,
                                     FIGURE_JAM_COUNT, FIGURE_QUEUE_END };
 
-static void write_objectives(json_out *w, run_model model)
+static bf_status write_document(const api_submission *base, bf_buffer *out, bf_error *err)
 {
-    char word[MEMBER_TEXT_SIZE];
+    json_out w = json_out_to(out);
 
-    json_out_array(w);
-    for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
-        if (model == RUN_MACRO && (figure_table[values[k]].models & FIGURE_BY_DENSITY) == 0)
-            continue;
-        study__figure_word(values[k], word);
-        json_out_object(w);
-        json_out_key_string(w, "figure", word);
-        json_out_key_string(w, "goal", k == 0 ? "maximize" : "minimize");
-        json_out_object_end(w);
-    }
-    json_out_array_end(w);
-}
-
-// Names are cut to whole characters.
-static void write_name(json_out *w, const api_submission *base)
-{
+    json_out_object(&w);
+    // Names are cut to whole characters.
     char name[STUDY_DOCUMENT_NAME];
     const char *whole = base->label[0] != '\0' ? base->label : base->name;
-
     int n = snprintf(name, sizeof name, "%s", whole);
     if (n >= (int)sizeof name) {
         size_t end = sizeof name - 1;
@@ -42,15 +27,7 @@ static void write_name(json_out *w, const api_submission *base)
             end--;
         name[end] = '\0';
     }
-    json_out_key_string(w, "name", name);
-}
-
-static bf_status write_document(const api_submission *base, bf_buffer *out, bf_error *err)
-{
-    json_out w = json_out_to(out);
-
-    json_out_object(&w);
-    write_name(&w, base);
+    json_out_key_string(&w, "name", name);
     if (base->line[0] != '\0')
         json_out_key_string(&w, "line", base->line);
     json_out_key(&w, "base");
@@ -63,7 +40,18 @@ static bf_status write_document(const api_submission *base, bf_buffer *out, bf_e
     json_out_array(&w);
     json_out_array_end(&w);
     json_out_key(&w, "objectives");
-    write_objectives(&w, base->model);
+    char word[MEMBER_TEXT_SIZE];
+    json_out_array(&w);
+    for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
+        if (base->model == RUN_MACRO && (figure_table[values[k]].models & FIGURE_BY_DENSITY) == 0)
+            continue;
+        study__figure_word(values[k], word);
+        json_out_object(&w);
+        json_out_key_string(&w, "figure", word);
+        json_out_key_string(&w, "goal", k == 0 ? "maximize" : "minimize");
+        json_out_object_end(&w);
+    }
+    json_out_array_end(&w);
     json_out_key(&w, "method");
     json_out_object(&w);
     json_out_key_string(&w, "type", study_document_methods[STUDY_LIST]);
@@ -80,8 +68,7 @@ bf_status study_replications_make(const api_submission *base, api_study_submissi
     bf_buffer document = { 0 };
     bf_faults *faults = memory_alloc(1, sizeof *faults);
 
-    bf_status status = faults == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                                      : write_document(base, &document, err);
+    bf_status status = faults == NULL ? bf_fail_memory(err) : write_document(base, &document, err);
     if (status == BF_OK)
         status =
             study_submission_read(document.bytes, document.n, NULL, ret_submission, faults, err);

@@ -317,7 +317,7 @@ static bf_status find_offered(const about *a, double *ret_per_h, bf_error *err)
             return BF_OK;
     bf_faults *faults = memory_alloc(1, sizeof *faults);
     if (faults == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     status = study_document_scene(d, p.at, 0, study_document_model(d, p.model), &s, faults, err);
     memory_free(faults);
     if (status != BF_OK)
@@ -472,7 +472,7 @@ bf_status study_verdict_find(study_document *document, const study *s, const stu
     }
     bool *are_meant = memory_alloc(study_points(s), sizeof *are_meant);
     if (are_meant == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     const bf_status status = say_all(&a, are_meant, err);
     memory_free(are_meant);
     return status;

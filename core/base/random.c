@@ -5,18 +5,14 @@ static uint64_t rotate(uint64_t x, int by)
     return x << by | x >> (64 - by);
 }
 
-static uint64_t next_splitmix(uint64_t *state)
-{
-    uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
-    return z ^ z >> 31;
-}
-
 void random_init(bf_random *random, uint64_t seed)
 {
-    for (int k = 0; k < 4; k++)
-        random->state[k] = next_splitmix(&seed);
+    for (int k = 0; k < 4; k++) {
+        uint64_t z = seed += UINT64_C(0x9e3779b97f4a7c15);
+        z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+        z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
+        random->state[k] = z ^ z >> 31;
+    }
 }
 
 uint64_t random_bits(bf_random *random)

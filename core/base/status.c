@@ -27,3 +27,8 @@ bf_status bf_fail(bf_error *err, bf_status code, const char *pointer, const char
     va_end(args);
     return code;
 }
+
+bf_status bf_fail_memory(bf_error *err)
+{
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}

@@ -56,3 +56,6 @@ const char *bf_status_word(bf_status code);
 /// `return bf_fail(err, BF_ELIMIT, "/macro/cell_m", "...")`. A text that is too long is truncated.
 bf_status bf_fail(bf_error *err, bf_status code, const char *pointer, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+
+/// The same of an allocation that concerns no member: BF_ENOMEM, "out of memory".
+bf_status bf_fail_memory(bf_error *err);

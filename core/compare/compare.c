@@ -184,8 +184,7 @@ bf_status compare_curves(const compare_curve *a, const compare_curve *b,
                            .t_end = fmin(a->t[a->n - 1], b->t[b->n - 1]) };
     if (m.t_start > m.t_end)
         return bf_fail(err, BF_EINPUT, "/b",
-                       "the curves have no time in common: %.9g s to %.9g s "
-                       "and %.9g s to %.9g s",
+                       "the curves have no time in common: %.9g s to %.9g s and %.9g s to %.9g s",
                        a->t[0], a->t[a->n - 1], b->t[0], b->t[b->n - 1]);
     measure_gap((cursor){ .curve = a }, (cursor){ .curve = b }, &m);
     m.drain_time_a = drain_time(a);
@@ -263,7 +262,7 @@ bf_status compare_densities(const bf_grid *grid, const float *a, const float *b,
     compare_distance d;
 
     if (sums == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     marginals of_a = { .x = sums, .y = sums + n1 };
     marginals of_b = { .x = sums + n1 + n2, .y = sums + 2 * n1 + n2 };
     gather(grid, a, &of_a);

@@ -83,20 +83,6 @@ static size_t find_face(const hull *h, uint8_t from, uint8_t to)
     return h->n_faces;
 }
 
-static void find_fans(hull *h)
-{
-    uint16_t n = 0;
-
-    for (size_t k = 0; k < h->n_vertices; k++) {
-        h->around[k] = n;
-        for (size_t face = 0; face < h->n_faces; face++)
-            for (size_t m = h->first[face]; m < h->first[face + 1]; m++)
-                if (h->corner[m] == k)
-                    h->fan[n++] = (uint8_t)face;
-    }
-    h->around[h->n_vertices] = n;
-}
-
 /// Record every edge once, and the faces around every vertex. Returns false if the faces do not close
 /// up.
 static bool find_edges(hull *h)
@@ -112,7 +98,15 @@ static bool find_edges(hull *h)
                 h->edge[h->n_edges++] = (hull_edge){ from, to, (uint8_t)face, (uint8_t)other };
         }
     }
-    find_fans(h);
+    uint16_t n = 0;
+    for (size_t k = 0; k < h->n_vertices; k++) {
+        h->around[k] = n;
+        for (size_t face = 0; face < h->n_faces; face++)
+            for (size_t m = h->first[face]; m < h->first[face + 1]; m++)
+                if (h->corner[m] == k)
+                    h->fan[n++] = (uint8_t)face;
+    }
+    h->around[h->n_vertices] = n;
     return 2 * h->n_edges == h->first[h->n_faces] && h->n_vertices + h->n_faces == h->n_edges + 2;
 }
 

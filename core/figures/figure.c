@@ -66,12 +66,10 @@ const figure figure_table[FIGURE_COUNT] = {
                              OF(RUN, BOTH) },
     [FIGURE_QUEUE_END] = { "queue_end_m", NULL, "m",
                            "Longest queue of what is held back, slower than 0.8 of the belt under "
-                           "it: "
-                           "the largest distance, against the belt's direction, from the "
+                           "it: the largest distance, against the belt's direction, from the "
                            "downstream end of the next plate to what is held back before it, or "
-                           "where "
-                           "there is no plate from the first to the last of it; 0 where nothing "
-                           "was held back",
+                           "where there is no plate from the first to the last of it; 0 where "
+                           "nothing was held back",
                            OF(RUN, BOTH_FED) },
     [FIGURE_PEAK] = { "peak_density", NULL, NULL,
                       "Largest density after the warm-up, 1 being close packing, of all samples "
@@ -117,14 +115,12 @@ const figure figure_table[FIGURE_COUNT] = {
                               OF(COUNTER, BOTH_FED) },
     [FIGURE_STATE_BLOCKED] = { "state_share", "blocked", NULL,
                                "Share in which they were held back and stood: slower than 0.05 of "
-                               "the "
-                               "belt under them, or that one stood",
+                               "the belt under them, or that one stood",
                                OF(COUNTER, BOTH_FED) },
     [FIGURE_FLOW] = { "flow_per_h", NULL, "parts/h",
                       "Parts that left the counter after the warm-up, by the time since then (with "
-                      "feeds): one that "
-                      "comes back has not left, but of a density counts again; what falls off the "
-                      "belts does not",
+                      "feeds): one that comes back has not left, but of a density counts again; "
+                      "what falls off the belts does not",
                       OF(COUNTER, BOTH_FED) },
     [FIGURE_FLOW_ERROR] = { "flow_error_per_h", NULL, "parts/h", FLOW_INTERVAL,
                             OF(COUNTER, PARTS) },

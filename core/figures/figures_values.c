@@ -156,23 +156,6 @@ static void fill_belt(const figures *f, size_t k, double *ret_values)
     ret_values[figure_at(f->s, FIGURE_STOPPED_LONGEST, k)] = fmax(b->longest, now);
 }
 
-static void fill_stops(const figures *f, double *ret_values)
-{
-    const double lasted = f->run.t - f->run.t_start;
-
-    for (size_t k = 0; k < f->n_stops && f->run.is_warm; k++) {
-        const stop_sums *of = &f->stops[k];
-        const double planned = lasted - of->planned;
-        if (f->s->belts[figure_belt(f->s, FIGURE_OF_BELT, k)].stops.n_failures > 0)
-            ret_values[figure_at(f->s, FIGURE_AVAILABILITY, k)] =
-                ratio(planned - of->failed, planned);
-    }
-    for (size_t k = 0; k < f->n_failures && f->run.is_warm; k++) {
-        ret_values[figure_at(f->s, FIGURE_FAILED_COUNT, k)] = f->failures[k].n;
-        ret_values[figure_at(f->s, FIGURE_FAILED_TOTAL, k)] = f->failures[k].total;
-    }
-}
-
 static void fill_eye(const figures *f, size_t k, double *ret_values)
 {
     const quantiles *gaps = &f->gaps[k];
@@ -217,7 +200,18 @@ void figures_fill(const figures *f, double *ret_values)
     }
     for (size_t k = 0; k < f->n_belts; k++)
         fill_belt(f, k, ret_values);
-    fill_stops(f, ret_values);
+    const double lasted = f->run.t - f->run.t_start;
+    for (size_t k = 0; k < f->n_stops && f->run.is_warm; k++) {
+        const stop_sums *of = &f->stops[k];
+        const double planned = lasted - of->planned;
+        if (f->s->belts[figure_belt(f->s, FIGURE_OF_BELT, k)].stops.n_failures > 0)
+            ret_values[figure_at(f->s, FIGURE_AVAILABILITY, k)] =
+                ratio(planned - of->failed, planned);
+    }
+    for (size_t k = 0; k < f->n_failures && f->run.is_warm; k++) {
+        ret_values[figure_at(f->s, FIGURE_FAILED_COUNT, k)] = f->failures[k].n;
+        ret_values[figure_at(f->s, FIGURE_FAILED_TOTAL, k)] = f->failures[k].total;
+    }
     for (size_t k = 0; k < n; k++)
         ret_values[k] = rounded(ret_values[k]);
 }

@@ -38,22 +38,6 @@ static void find_piece(queue *q, size_t obstacle, const surroundings_piece *piec
              fmin(vec2_dot(q->upstream, piece->start), vec2_dot(q->upstream, piece->end)));
 }
 
-// The most downstream point of each plate, along the belt under the first one.
-static void find_plates(queue *q, const scene *s)
-{
-    const surroundings around = surroundings_of(s);
-    bool has_plate = false;
-
-    for (size_t k = 0; k < s->n_obstacles; k++) {
-        q->plate_ends[k] = (double)INFINITY;
-        for (size_t p = 0; p + 1 < s->obstacles[k].n_points; p++) {
-            const surroundings_piece piece = surroundings_piece_of(&around, &s->obstacles[k], p);
-            const vec2 middle = vec2_scale(vec2_add(piece.start, piece.end), 0.5);
-            find_piece(q, k, &piece, surroundings_velocity_under(&around, middle), &has_plate);
-        }
-    }
-}
-
 queue queue_of(const scene *s)
 {
     const scene_rect *d = &s->domain;
@@ -64,7 +48,17 @@ queue queue_of(const scene *s)
                 .width = 2.0 * shape_inner_radius(&s->cargo[0].shape),
                 .n_plates = s->n_obstacles };
 
-    find_plates(&q, s);
+    // The most downstream point of each plate, along the belt under the first one.
+    const surroundings around = surroundings_of(s);
+    bool has_plate = false;
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        q.plate_ends[k] = (double)INFINITY;
+        for (size_t p = 0; p + 1 < s->obstacles[k].n_points; p++) {
+            const surroundings_piece piece = surroundings_piece_of(&around, &s->obstacles[k], p);
+            const vec2 middle = vec2_scale(vec2_add(piece.start, piece.end), 0.5);
+            find_piece(&q, k, &piece, surroundings_velocity_under(&around, middle), &has_plate);
+        }
+    }
     q.start = fmin(q.upstream.x * d->x_min, q.upstream.x * d->x_max) +
               fmin(q.upstream.y * d->y_min, q.upstream.y * d->y_max);
     q.span =

@@ -210,29 +210,23 @@ static void take_batch(steady_flow *flow, size_t k, double length, double level)
     flow->start_level = level;
 }
 
-static void close_batch(steady *s, double end, double entered, double left)
-{
-    take_batch(&s->in, s->n, s->length, entered);
-    take_batch(&s->out, s->n, s->length, left);
-    s->n++;
-    s->start = end;
-    if (isnan(s->reached_at) && is_time_to_test(s->n) && is_known(s))
-        s->reached_at = end;
-    if (s->n == STEADY_BATCHES_MAX) {
-        merge(s->in.means, s->n);
-        s->n = merge(s->out.means, s->n);
-        s->length *= 2.0;
-    }
-}
-
 void steady_sample(steady *s, const steady_levels *at)
 {
     const double entered = s->in.level, left = s->out.level;
 
     for (double end = s->start + s->length; end <= at->t; end = s->start + s->length) {
         const double part = (end - s->t) / (at->t - s->t);
-        close_batch(s, end, entered + (at->entered - entered) * part,
-                    left + (at->left - left) * part);
+        take_batch(&s->in, s->n, s->length, entered + (at->entered - entered) * part);
+        take_batch(&s->out, s->n, s->length, left + (at->left - left) * part);
+        s->n++;
+        s->start = end;
+        if (isnan(s->reached_at) && is_time_to_test(s->n) && is_known(s))
+            s->reached_at = end;
+        if (s->n == STEADY_BATCHES_MAX) {
+            merge(s->in.means, s->n);
+            s->n = merge(s->out.means, s->n);
+            s->length *= 2.0;
+        }
     }
     s->t = at->t;
     s->in.level = at->entered;

@@ -205,10 +205,13 @@ static uint64_t *take_set(arena *a, const macro_solver *s)
     return take(a, s->n_words, sizeof(uint64_t));
 }
 
-static void lay_out_ring(const macro_solver *s, macro_band *band, arena *a)
+static void lay_out_band(const macro_solver *s, macro_band *band, arena *a)
 {
-    const size_t n = (size_t)s->n_ring;
+    uint64_t **const sets[] = { &band->ahead,   &band->active_faces, &band->wanted,
+                                &band->missing, &band->unexpected,   &band->todo,
+                                &band->special, &band->empty };
 
+    const size_t n = (size_t)s->n_ring;
     band->ring = take(a, n, sizeof *band->ring);
     band->gradient_ring = take(a, 2 * n, sizeof *band->gradient_ring);
     band->integral_ring = take(a, 2 * n, sizeof *band->integral_ring);
@@ -222,15 +225,6 @@ static void lay_out_ring(const macro_solver *s, macro_band *band, arena *a)
         band->gradient_ring[k] = band->gradient_ring[k + n] = row.gradient1;
         band->integral_ring[k] = band->integral_ring[k + n] = row.integral1;
     }
-}
-
-static void lay_out_band(const macro_solver *s, macro_band *band, arena *a)
-{
-    uint64_t **const sets[] = { &band->ahead,   &band->active_faces, &band->wanted,
-                                &band->missing, &band->unexpected,   &band->todo,
-                                &band->special, &band->empty };
-
-    lay_out_ring(s, band, a);
     band->expected = take(a, (size_t)s->n2 * s->n_words, sizeof *band->expected);
     band->near = take(a, (size_t)(s->n2 + 4 * s->across.reach) * s->n_words, sizeof *band->near);
     for (int k = 0; k < 2; k++) {
@@ -368,25 +362,6 @@ macro_solver *macro_destroy(macro_solver *s)
     return NULL;
 }
 
-// Divides the rows into bands of about equal work.
-static void partition_rows(macro_solver *s)
-{
-    double total = 0.0, reached = 0.0;
-    ptrdiff_t row = 0;
-
-    for (ptrdiff_t j = 0; j < s->n2; j++)
-        total += s->cost[j];
-    for (int k = 0; k < s->n_bands; k++) {
-        ptrdiff_t rows_left_for_others = s->n_bands - 1 - k;
-        s->bands[k].first = row;
-        do
-            reached += s->cost[row++];
-        while (row < s->n2 - rows_left_for_others && reached < total * (k + 1) / s->n_bands);
-        s->bands[k].last = row;
-    }
-    s->bands[s->n_bands - 1].last = s->n2;
-}
-
 static void sweep_band(void *context, size_t k)
 {
     macro_solver *s = context;
@@ -432,7 +407,21 @@ void macro_step(macro_solver *s)
     } else {
         for (s->stage = 0; s->stage < s->n_stages; s->stage++) {
             s->records = s->tracers != NULL && s->stage == 0;
-            partition_rows(s);
+            // Divides the rows into bands of about equal work.
+            double total = 0.0, reached = 0.0;
+            ptrdiff_t row = 0;
+            for (ptrdiff_t j = 0; j < s->n2; j++)
+                total += s->cost[j];
+            for (int k = 0; k < s->n_bands; k++) {
+                ptrdiff_t rows_left_for_others = s->n_bands - 1 - k;
+                s->bands[k].first = row;
+                do
+                    reached += s->cost[row++];
+                while (row < s->n2 - rows_left_for_others &&
+                       reached < total * (k + 1) / s->n_bands);
+                s->bands[k].last = row;
+            }
+            s->bands[s->n_bands - 1].last = s->n2;
             team_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
             swap_states(s);
         }

@@ -133,22 +133,6 @@ static void sweep_x1(macro_band *band, ptrdiff_t r)
     sweep_row_x1(band, r, after_x1, out);
 }
 
-// The flux through the faces between rows r - 1 and r after their x1 sweeps.
-static void flux_x2(macro_band *band, ptrdiff_t r)
-{
-    const macro_solver *s = band->solver;
-    ptrdiff_t b = -1;
-    block_span run;
-
-    skip_find_flux_x2(band, r);
-    sweep_make_dispersion(band, r - 1, band->wanted);
-    while (block_set_next_run(band->flux2_set[r & 1], macro__words(s), &b, &run))
-        sweep_flux(s, macro__row(s, s->faces2.v, r), band->dispersion[(r - 1) & 1].i2,
-                   band->after_x1[(r - 1) & 1].rho, band->after_x1[r & 1].rho, run, band->wanted,
-                   band->flux2[r & 1]);
-    sweep_record_x2(band, r, band->after_x1[(r - 1) & 1].rho, band->after_x1[r & 1].rho);
-}
-
 // The x2 sweep of row r, in place, with the fluxes on both its sides.
 static void finish_row(macro_band *band, ptrdiff_t r)
 {
@@ -177,7 +161,17 @@ void macro__sweep_roe(macro_band *band)
     sweep_x1(band, band->first - 1);
     for (ptrdiff_t r = band->first; r <= band->last; r++) {
         sweep_x1(band, r);
-        flux_x2(band, r);
+        // The flux through the faces between rows r - 1 and r after their x1 sweeps.
+        const macro_solver *s = band->solver;
+        ptrdiff_t b = -1;
+        block_span run;
+        skip_find_flux_x2(band, r);
+        sweep_make_dispersion(band, r - 1, band->wanted);
+        while (block_set_next_run(band->flux2_set[r & 1], macro__words(s), &b, &run))
+            sweep_flux(s, macro__row(s, s->faces2.v, r), band->dispersion[(r - 1) & 1].i2,
+                       band->after_x1[(r - 1) & 1].rho, band->after_x1[r & 1].rho, run,
+                       band->wanted, band->flux2[r & 1]);
+        sweep_record_x2(band, r, band->after_x1[(r - 1) & 1].rho, band->after_x1[r & 1].rho);
         if (r > band->first)
             finish_row(band, r - 1);
     }

@@ -405,23 +405,6 @@ static double force_against(const hand_on_context *x, const swept_cells_cargo *c
     return fmax(rubs - cargo->mass * density_of(x, cell) * vec2_dot(pull, e), 0.0);
 }
 
-// Adds what a cell's cargo that moves with a plate takes.
-static void add_load(const hand_on_context *x, const pushed *p, size_t cell, swept_cells_load *load)
-{
-    const bf_grid *g = &x->cells->grid;
-    const vec2 at = { grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) };
-    const vec2 to = vec2_sub(at, plate_motion_pivot(&p->plate->before));
-    const double r = vec2_length(to), lever = fmin(r, p->cargo->radius);
-    const double speed = vec2_length(p->v);
-
-    if (p->w != 0.0 && r > 0.0) {
-        const vec2 e = vec2_scale(vec2_turn_left(to), copysign(1.0, p->w) / r);
-        load->torque += force_against(x, p->cargo, cell, at, e, fabs(p->w) * lever) * lever;
-    }
-    if (speed > 0.0)
-        load->force += force_against(x, p->cargo, cell, at, vec2_scale(p->v, 1.0 / speed), speed);
-}
-
 swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *plate,
                                        const swept_cells_cargo *cargo, const velocity_field *f,
                                        double w, vec2 v, macro_solver *s)
@@ -446,7 +429,18 @@ swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *
         const size_t from = c->queue[k], origin = c->origin[k];
         direction order[4];
         order_directions(c->ahead[origin], order);
-        add_load(&x, &p, from, &load);
+        // Adds what a cell's cargo that moves with a plate takes.
+        const bf_grid *g = &x.cells->grid;
+        const vec2 at = { grid_x1(g, from % g->n1), grid_x2(g, from / g->n1) };
+        const vec2 from_pivot = vec2_sub(at, plate_motion_pivot(&p.plate->before));
+        const double r = vec2_length(from_pivot), lever = fmin(r, p.cargo->radius);
+        const double speed = vec2_length(p.v);
+        if (p.w != 0.0 && r > 0.0) {
+            const vec2 e = vec2_scale(vec2_turn_left(from_pivot), copysign(1.0, p.w) / r);
+            load.torque += force_against(&x, p.cargo, from, at, e, fabs(p.w) * lever) * lever;
+        }
+        if (speed > 0.0)
+            load.force += force_against(&x, p.cargo, from, at, vec2_scale(p.v, 1.0 / speed), speed);
         for (int m = 0; m < 4 && c->n_queue < SWEPT_CELLS_SEARCH; m++) {
             const size_t to = next_cell(&x, from, order[m], from, anywhere);
             if (leads_out(&x, from, order[m], c->ahead[origin]))

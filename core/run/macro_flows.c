@@ -109,32 +109,27 @@ static void add_to_outlet(macro_flows *f, size_t i, size_t j, scene_side side)
         f->outlets[outlet].out += fmax(over(f, i, j, side), 0.0);
 }
 
-static void follow_outlets(macro_flows *f)
-{
-    const scene_edge *edges = f->scene->edges;
-
-    for (size_t j = 0; j < f->grid.n2; j++) {
-        if (edges[SCENE_WEST] == SCENE_EDGE_OUTFLOW)
-            add_to_outlet(f, 0, j, SCENE_WEST);
-        if (edges[SCENE_EAST] == SCENE_EDGE_OUTFLOW)
-            add_to_outlet(f, f->grid.n1 - 1, j, SCENE_EAST);
-    }
-    for (size_t i = 0; i < f->grid.n1; i++) {
-        if (edges[SCENE_SOUTH] == SCENE_EDGE_OUTFLOW)
-            add_to_outlet(f, i, 0, SCENE_SOUTH);
-        if (edges[SCENE_NORTH] == SCENE_EDGE_OUTFLOW)
-            add_to_outlet(f, i, f->grid.n2 - 1, SCENE_NORTH);
-    }
-}
-
 void macro_flows_follow(macro_flows *f)
 {
     if (macro_steps(f->solver) % macro_flux_steps(f->solver) != 0)
         return;
     for (size_t k = 0; k < f->scene->n_counters; k++)
         follow_counter(f, k);
-    if (f->n_outlets > 0)
-        follow_outlets(f);
+    if (f->n_outlets > 0) {
+        const scene_edge *edges = f->scene->edges;
+        for (size_t j = 0; j < f->grid.n2; j++) {
+            if (edges[SCENE_WEST] == SCENE_EDGE_OUTFLOW)
+                add_to_outlet(f, 0, j, SCENE_WEST);
+            if (edges[SCENE_EAST] == SCENE_EDGE_OUTFLOW)
+                add_to_outlet(f, f->grid.n1 - 1, j, SCENE_EAST);
+        }
+        for (size_t i = 0; i < f->grid.n1; i++) {
+            if (edges[SCENE_SOUTH] == SCENE_EDGE_OUTFLOW)
+                add_to_outlet(f, i, 0, SCENE_SOUTH);
+            if (edges[SCENE_NORTH] == SCENE_EDGE_OUTFLOW)
+                add_to_outlet(f, i, f->grid.n2 - 1, SCENE_NORTH);
+        }
+    }
 }
 
 void macro_flows_add(macro_flows *f, size_t cell, double parts)
@@ -148,28 +143,22 @@ void macro_flows_add(macro_flows *f, size_t cell, double parts)
     }
 }
 
-static void settle_counter(macro_flows *f, size_t k, double content)
-{
-    counter_flow *c = &f->counters[k];
-    const counter_cells *in = &f->cells[k];
-    const double fallen =
-        f->packing * macro_fallen_in(f->solver, in->i_min, in->i_max, in->j_min, in->j_max);
-    const double net = c->content + c->added - (fallen - c->fallen) - content;
-    const double all = c->out + c->in, of_out = all > 0.0 ? c->out / all : 1.0;
-
-    c->left += fmax(c->out + of_out * (net - (c->out - c->in)), 0.0);
-    c->content = content;
-    c->fallen = fallen;
-    c->added = c->out = c->in = 0.0;
-}
-
 void macro_flows_settle(macro_flows *f, const double *contents, double left, double *ret_flows)
 {
     const size_t n_counters = f->scene->n_counters;
     double all = 0.0;
 
     for (size_t k = 0; k < n_counters; k++) {
-        settle_counter(f, k, contents[k]);
+        counter_flow *c = &f->counters[k];
+        const counter_cells *in = &f->cells[k];
+        const double fallen =
+            f->packing * macro_fallen_in(f->solver, in->i_min, in->i_max, in->j_min, in->j_max);
+        const double net = c->content + c->added - (fallen - c->fallen) - contents[k];
+        const double settled = c->out + c->in, of_out = settled > 0.0 ? c->out / settled : 1.0;
+        c->left += fmax(c->out + of_out * (net - (c->out - c->in)), 0.0);
+        c->content = contents[k];
+        c->fallen = fallen;
+        c->added = c->out = c->in = 0.0;
         ret_flows[k] = f->counters[k].left;
     }
     for (size_t k = 0; k < f->n_outlets; k++)

@@ -54,8 +54,7 @@ static void check_step(const scene *s, bf_faults *faults)
     else if (step > turning * (1.0 + RUN__STABLE_SLACK))
         faults_add(faults, "/macro/step_s",
                    "in a step of %.10g s an obstacle moves by more than a cell; the largest one "
-                   "without that "
-                   "is %.10g s",
+                   "without that is %.10g s",
                    step, turning);
     else if (s->duration < step)
         faults_add(faults, "/duration_s", "%.10g s are less than one step of %.10g s", s->duration,

@@ -58,23 +58,6 @@ static void count_departure(micro_feeds *f, const micro_tag *tag, const micro_de
         f->flows[f->scene->n_counters + outlet] += 1.0;
 }
 
-// Parts may tremble on a border: one that comes back has not left.
-static void follow_counters(micro_feeds *f)
-{
-    for (size_t k = 0; k < micro_parts(f->solver); k++) {
-        if (micro_is_gone(f->solver, k))
-            continue;
-        micro_tag *tag = &f->tags[k];
-        const micro_part part = micro_part_of(f->solver, k);
-        const uint32_t now = counters_at(f->scene, (vec2){ part.x[0], part.x[1] });
-        const uint32_t out = tag->counters & ~now, back = now & tag->left;
-        add_left(f, out, 1.0);
-        add_left(f, back, -1.0);
-        tag->left = (tag->left | out) & ~back;
-        tag->counters = now;
-    }
-}
-
 bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
                            const scene_placement *placement, bf_error *err)
 {
@@ -140,7 +123,19 @@ bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures, bf_
                                                   .has_fallen = some[k].has_fallen };
         }
     }
-    follow_counters(f);
+    // Parts may tremble on a border: one that comes back has not left.
+    for (size_t k = 0; k < micro_parts(f->solver); k++) {
+        if (micro_is_gone(f->solver, k))
+            continue;
+        micro_tag *tag = &f->tags[k];
+        const micro_part part = micro_part_of(f->solver, k);
+        const uint32_t now = counters_at(f->scene, (vec2){ part.x[0], part.x[1] });
+        const uint32_t out = tag->counters & ~now, back = now & tag->left;
+        add_left(f, out, 1.0);
+        add_left(f, back, -1.0);
+        tag->left = (tag->left | out) & ~back;
+        tag->counters = now;
+    }
     qsort(f->departures, n, sizeof *f->departures, compare_ids);
     *ret_departures = (run_departures){ .n = n, .items = f->departures };
     return BF_OK;

@@ -132,25 +132,6 @@ static uint64_t choose_tick(const micro_run *run, double dt)
     return (uint64_t)fmax(floor(most / dt), 1.0);
 }
 
-static run_plan plan_of(const micro_run *run)
-{
-    const size_t n_parts = micro_parts(run->solver);
-    const bool is_planar = micro_is_planar(run->solver);
-    const size_t n_advance =
-        (is_planar ? PARTS_ADVANCED_PLANAR : PARTS_ADVANCED_SPATIAL) / (n_parts + 1);
-    const double dt = micro_dt(run->solver);
-
-    return (run_plan){ .dt = dt,
-                       .n_steps = run__steps_until(run->scene->duration, dt),
-                       .grid = run->grid,
-                       .n_parts = n_parts,
-                       .n_values =
-                           (uint32_t)(is_planar ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL) +
-                           (run->scene->n_feeds > 0 ? FRAME_VALUES_FED : 0U),
-                       .n_advance = n_advance + 1,
-                       .n_tick = choose_tick(run, dt) };
-}
-
 static bf_status create_checked(const scene *s, const run__micro_setup *setup, micro_run **ret_run,
                                 bf_error *err)
 {
@@ -183,7 +164,20 @@ static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **r
     run__micro_fini_setup(&setup);
     if (status != BF_OK)
         return status;
-    *ret_plan = plan_of(run);
+    const size_t n_parts = micro_parts(run->solver);
+    const bool is_planar = micro_is_planar(run->solver);
+    const size_t n_advance =
+        (is_planar ? PARTS_ADVANCED_PLANAR : PARTS_ADVANCED_SPATIAL) / (n_parts + 1);
+    const double dt = micro_dt(run->solver);
+    *ret_plan =
+        (run_plan){ .dt = dt,
+                    .n_steps = run__steps_until(run->scene->duration, dt),
+                    .grid = run->grid,
+                    .n_parts = n_parts,
+                    .n_values = (uint32_t)(is_planar ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL) +
+                                (run->scene->n_feeds > 0 ? FRAME_VALUES_FED : 0U),
+                    .n_advance = n_advance + 1,
+                    .n_tick = choose_tick(run, dt) };
     *ret_solver = run;
     return BF_OK;
 }

@@ -75,22 +75,6 @@ typedef struct standing {
     bool crosses[SCENE_EYES_MAX][SCENE_BELTS_MAX];
 } standing;
 
-static void find_crossed(standing *c)
-{
-    const surroundings around = surroundings_of(c->s);
-
-    for (size_t e = 0; e < c->s->n_eyes; e++) {
-        const vec2 *line = c->s->eyes[e].line;
-        for (int k = 0; k < BEAM_POINTS; k++) {
-            const double place = (double)k / (BEAM_POINTS - 1);
-            const vec2 at = vec2_add(line[0], vec2_scale(vec2_sub(line[1], line[0]), place));
-            const size_t belt = surroundings_belt_at(&around, at);
-            if (belt < c->s->n_belts)
-                c->crosses[e][belt] = true;
-        }
-    }
-}
-
 /// True if what stops a belt starts it again, too, after a time.
 static bool starts_again(const standing *c, const scene_action *stop)
 {
@@ -161,7 +145,17 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
 
     if (s->n_actions == 0)
         return;
-    find_crossed(&c);
+    const surroundings around = surroundings_of(s);
+    for (size_t e = 0; e < s->n_eyes; e++) {
+        const vec2 *line = s->eyes[e].line;
+        for (int k = 0; k < BEAM_POINTS; k++) {
+            const double place = (double)k / (BEAM_POINTS - 1);
+            const vec2 at = vec2_add(line[0], vec2_scale(vec2_sub(line[1], line[0]), place));
+            const size_t belt = surroundings_belt_at(&around, at);
+            if (belt < s->n_belts)
+                c.crosses[e][belt] = true;
+        }
+    }
     review_beams(&c, ret_warnings);
     for (size_t k = 0; k < s->n_belts; k++)
         c.stands[k] = true;

@@ -139,8 +139,7 @@ static bf_status review_parts(borders *b, review_warnings *ret_warnings, bf_erro
         review_warning *item = review_add(ret_warnings, "/initial", "Cargo starts off every belt");
         snprintf(item->meaning, sizeof item->meaning,
                  "%zu of %zu parts start where no belt is, the first one at (%.4g, %.4g) m: they "
-                 "fall at "
-                 "once.",
+                 "fall at once.",
                  n_off, placed.n, placed.poses[first].x, placed.poses[first].y);
     }
     placement_fini(&placed);

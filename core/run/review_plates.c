@@ -220,12 +220,14 @@ static bool review_shift(const plates *p, size_t k, vec2 shift, const char *poin
     return true;
 }
 
-static void review_shifts(const plates *p, size_t k, review_warnings *ret_warnings)
+static void review_plate(plates *p, size_t k, review_warnings *ret_warnings)
 {
+    const scene_obstacle *obstacle = &p->s->obstacles[k];
+    const size_t n = obstacle->n_points;
+
     const scene_obstacle *o = &p->s->obstacles[k];
     char pointer[BF_POINTER_SIZE];
     bool is_said = false;
-
     for (size_t m = 0; m < o->n_shifts && !is_said; m++) {
         snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion/shift_m/%zu", k, m);
         is_said = review_shift(p, k, o->shifts[m], pointer, ret_warnings);
@@ -236,14 +238,6 @@ static void review_shifts(const plates *p, size_t k, review_warnings *ret_warnin
         is_said = a->type == SCENE_ACTION_SHIFT && a->target == k &&
                   review_shift(p, k, a->shift, pointer, ret_warnings);
     }
-}
-
-static void review_plate(plates *p, size_t k, review_warnings *ret_warnings)
-{
-    const scene_obstacle *obstacle = &p->s->obstacles[k];
-    const size_t n = obstacle->n_points;
-
-    review_shifts(p, k, ret_warnings);
     if (scene_obstacle_moves(obstacle))
         return;
     review_parts(p, k, ret_warnings);

@@ -387,27 +387,6 @@ static double fallen_in_first(const run *r)
     return r->scene->may_drop && r->scene->n_feeds == 0 ? r->backend->fallen_in(r->solver, 0) : 0.0;
 }
 
-static void sample_figures(run *r, const run_load *load, const double *columns)
-{
-    const figures_now now = { .t = time_now(r),
-                              .inside = load->parts,
-                              .entered = r->parts_start + load->entered,
-                              .exited = columns[r->scene->n_counters],
-                              .fallen = load->fallen,
-                              .fallen_in_first = fallen_in_first(r),
-                              .counters = columns,
-                              .flows = r->flows,
-                              .feeds = r->balances };
-
-    if (r->backend->tell_cargo != NULL)
-        r->backend->tell_cargo(r->solver, r->figures);
-    if (figures_ends_warmup(r->figures, now.t))
-        tell_ages(r);
-    figures_sample(r->figures, &now);
-    if (r->backend->parts == NULL)
-        figures_peak(r->figures, load->smooth_peak);
-}
-
 // Takes a sample of the curve; a full batch is emitted.
 static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
 {
@@ -420,7 +399,22 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
     r->peak = fmax(r->peak, load.peak);
     r->t[r->n_waiting++] = time_now(r);
     fill_columns(r, &load, values);
-    sample_figures(r, &load, values);
+    const figures_now now = { .t = time_now(r),
+                              .inside = load.parts,
+                              .entered = r->parts_start + load.entered,
+                              .exited = values[r->scene->n_counters],
+                              .fallen = load.fallen,
+                              .fallen_in_first = fallen_in_first(r),
+                              .counters = values,
+                              .flows = r->flows,
+                              .feeds = r->balances };
+    if (r->backend->tell_cargo != NULL)
+        r->backend->tell_cargo(r->solver, r->figures);
+    if (figures_ends_warmup(r->figures, now.t))
+        tell_ages(r);
+    figures_sample(r->figures, &now);
+    if (r->backend->parts == NULL)
+        figures_peak(r->figures, load.smooth_peak);
     move_on(r, &r->samples);
     return r->n_waiting == BATCH ? emit_curve(r, sink, err) : BF_OK;
 }

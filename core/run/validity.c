@@ -208,20 +208,6 @@ static void note_plates(findings *f, const layout *of)
 
 // ---- belts
 
-static size_t count_velocities(const scene *s)
-{
-    size_t n = 0;
-
-    for (size_t k = 0; k < s->n_belts; k++) {
-        bool is_new = true;
-        for (size_t i = 0; i < k && is_new; i++)
-            is_new = s->belts[k].arc.is_given || s->belts[i].arc.is_given ||
-                     vec2_length(vec2_sub(s->belts[k].velocity, s->belts[i].velocity)) > 0.0;
-        n += is_new;
-    }
-    return n;
-}
-
 static bool has_slopes(const scene *s)
 {
     bool has = false;
@@ -254,24 +240,6 @@ static void note_speeds(findings *f)
     }
     if (n_schedules > 0.0)
         note(f, VALIDITY_SCHEDULES, n_schedules, "/belts");
-}
-
-static void note_turns(findings *f)
-{
-    for (size_t k = 0; k < f->s->n_belts; k++) {
-        const vec2 a = f->s->belts[k].velocity;
-        for (size_t i = 0; i < k; i++) {
-            const vec2 b = f->s->belts[i].velocity;
-            const double turn = atan2(fabs(vec2_cross(a, b)), vec2_dot(a, b)) * 180.0 / M_PI;
-            const double ratio = vec2_length(a) / vec2_length(b);
-            if (vec2_length(a) == 0.0 || vec2_length(b) == 0.0)
-                continue;
-            if (turn > ROUNDING && !f->s->belts[k].arc.is_given && !f->s->belts[i].arc.is_given)
-                note(f, VALIDITY_TURN, turn, "/belts/%zu/velocity_m_s", k);
-            if (fabs(ratio - 1.0) > ROUNDING)
-                note(f, VALIDITY_RATIO, fmax(ratio, 1.0 / ratio), "/belts/%zu/velocity_m_s", k);
-        }
-    }
 }
 
 /// Parts/s that a belt carries when it is packed over its width, or over that of the domain.
@@ -449,22 +417,6 @@ static double height_of(const scene_shape *shape)
     return high - low;
 }
 
-static void note_kind(findings *f, size_t k, const shape_footprint *footprint)
-{
-    const scene_cargo *kind = &f->s->cargo[k];
-    const double slender = height_of(&kind->shape) / width_of(footprint);
-    char place[32] = "";
-
-    if (f->s->is_mix)
-        snprintf(place, sizeof place, "/%zu", k);
-    note(f, VALIDITY_DIAMETER, 2.0 * footprint->bounding_radius, "/cargo%s/shape", place);
-    note(f, VALIDITY_MASS, kind->mass, "/cargo%s/mass_kg", place);
-    note(f, VALIDITY_TIPPING,
-         slender * belt_slope_largest_drive(f->s->n_belts, f->s->belts,
-                                            &f->s->micro.contact[SCENE_CONVEYOR_CARGO]),
-         "/cargo%s/shape", place);
-}
-
 static void note_shapes(findings *f)
 {
     const scene *s = f->s;
@@ -499,7 +451,17 @@ static void note_cargo(findings *f)
 
     for (size_t k = 0; k < f->s->n_cargo; k++) {
         const shape_footprint footprint = shape_footprint_of(&f->s->cargo[k].shape);
-        note_kind(f, k, &footprint);
+        const scene_cargo *kind = &f->s->cargo[k];
+        const double slender = height_of(&kind->shape) / width_of(&footprint);
+        char place[32] = "";
+        if (f->s->is_mix)
+            snprintf(place, sizeof place, "/%zu", k);
+        note(f, VALIDITY_DIAMETER, 2.0 * footprint.bounding_radius, "/cargo%s/shape", place);
+        note(f, VALIDITY_MASS, kind->mass, "/cargo%s/mass_kg", place);
+        note(f, VALIDITY_TIPPING,
+             slender * belt_slope_largest_drive(f->s->n_belts, f->s->belts,
+                                                &f->s->micro.contact[SCENE_CONVEYOR_CARGO]),
+             "/cargo%s/shape", place);
         widen(&sizes, footprint.bounding_radius, k);
         widen(&masses, f->s->cargo[k].mass, k);
     }
@@ -580,11 +542,16 @@ static void note_grid(findings *f)
 
 static void note_figures(findings *f, const layout *of)
 {
-    const size_t n_velocities = count_velocities(f->s);
-    size_t n_arcs = 0;
+    size_t n_velocities = 0, n_arcs = 0;
 
-    for (size_t k = 0; k < f->s->n_belts; k++)
+    for (size_t k = 0; k < f->s->n_belts; k++) {
+        bool is_new = true;
+        for (size_t i = 0; i < k && is_new; i++)
+            is_new = f->s->belts[k].arc.is_given || f->s->belts[i].arc.is_given ||
+                     vec2_length(vec2_sub(f->s->belts[k].velocity, f->s->belts[i].velocity)) > 0.0;
+        n_velocities += is_new;
         n_arcs += f->s->belts[k].arc.is_given;
+    }
     const bool is_free = of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 &&
                          n_velocities == 1 && n_arcs == 0 && !has_slopes(f->s) && !f->is_moving;
 
@@ -607,7 +574,20 @@ static void note_figures(findings *f, const layout *of)
         if (f->s->belts[k].incline != 0.0)
             note(f, VALIDITY_INCLINE, f->s->belts[k].incline * 180.0 / M_PI,
                  "/belts/%zu/incline_deg", k);
-    note_turns(f);
+    for (size_t k = 0; k < f->s->n_belts; k++) {
+        const vec2 a = f->s->belts[k].velocity;
+        for (size_t i = 0; i < k; i++) {
+            const vec2 b = f->s->belts[i].velocity;
+            const double turn = atan2(fabs(vec2_cross(a, b)), vec2_dot(a, b)) * 180.0 / M_PI;
+            const double ratio = vec2_length(a) / vec2_length(b);
+            if (vec2_length(a) == 0.0 || vec2_length(b) == 0.0)
+                continue;
+            if (turn > ROUNDING && !f->s->belts[k].arc.is_given && !f->s->belts[i].arc.is_given)
+                note(f, VALIDITY_TURN, turn, "/belts/%zu/velocity_m_s", k);
+            if (fabs(ratio - 1.0) > ROUNDING)
+                note(f, VALIDITY_RATIO, fmax(ratio, 1.0 / ratio), "/belts/%zu/velocity_m_s", k);
+        }
+    }
     for (size_t k = 0; k < f->s->n_belts && n_velocities > 1 && f->s->n_feeds > 0; k++)
         note(f, VALIDITY_TRANSFER, 100.0 * f->rate / belt_capacity(f->s, &f->s->belts[k]),
              "/belts/%zu", k);

@@ -69,16 +69,6 @@ static void go_on(const scene_belt *belt, double until, belt_speeds_origin *at)
         at->target = s->factors[at->next];
 }
 
-static void add_stop(double t, unsigned now, belt_speeds_curve *c)
-{
-    belt_speeds_stop *last = c->n_stops > 0 ? &c->stops[c->n_stops - 1] : NULL;
-
-    if (last != NULL && last->t == t)
-        last->now = now;
-    else if (last == NULL || last->now != now)
-        c->stops[c->n_stops++] = (belt_speeds_stop){ t, now };
-}
-
 // The knots, and what stops the belt, from the curve's origin on.
 static void fill(const scene_belt *belt, belt_speeds_curve *c)
 {
@@ -90,8 +80,13 @@ static void fill(const scene_belt *belt, belt_speeds_curve *c)
     for (size_t k = 0; k < c->n_segments && at.stops.t <= end && at.stops.t < INFINITY; k++) {
         const double from = at.stops.t, told = at.target;
         const unsigned now = belt_stops_now(&belt->stops, &at.stops);
-        if (c->belt != NULL)
-            add_stop(from, now, c);
+        if (c->belt != NULL) {
+            belt_speeds_stop *last = c->n_stops > 0 ? &c->stops[c->n_stops - 1] : NULL;
+            if (last != NULL && last->t == from)
+                last->now = now;
+            else if (last == NULL || last->now != now)
+                c->stops[c->n_stops++] = (belt_speeds_stop){ from, now };
+        }
         go_on(belt, INFINITY, &at);
         add_ramp(from, now == 0 ? told : 0.0, at.stops.t, c);
     }

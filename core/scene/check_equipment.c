@@ -272,19 +272,6 @@ static const number_rule eye_rules[] = {
     RULE("/clear_time_s", scene_photo_eye, clear_time, scene_range_instant),
 };
 
-/// A beam may end beyond the domain, where its housing stands.
-static void check_beam(const scene *s, const scene_photo_eye *eye, const char *pointer,
-                       bf_faults *faults)
-{
-    const vec2 lower = { s->domain.x_min, s->domain.y_min },
-               upper = { s->domain.x_max, s->domain.y_max };
-    vec2 start = eye->line[0], end = eye->line[1];
-
-    if (scene__check_points(eye->line, 2, pointer, false, faults) &&
-        !polygon_clip_segment(&start, &end, lower, upper))
-        faults_add(faults, pointer, "lies outside of the domain");
-}
-
 void scene__check_photo_eyes(const scene *s, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE];
@@ -303,7 +290,13 @@ void scene__check_photo_eyes(const scene *s, bf_faults *faults)
         if (s->eyes[k].density_ratio != 0.0) // 0 stands for "auto"
             range_check(&scene_range_ratio, s->eyes[k].density_ratio, pointer, faults);
         snprintf(pointer, sizeof pointer, "/photo_eyes/%zu/line_m", k);
-        check_beam(s, &s->eyes[k], pointer, faults);
+        // A beam may end beyond the domain, where its housing stands.
+        const vec2 lower = { s->domain.x_min, s->domain.y_min },
+                   upper = { s->domain.x_max, s->domain.y_max };
+        vec2 start = s->eyes[k].line[0], end = s->eyes[k].line[1];
+        if (scene__check_points(s->eyes[k].line, 2, pointer, false, faults) &&
+            !polygon_clip_segment(&start, &end, lower, upper))
+            faults_add(faults, pointer, "lies outside of the domain");
     }
 }
 

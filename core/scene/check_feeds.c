@@ -175,23 +175,6 @@ static void check_demand(const scene *s, const scene_feed *f, const char *feed, 
     }
 }
 
-/// Part of a side: [from, to] within it.
-static void check_extent(const scene *s, const scene_feed *f, const char *pointer,
-                         bf_faults *faults)
-{
-    const bool is_along_y = f->edge == SCENE_WEST || f->edge == SCENE_EAST;
-    const double from = is_along_y ? f->line[0].y : f->line[0].x;
-    const double to = is_along_y ? f->line[1].y : f->line[1].x;
-    const double low = is_along_y ? s->domain.y_min : s->domain.x_min;
-    const double high = is_along_y ? s->domain.y_max : s->domain.x_max;
-
-    if (!(from >= low && to <= high && to - from > SCENE_LENGTH_MIN))
-        faults_add(
-            faults, pointer,
-            "must be [from, to] with from < to, within the side from %g to %g m, not [%g, %g]", low,
-            high, from, to);
-}
-
 static bool is_inside(const scene *s, vec2 at)
 {
     return at.x >= s->domain.x_min && at.x <= s->domain.x_max && at.y >= s->domain.y_min &&
@@ -215,7 +198,17 @@ static void check_line(const scene *s, size_t k, bf_faults *faults)
                    "the side %s is %s: parts enter over an inflow", side_words[f->edge],
                    s->edges[f->edge] == SCENE_EDGE_WALL ? "a wall" : "an outflow");
     } else {
-        check_extent(s, f, pointer, faults);
+        // Part of a side: [from, to] within it.
+        const bool is_along_y = f->edge == SCENE_WEST || f->edge == SCENE_EAST;
+        const double from = is_along_y ? f->line[0].y : f->line[0].x;
+        const double to = is_along_y ? f->line[1].y : f->line[1].x;
+        const double low = is_along_y ? s->domain.y_min : s->domain.x_min;
+        const double high = is_along_y ? s->domain.y_max : s->domain.x_max;
+        if (!(from >= low && to <= high && to - from > SCENE_LENGTH_MIN))
+            faults_add(
+                faults, pointer,
+                "must be [from, to] with from < to, within the side from %g to %g m, not [%g, %g]",
+                low, high, from, to);
     }
 }
 
@@ -307,23 +300,6 @@ typedef struct near_plates {
     vec2 pieces[NEAR_MAX][4]; ///< corners of each
 } near_plates;
 
-static void find_near_plates(const plate_pieces *pieces, const scene_feed *f, double radius,
-                             near_plates *near)
-{
-    const scene *s = pieces->s;
-    vec2 on_line, on_plate;
-
-    near->n = 0;
-    for (size_t k = 0; k < s->n_obstacles; k++) {
-        for (size_t m = 0; m + 1 < s->obstacles[k].n_points && near->n < NEAR_MAX; m++) {
-            vec2 *plate = near->pieces[near->n];
-            if (plate_pieces_get(pieces, k, m, plate) &&
-                polygon_distance(f->line, 2, plate, 4, &on_line, &on_plate) < radius)
-                near->n++;
-        }
-    }
-}
-
 static bool is_free(const near_plates *near, const shape_footprint *footprint, scene_pose pose)
 {
     for (size_t k = 0; k < near->n; k++) {
@@ -357,9 +333,18 @@ static void check_room(const plate_pieces *pieces, size_t feed, const shape_foot
     const scene *s = pieces->s;
     const scene_feed *f = &s->feeds[feed];
     char room[BF_POINTER_SIZE];
-    near_plates near;
+    near_plates near = { .n = 0 };
+    vec2 on_line, on_plate;
 
-    find_near_plates(pieces, f, mix_radii_of(s).largest, &near);
+    const double range = mix_radii_of(s).largest;
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        for (size_t m = 0; m + 1 < s->obstacles[k].n_points && near.n < NEAR_MAX; m++) {
+            vec2 *plate = near.pieces[near.n];
+            if (plate_pieces_get(pieces, k, m, plate) &&
+                polygon_distance(f->line, 2, plate, 4, &on_line, &on_plate) < range)
+                near.n++;
+        }
+    }
     for (uint32_t kind = 0; kind < s->n_cargo; kind++) {
         const shape_footprint disk = { .bounding_radius = footprints[kind].bounding_radius };
         if (!delivers(f, kind) ||

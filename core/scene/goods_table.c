@@ -107,8 +107,7 @@ const goods_item goods_items[SCENE_GOODS_COUNT] = {
     [SCENE_PET_1500] = { "bottle of PET, 1.5 l, full", ROUND(0.09, 0.32), 1.54, SCENE_PET,
                          &preforms,
                          "mass: 1.5 kg in a bottle of 40 g; assumed: diameter and height, 1.5 l "
-                         "are "
-                         "236 mm of such a cylinder below its neck" },
+                         "are 236 mm of such a cylinder below its neck" },
     [SCENE_GLASS_330] = { "bottle of glass, 0.33 l, full", ROUND(0.0705, 0.174), 0.6, SCENE_GLASS,
                           &din_6199, "mass: 0.33 kg in a bottle of 270 g" },
     [SCENE_GLASS_355] = { "bottle of glass, 12 fl oz, full", ROUND(0.061, 0.231), 0.56, SCENE_GLASS,

@@ -19,24 +19,6 @@ typedef struct candidate {
     vec2 corners[SCENE_VERTICES_MAX + 1]; ///< where it would lie
 } candidate;
 
-/// Kinds go to the level whose cells are their diameter to twice it.
-static void make_levels(overlap_grid *c, size_t n_kinds)
-{
-    double largest = 0.0;
-
-    for (size_t k = 0; k < n_kinds; k++)
-        largest = fmax(largest, c->footprints[k].bounding_radius);
-    c->radius_max = largest;
-    for (size_t k = 0; k < n_kinds; k++) {
-        const double radius = c->footprints[k].bounding_radius;
-        const double halvings = fmin(floor(log2(largest / radius)), OVERLAP_LEVELS_MAX - 1);
-        overlap_level *level = &c->levels[(size_t)halvings];
-        c->level_of[k] = (uint8_t)halvings;
-        level->cell = 2.0 * largest / exp2(halvings);
-        level->radius = fmax(level->radius, radius);
-    }
-}
-
 static bool are_disks(const overlap_grid *c, size_t n_kinds)
 {
     bool are = true;
@@ -53,7 +35,19 @@ bf_status overlap_grid_init(overlap_grid *ret_grid, const shape_footprint *footp
     overlap_grid c = { .footprints = footprints, .kinds = kinds, .poses = poses };
     const bool needs_directions = !are_disks(&c, n_kinds);
 
-    make_levels(&c, n_kinds);
+    // Kinds go to the level whose cells are their diameter to twice it.
+    double largest = 0.0;
+    for (size_t k = 0; k < n_kinds; k++)
+        largest = fmax(largest, c.footprints[k].bounding_radius);
+    c.radius_max = largest;
+    for (size_t k = 0; k < n_kinds; k++) {
+        const double radius = c.footprints[k].bounding_radius;
+        const double halvings = fmin(floor(log2(largest / radius)), OVERLAP_LEVELS_MAX - 1);
+        overlap_level *level = &c.levels[(size_t)halvings];
+        c.level_of[k] = (uint8_t)halvings;
+        level->cell = 2.0 * largest / exp2(halvings);
+        level->radius = fmax(level->radius, radius);
+    }
     c.n_buckets = 16;
     while (c.n_buckets < 2 * n)
         c.n_buckets *= 2;

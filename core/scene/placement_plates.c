@@ -51,27 +51,6 @@ static size_t strip_at(const plate_findings *f, double y)
     return (size_t)fmin(fmax(floor((y - f->bottom) / f->height), 0.0), (double)f->n_strips - 1.0);
 }
 
-static void sort_places(plate_findings *f)
-{
-    const scene_pose *poses = f->p->poses;
-    size_t first = 0;
-
-    for (size_t k = 0; k < f->p->n; k++)
-        f->ends[strip_at(f, poses[k].y)]++;
-    for (size_t strip = 0; strip < f->n_strips; strip++) {
-        const size_t n = f->ends[strip];
-        f->ends[strip] = first;
-        first += n;
-    }
-    for (uint32_t k = 0; k < f->p->n; k++)
-        f->places[f->ends[strip_at(f, poses[k].y)]++] = (place){ poses[k].x, k };
-    for (size_t strip = 0; strip < f->n_strips; strip++) {
-        first = strip == 0 ? 0 : f->ends[strip - 1];
-        if (f->ends[strip] > first)
-            qsort(f->places + first, f->ends[strip] - first, sizeof *f->places, compare_places);
-    }
-}
-
 /// The box about what of a plate lies at heights from y_min to y_max.
 static scene_rect box_of(const vec2 plate[4], double y_min, double y_max)
 {
@@ -171,7 +150,22 @@ bf_status placement_check_plates(const scene *s, const scene_placement *p, bf_fa
     f.ends = memory_alloc(f.n_strips, sizeof *f.ends);
     f.places = memory_alloc(p->n, sizeof *f.places);
     if (f.ends != NULL && f.places != NULL) {
-        sort_places(&f);
+        const scene_pose *poses = f.p->poses;
+        size_t first = 0;
+        for (size_t k = 0; k < f.p->n; k++)
+            f.ends[strip_at(&f, poses[k].y)]++;
+        for (size_t strip = 0; strip < f.n_strips; strip++) {
+            const size_t n = f.ends[strip];
+            f.ends[strip] = first;
+            first += n;
+        }
+        for (uint32_t k = 0; k < f.p->n; k++)
+            f.places[f.ends[strip_at(&f, poses[k].y)]++] = (place){ poses[k].x, k };
+        for (size_t strip = 0; strip < f.n_strips; strip++) {
+            first = strip == 0 ? 0 : f.ends[strip - 1];
+            if (f.ends[strip] > first)
+                qsort(f.places + first, f.ends[strip] - first, sizeof *f.places, compare_places);
+        }
         check_pieces(&f, &pieces);
     } else {
         status = BF_ENOMEM;

@@ -27,21 +27,6 @@ static const scene_contact paper_contacts[SCENE_PAIR_COUNT] = {
 
 static const scene_rect unknown_rect = { NAN, NAN, NAN, NAN };
 
-static scene_micro default_micro(void)
-{
-    scene_micro micro = { .integrator = SCENE_INTEGRATOR_AUTO,
-                          .step = NAN,
-                          .overlap_limit = 0.2,
-                          .damping = 0.1,
-                          .gravity = 9.81,
-                          .spin_friction_radius = NAN,
-                          .wall_friction = NAN,
-                          .conveyor = { 40e9, 0.05 },
-                          .handling = { 70e9, 0.34 } };
-    memcpy(micro.contact, paper_contacts, sizeof paper_contacts);
-    return micro;
-}
-
 void scene_init(scene *s)
 {
     *s = (scene){ .duration = NAN, .domain = unknown_rect };
@@ -70,7 +55,16 @@ void scene_init(scene *s)
                               .packing = NAN,
                               .mollifier = paper_mollifier,
                               .initial_mollifier = NAN };
-    s->micro = default_micro();
+    s->micro = (scene_micro){ .integrator = SCENE_INTEGRATOR_AUTO,
+                              .step = NAN,
+                              .overlap_limit = 0.2,
+                              .damping = 0.1,
+                              .gravity = 9.81,
+                              .spin_friction_radius = NAN,
+                              .wall_friction = NAN,
+                              .conveyor = { 40e9, 0.05 },
+                              .handling = { 70e9, 0.34 } };
+    memcpy(s->micro.contact, paper_contacts, sizeof paper_contacts);
     s->surfaces = (scene_surfaces){ SCENE_SURFACE_COUNT, SCENE_SURFACE_COUNT };
 }
 
@@ -271,22 +265,17 @@ static void fill_in_numbered(char *id, const char *word, size_t n)
         snprintf(id, SCENE_ID_SIZE, "%s-%zu", word, n + 1);
 }
 
-static void resolve_stops(scene *s)
+static void resolve_feeds_and_eyes(scene *s)
 {
-    size_t n = 0;
-
-    for (size_t k = 0; k < s->n_belts; k++) {
-        scene_stops *stops = &s->belts[k].stops;
-        for (size_t i = 0; i < stops->n_failures; i++)
-            fill_in_numbered(stops->failures[i].id, "failure", n++);
-        stops->substream = s->substream;
-        stops->until = s->duration;
+    if (s->initial.type == SCENE_INITIAL_COUNT && s->n_feeds > 0)
+        s->initial.type = SCENE_INITIAL_EMPTY;
+    for (size_t k = 0; k < s->n_cargo && s->n_feeds > 0; k++)
+        fill_in_id(s->cargo[k].id, "cargo", k);
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        fill_in_numbered(s->feeds[k].id, "feed", k);
+        resolve_feed(s, &s->feeds[k]);
     }
-}
-
-// Targets know what actions may do to them.
-static void resolve_actions(scene *s)
-{
+    // Targets know what actions may do to them.
     for (size_t k = 0; k < s->n_actions; k++) {
         const scene_action *a = &s->actions[k];
         const bool is_plate = a->type == SCENE_ACTION_TURN || a->type == SCENE_ACTION_SHIFT ||
@@ -300,19 +289,6 @@ static void resolve_actions(scene *s)
             belt->command_reverses = belt->command_reverses || a->value < 0.0;
         }
     }
-}
-
-static void resolve_feeds_and_eyes(scene *s)
-{
-    if (s->initial.type == SCENE_INITIAL_COUNT && s->n_feeds > 0)
-        s->initial.type = SCENE_INITIAL_EMPTY;
-    for (size_t k = 0; k < s->n_cargo && s->n_feeds > 0; k++)
-        fill_in_id(s->cargo[k].id, "cargo", k);
-    for (size_t k = 0; k < s->n_feeds; k++) {
-        fill_in_numbered(s->feeds[k].id, "feed", k);
-        resolve_feed(s, &s->feeds[k]);
-    }
-    resolve_actions(s);
     for (size_t k = 0; k < s->n_eyes; k++)
         fill_in_numbered(s->eyes[k].id, "eye", k);
     for (size_t k = 0; k < s->output.n_windows; k++) {
@@ -337,7 +313,14 @@ static void resolve_derived(scene *s)
     fill_in(&s->macro.dispersion, 2.0 * (isfinite(speed) ? speed : paper_speed));
     for (size_t k = 0; k < s->n_belts; k++)
         fill_in_id(s->belts[k].id, k == 0 ? "main" : "belt", k);
-    resolve_stops(s);
+    size_t n = 0;
+    for (size_t k = 0; k < s->n_belts; k++) {
+        scene_stops *stops = &s->belts[k].stops;
+        for (size_t i = 0; i < stops->n_failures; i++)
+            fill_in_numbered(stops->failures[i].id, "failure", n++);
+        stops->substream = s->substream;
+        stops->until = s->duration;
+    }
     for (size_t k = 0; k < s->n_obstacles; k++) {
         fill_in_numbered(s->obstacles[k].id, "obstacle", k);
         scene_resolve_obstacle(&s->obstacles[k], mollifier);

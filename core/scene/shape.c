@@ -231,20 +231,6 @@ static void check_length(const checking *c, double value, const char *member)
                    value);
 }
 
-static void check_finite(const checking *c, const char *pointer, int n_axes)
-{
-    char at[BF_POINTER_SIZE];
-
-    for (size_t k = 0; k < c->shape->n_vertices; k++) {
-        bool is_good = true;
-        for (int axis = 0; axis < n_axes; axis++)
-            is_good = is_good && fabs(c->shape->vertices[k][axis]) <= SCENE_LENGTH_MAX;
-        snprintf(at, sizeof at, "%.100s/%zu", pointer, k);
-        if (!is_good)
-            faults_add(c->faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
-    }
-}
-
 static void check_repeats(const checking *c, const char *pointer, int n_axes)
 {
     const scene_shape *shape = c->shape;
@@ -274,8 +260,17 @@ static bool check_vertices(const checking *c, const char *pointer, int n_axes, s
     if (n < n_min || n > SCENE_VERTICES_MAX)
         faults_add(c->faults, pointer, "must have %zu to %d points, not %zu", n_min,
                    SCENE_VERTICES_MAX, n);
-    if (c->faults->n == n_before)
-        check_finite(c, pointer, n_axes);
+    if (c->faults->n == n_before) {
+        char at[BF_POINTER_SIZE];
+        for (size_t k = 0; k < c->shape->n_vertices; k++) {
+            bool is_good = true;
+            for (int axis = 0; axis < n_axes; axis++)
+                is_good = is_good && fabs(c->shape->vertices[k][axis]) <= SCENE_LENGTH_MAX;
+            snprintf(at, sizeof at, "%.100s/%zu", pointer, k);
+            if (!is_good)
+                faults_add(c->faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
+        }
+    }
     if (c->faults->n == n_before)
         check_repeats(c, pointer, n_axes);
     return c->faults->n == n_before;

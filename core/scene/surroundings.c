@@ -234,24 +234,6 @@ static void cut_piece(border_walk *w, vec2 start, vec2 end)
         w->to = fmin(w->to, at);
 }
 
-/// Find the end of the piece that begins at w->from.
-static void find_piece_end(const surroundings *around, border_walk *w)
-{
-    const scene_rect *d = &around->domain;
-
-    w->to = 1.0;
-    for (size_t k = 0; k < around->n_belts; k++) {
-        const vec2 *polygon = around->belts[k].polygon;
-        const size_t n = around->belts[k].n_points;
-        for (size_t m = 0, last = n - 1; m < n; last = m++)
-            cut_piece(w, polygon[last], polygon[m]);
-    }
-    cut_piece(w, (vec2){ d->x_min, d->y_min }, (vec2){ d->x_max, d->y_min });
-    cut_piece(w, (vec2){ d->x_min, d->y_max }, (vec2){ d->x_max, d->y_max });
-    cut_piece(w, (vec2){ d->x_min, d->y_min }, (vec2){ d->x_min, d->y_max });
-    cut_piece(w, (vec2){ d->x_max, d->y_min }, (vec2){ d->x_max, d->y_max });
-}
-
 static bool is_bare(const surroundings *around, vec2 at)
 {
     double excess = -INFINITY;
@@ -270,7 +252,19 @@ static bool is_bare_beside(const surroundings *around, vec2 start, vec2 end, dou
         vec2_scale(vec2_turn_left(w.way), 0.5 * SURROUNDINGS_SLIT / vec2_length(w.way));
 
     for (w.from = 0.0; w.from < 1.0; w.from = w.to) {
-        find_piece_end(around, &w);
+        // Find the end of the piece that begins at w->from.
+        const scene_rect *d = &around->domain;
+        w.to = 1.0;
+        for (size_t k = 0; k < around->n_belts; k++) {
+            const vec2 *polygon = around->belts[k].polygon;
+            const size_t n = around->belts[k].n_points;
+            for (size_t m = 0, last = n - 1; m < n; last = m++)
+                cut_piece(&w, polygon[last], polygon[m]);
+        }
+        cut_piece(&w, (vec2){ d->x_min, d->y_min }, (vec2){ d->x_max, d->y_min });
+        cut_piece(&w, (vec2){ d->x_min, d->y_max }, (vec2){ d->x_max, d->y_max });
+        cut_piece(&w, (vec2){ d->x_min, d->y_min }, (vec2){ d->x_min, d->y_max });
+        cut_piece(&w, (vec2){ d->x_max, d->y_min }, (vec2){ d->x_max, d->y_max });
         const vec2 middle = vec2_add(start, vec2_scale(w.way, 0.5 * (w.from + w.to)));
         *steps += steps_of_piece;
         if (*steps > COVER_STEPS_MAX || is_bare(around, vec2_add(middle, aside)) ||

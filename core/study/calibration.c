@@ -163,8 +163,7 @@ static bf_status ask_all(study *s, bf_error *err)
     double *scratch = memory_alloc(s->n_points, (d + 1) * sizeof *scratch);
     double *points = memory_alloc(c->n * ROUND_MAX, d * sizeof *points);
     size_t n[FITS_MAX] = { 0 }, n_all = 0;
-    bf_status status =
-        scratch == NULL || points == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory") : BF_OK;
+    bf_status status = scratch == NULL || points == NULL ? bf_fail_memory(err) : BF_OK;
 
     for (size_t k = 0; status == BF_OK && k < c->n; k++) {
         if (!c->fits[k].is_over)
@@ -296,7 +295,7 @@ bf_status study_calibrate(study *s, bf_error *err)
     if (s->calibration == NULL) {
         struct calibration *c = memory_alloc(1, sizeof *c);
         if (c == NULL)
-            return bf_fail(err, BF_ENOMEM, "", "out of memory");
+            return bf_fail_memory(err);
         *c = (struct calibration){ .stage = 1, .answer = SIZE_MAX };
         s->calibration = c;
     }

@@ -117,17 +117,6 @@ void cmaes_points(const cmaes *s, double *ret_points)
     }
 }
 
-// The order of the points by their values; equal ones by their numbers.
-static void rank(const double *values, size_t n, size_t *ret_order)
-{
-    for (size_t i = 0; i < n; i++) {
-        size_t at = i;
-        for (; at > 0 && values[ret_order[at - 1]] > values[i]; at--)
-            ret_order[at] = ret_order[at - 1];
-        ret_order[at] = i;
-    }
-}
-
 // p_sigma and p_c from z_w and y_w, the weighted means of the mu best; returns h_sigma, 0 or 1 (43)-(45).
 static double update_paths(cmaes *s, const constants *k, const double *z_mean, const double *y_mean)
 {
@@ -227,7 +216,13 @@ void cmaes_update(cmaes *s, const double *values)
     double z[D_MAX], y[CMAES_POPULATION][D_MAX], z_squares[CMAES_POPULATION] = { 0 };
     double z_mean[D_MAX] = { 0 }, y_mean[D_MAX] = { 0 };
 
-    rank(values, k.lambda, order);
+    // The order of the points by their values; equal ones by their numbers.
+    for (size_t i = 0; i < k.lambda; i++) {
+        size_t at = i;
+        for (; at > 0 && values[order[at - 1]] > values[i]; at--)
+            order[at] = order[at - 1];
+        order[at] = i;
+    }
     for (size_t n = 0; n < k.lambda; n++) {
         draw(s, order[n], z);
         stretch(s, z, y[n]);

@@ -101,7 +101,7 @@ static bf_status run(const search *s, const search_known *known, double value, s
     nlopt_destroy(o);
     memory_free(x);
     if (result == NLOPT_OUT_OF_MEMORY)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     *ret_n = r.n;
     return BF_OK;
 }
@@ -120,7 +120,7 @@ bf_status search_next(const search *s, const search_known *known, size_t n_begun
     }
     double *other = memory_alloc(n_wanted, s->d * sizeof *other);
     if (other == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     if ((status = run(s, known, -far_value, n_wanted, ret_points, &n_low, err)) == BF_OK &&
         (status = run(s, known, far_value, n_wanted, other, &n_high, err)) == BF_OK) {
         const size_t n_both = n_low < n_high ? n_low : n_high;

@@ -32,12 +32,15 @@ static const struct {
     { 131, { 1, 3, 7, 11, 23, 15, 103 } },
 };
 
-// m_1, m_2, ... by the recurrence m_k = 2 a_1 m_(k-1) ^ ... ^ 2^s m_(k-s) ^ m_(k-s); all 1 in the first dimension.
-static void extend(unsigned dimension, uint32_t m[SOBOL_BITS])
+uint32_t sobol_coordinate(uint64_t index, unsigned dimension)
 {
+    const uint64_t gray = index ^ index >> 1;
+    uint32_t m[SOBOL_BITS], x = 0;
+
+    BF_CHECK(dimension < SOBOL_DIMENSIONS && index >> SOBOL_BITS == 0);
+    // m_1, m_2, ... by the recurrence m_k = 2 a_1 m_(k-1) ^ ... ^ 2^s m_(k-s) ^ m_(k-s); all 1 in the first dimension.
     const unsigned polynomial = table[dimension].polynomial;
     unsigned degree = 0;
-
     while (polynomial >> (degree + 1) != 0)
         degree++;
     for (unsigned k = 0; k < SOBOL_BITS; k++) {
@@ -50,15 +53,6 @@ static void extend(unsigned dimension, uint32_t m[SOBOL_BITS])
             if (polynomial >> (degree - j) & 1)
                 m[k] ^= m[k - j] << j;
     }
-}
-
-uint32_t sobol_coordinate(uint64_t index, unsigned dimension)
-{
-    const uint64_t gray = index ^ index >> 1;
-    uint32_t m[SOBOL_BITS], x = 0;
-
-    BF_CHECK(dimension < SOBOL_DIMENSIONS && index >> SOBOL_BITS == 0);
-    extend(dimension, m);
     for (unsigned k = 0; k < SOBOL_BITS; k++)
         if (gray >> k & 1)
             x ^= m[k] << (SOBOL_BITS - 1 - k);

@@ -30,7 +30,7 @@ bf_status study_create(const study_definition *definition, study **ret_study, bf
                        d->n_trials_max, STUDY_TRIALS_MAX);
     study *s = memory_alloc(1, sizeof *s);
     if (s == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     s->definition = *d;
     if (d->method == STUDY_CMAES)
         s->evolution = cmaes_begin(d->seed, d->d);
@@ -70,7 +70,7 @@ bf_status study_reserve(study *s, size_t n_points, size_t n_trials, bf_error *er
     };
 
     if (memory_resize(arrays, sizeof arrays / sizeof *arrays) != 0)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     s->room_points = points > 0 ? points : s->room_points;
     s->room_trials = trials > 0 ? trials : s->room_trials;
     return BF_OK;

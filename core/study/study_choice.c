@@ -54,7 +54,7 @@ static bf_status make_candidates(const study *s, candidates *ret_c, bf_error *er
 
     *ret_c = c;
     if (c.points == NULL || c.systems == NULL || c.are_in == NULL || c.values == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     for (size_t point = first; point < end_compared(s, first); point++) {
         if (isinf(study_cost(s, point)))
             continue;

@@ -48,8 +48,8 @@ bf_status study_sweep(study *s, study_method sweep, study_model model, size_t n_
 {
     const size_t n = study_sweep_points(&s->definition, sweep), d = s->definition.d;
     double *points = memory_alloc(n, d * sizeof *points);
-    bf_status status = points == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                                      : study_reserve(s, n, n * n_replications, err);
+    bf_status status =
+        points == NULL ? bf_fail_memory(err) : study_reserve(s, n, n * n_replications, err);
 
     if (status == BF_OK) {
         sweep_points(&s->definition, sweep, n, points);
@@ -166,22 +166,6 @@ static bf_status confirm(study *s, bf_error *err)
     return BF_OK;
 }
 
-// The costs of the k points that are confirmed, replication by replication; those of points that a trial failed for are
-// dropped.
-static void gather_replications(study *s, size_t n, double *ret_costs, bool *ret_is_left)
-{
-    const double sign = s->definition.is_maximized ? -1.0 : 1.0;
-
-    for (size_t k = 0; k < s->n_points - s->n_first_stage; k++) {
-        study_place *place = &s->places[s->n_first_stage + k];
-        place->is_dropped = place->is_dropped || isinf(s->costs[s->n_first_stage + k]);
-        ret_is_left[k] = !place->is_dropped;
-        size_t r = 0;
-        for (size_t t = place->first_trial; t != SIZE_MAX && r < n; t = s->runs[t].next)
-            ret_costs[k * n + r++] = sign * study_values(s, t)[0];
-    }
-}
-
 // Drop points, and add a replication of each that is left.
 static bf_status select_best(study *s, double *costs, bool *is_left, size_t n, bf_error *err)
 {
@@ -192,7 +176,17 @@ static bf_status select_best(study *s, double *costs, bool *is_left, size_t n, b
                                .indifference = def->indifference };
     size_t n_left = 0;
 
-    gather_replications(s, n, costs, is_left);
+    // The costs of the k points that are confirmed, replication by replication; those of points that a trial failed for are
+    // dropped.
+    const double sign = s->definition.is_maximized ? -1.0 : 1.0;
+    for (size_t k = 0; k < s->n_points - s->n_first_stage; k++) {
+        study_place *place = &s->places[s->n_first_stage + k];
+        place->is_dropped = place->is_dropped || isinf(s->costs[s->n_first_stage + k]);
+        is_left[k] = !place->is_dropped;
+        size_t r = 0;
+        for (size_t t = place->first_trial; t != SIZE_MAX && r < n; t = s->runs[t].next)
+            costs[k * n + r++] = sign * study_values(s, t)[0];
+    }
     const bool is_over = selection_drop(&choice, &(selection_known){ costs, n, n }, is_left);
     for (size_t k = 0; k < choice.k; k++)
         n_left += is_left[k];
@@ -228,9 +222,8 @@ bf_status study_screen(study *s, bf_error *err)
     const size_t k = s->n_points - s->n_first_stage;
     double *costs = memory_alloc(k * n, sizeof *costs);
     bool *is_left = memory_alloc(k, sizeof *is_left);
-    bf_status status = costs == NULL || is_left == NULL
-                           ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                           : select_best(s, costs, is_left, n, err);
+    bf_status status = costs == NULL || is_left == NULL ? bf_fail_memory(err)
+                                                        : select_best(s, costs, is_left, n, err);
     memory_free(costs);
     memory_free(is_left);
     return status;

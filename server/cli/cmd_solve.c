@@ -127,25 +127,6 @@ static bf_status finish(solving *s, bf_error *err)
     return status;
 }
 
-// Work in the model's own measure.
-static void print_work(const solving *s)
-{
-    bool has_parts = s->begin.n_values > 0;
-    double n = has_parts ? (double)s->begin.n_parts : (double)s->end.n_cells;
-    double work = n * (double)s->end.n_steps;
-
-    printf("  time         %.3f s with %d thread%s", s->wall_s, s->arguments->n_threads,
-           s->arguments->n_threads == 1 ? "" : "s");
-    // The number of parts of feeds changes.
-    if (!frame_has_ids(s->begin.n_values))
-        printf(", %.3g %s-steps/s", s->wall_s > 0.0 ? work / s->wall_s : 0.0,
-               has_parts ? "particle" : "cell");
-    putchar('\n');
-    if (has_parts)
-        printf("  overlap      at most %.3g mm, %.3g %% of a radius\n",
-               1000.0 * s->end.largest_overlap, 100.0 * s->end.overlap_share);
-}
-
 // How often belts whose speed changes stood, and failed.
 static void print_stops(const solving *s)
 {
@@ -209,7 +190,20 @@ static void print_result(const solving *s)
         printf("  fallen       %.3f parts fell off the belts\n", e->parts_fallen);
     print_stops(s);
     print_flows(s);
-    print_work(s);
+    // Work in the model's own measure.
+    bool has_parts = s->begin.n_values > 0;
+    double n = has_parts ? (double)s->begin.n_parts : (double)s->end.n_cells;
+    double work = n * (double)s->end.n_steps;
+    printf("  time         %.3f s with %d thread%s", s->wall_s, s->arguments->n_threads,
+           s->arguments->n_threads == 1 ? "" : "s");
+    // The number of parts of feeds changes.
+    if (!frame_has_ids(s->begin.n_values))
+        printf(", %.3g %s-steps/s", s->wall_s > 0.0 ? work / s->wall_s : 0.0,
+               has_parts ? "particle" : "cell");
+    putchar('\n');
+    if (has_parts)
+        printf("  overlap      at most %.3g mm, %.3g %% of a radius\n",
+               1000.0 * s->end.largest_overlap, 100.0 * s->end.overlap_share);
     printf("  results      %s (%llu samples, %llu snapshots)\n", s->arguments->out,
            (unsigned long long)e->n_samples, (unsigned long long)e->n_snapshots);
 }
@@ -222,7 +216,7 @@ static bf_status print_verdicts(const solving *s, bf_error *err)
     bf_status status = BF_OK;
 
     if (all == NULL || review == NULL)
-        status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+        status = bf_fail_memory(err);
     if (status == BF_OK)
         status = run_review_of(&s->scene, s->arguments->subject.model, review, err);
     const run_verdict_subject of = { .scene = &s->scene,

@@ -78,7 +78,7 @@ static bf_status solve_round(studying *s, size_t from, int n_workers, bf_error *
     memory_free(s->pending);
     s->pending = memory_alloc(n, sizeof *s->pending);
     if (s->pending == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     for (size_t trial = from; trial < from + n; trial++) {
         if (study_files_find(s->files, &s->columns, trial, values)) {
             study_tell(s->study, trial, values);
@@ -118,7 +118,7 @@ static bf_status finish(studying *s, bf_error *err)
 
     bf_status status = study_best_write(&s->document, s->study, &best, err);
     if (status == BF_OK && buffer_append(&best, "\n", 1) != BF_OK)
-        status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+        status = bf_fail_memory(err);
     if (status == BF_OK)
         status = study_files_finish(s->files, &s->header, &best, err);
     if (status == BF_OK)
@@ -165,7 +165,7 @@ static cmd_exit read_document(const char *command, const study_arguments *a, bf_
     bf_error err = { 0 };
 
     bf_status status = faults == NULL
-                           ? bf_fail(&err, BF_ENOMEM, "", "out of memory")
+                           ? bf_fail_memory(&err)
                            : file_io_read(a->document, NULL, DOCUMENT_BYTES_MAX, text, &err);
     if (status == BF_OK)
         status = study_document_read(text->bytes, text->n, ret_document, faults, &err);

@@ -58,7 +58,7 @@ bf_status study_files_open(const char *path, const char *json, size_t n, study_f
     study_files *f = memory_alloc(1, sizeof *f);
 
     if (f == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     f->trials = -1;
     f->directory = -1;
     if (file_io_make_directories(path, 0777, FILE_IO_LATER))
@@ -85,12 +85,12 @@ static bf_status set_line(study_files *f, size_t trial, const char *line, size_t
         const size_t n_new = 2 * trial + 64;
         const memory_array lines = { &f->lines, sizeof *f->lines, f->n_lines, n_new };
         if (memory_resize(&lines, 1) != 0)
-            return bf_fail(err, BF_ENOMEM, "", "out of memory");
+            return bf_fail_memory(err);
         f->n_lines = n_new;
     }
     char *copy = strndup(line, n);
     if (copy == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     free(f->lines[trial]);
     f->lines[trial] = copy;
     return BF_OK;

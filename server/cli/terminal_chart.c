@@ -226,22 +226,6 @@ static int find_tick_column(const plot *p, int i)
     return chart_axis_place(&p->x, chart_axis_tick(&p->x, i), p->columns);
 }
 
-static void put_x_axis(plot *p)
-{
-    put_repeated(p, " ", p->label_width + 1);
-    put(p, p->options->is_unicode ? "└" : "+");
-    for (int column = 0; column < p->columns; column++) {
-        bool is_tick = false;
-        for (int i = 0; i < p->x.n; i++)
-            is_tick = is_tick || find_tick_column(p, i) == column;
-        if (p->options->is_unicode)
-            put(p, is_tick ? "┬" : "─");
-        else
-            put(p, is_tick ? "+" : "-");
-    }
-    put(p, "\n");
-}
-
 // Write text into the line at a column, if that and a blank on either side is free.
 static bool place_text(char *line, int width, int at, const char *text)
 {
@@ -255,25 +239,6 @@ static bool place_text(char *line, int width, int at, const char *text)
     if (at >= 0)
         memcpy(line + at, text, (size_t)n);
     return true;
-}
-
-static void put_x_labels(plot *p)
-{
-    char line[WIDTH_MAX + 1], label[CHART_AXIS_LABEL_SIZE];
-    int width = p->label_width + 2 + p->columns;
-
-    memset(line, ' ', (size_t)width);
-    for (int i = 0; i < p->x.n; i++) {
-        int n = chart_axis_label(&p->x, i, label);
-        place_text(line, width, p->label_width + 2 + find_tick_column(p, i) - n / 2, label);
-    }
-    for (int at = width; at >= 0 && !place_text(line, width, at, p->options->x_title);)
-        at--;
-    while (width > 0 && line[width - 1] == ' ')
-        width--;
-    line[width] = '\0';
-    put(p, line);
-    put(p, "\n");
 }
 
 // How many bytes the character at text has; 0 if a terminal could take it for a command.
@@ -347,8 +312,32 @@ bf_status terminal_chart_draw(const terminal_chart_options *options,
         put(&p, "\n");
         for (int row = 0; row < p.rows; row++)
             put_row(&p, row);
-        put_x_axis(&p);
-        put_x_labels(&p);
+        put_repeated(&p, " ", p.label_width + 1);
+        put(&p, p.options->is_unicode ? "└" : "+");
+        for (int column = 0; column < p.columns; column++) {
+            bool is_tick = false;
+            for (int i = 0; i < p.x.n; i++)
+                is_tick = is_tick || find_tick_column(&p, i) == column;
+            if (p.options->is_unicode)
+                put(&p, is_tick ? "┬" : "─");
+            else
+                put(&p, is_tick ? "+" : "-");
+        }
+        put(&p, "\n");
+        char line[WIDTH_MAX + 1], label[CHART_AXIS_LABEL_SIZE];
+        int width = p.label_width + 2 + p.columns;
+        memset(line, ' ', (size_t)width);
+        for (int i = 0; i < p.x.n; i++) {
+            int n = chart_axis_label(&p.x, i, label);
+            place_text(line, width, p.label_width + 2 + find_tick_column(&p, i) - n / 2, label);
+        }
+        for (int at = width; at >= 0 && !place_text(line, width, at, p.options->x_title);)
+            at--;
+        while (width > 0 && line[width - 1] == ' ')
+            width--;
+        line[width] = '\0';
+        put(&p, line);
+        put(&p, "\n");
         put_legend(&p, curves, n_curves);
     }
     if (p.has_failed || buffer_append(out, p.text.bytes, p.text.n) != BF_OK)

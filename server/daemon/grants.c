@@ -45,7 +45,7 @@ bf_status grants_list(tokens *t, const char *owner, api_grant_list *ret_list, bf
     if (all == NULL || grants == NULL) {
         memory_free(all);
         memory_free(grants);
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     }
     const size_t n_all = tokens_copy(t, all);
     for (size_t i = 0; i < n_all; i++) {

@@ -91,7 +91,7 @@ bf_status owner_figures_write(tokens *t, store *s, bf_buffer *out, bf_error *err
     if (status == BF_OK && n > 0)
         status = write_owners(all, n, s, quotas, out, err);
     if (status == BF_ENOMEM)
-        (void)bf_fail(err, BF_ENOMEM, "", "out of memory");
+        (void)bf_fail_memory(err);
     memory_free(all);
     memory_free(quotas);
     return status;

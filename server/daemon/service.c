@@ -186,10 +186,9 @@ static bf_status ready(service *s, bf_error *err)
     return status == BF_OK ? supervisor_ready(s->supervisor, err) : status;
 }
 
-static void read_figures(service *s)
+static bf_status write_metrics(service *s, bool with_owners, bf_buffer *out, bf_error *err)
 {
     store_stats stats;
-
     store_read_stats(s->store, &stats);
     int64_t oldest_ms = stats.oldest_queued_ms;
     int64_t age_ms = oldest_ms == 0 ? 0 : clock_unix_ms() - oldest_ms;
@@ -202,11 +201,6 @@ static void read_figures(service *s)
     metrics_set(METRICS_STORE_SIZE, 0, (int64_t)stats.file_bytes);
     metrics_set(METRICS_STORE_LOG_SIZE, 0, (int64_t)stats.log_bytes);
     metrics_set(METRICS_STORE_DISK, 0, (int64_t)stats.free_bytes);
-}
-
-static bf_status write_metrics(service *s, bool with_owners, bf_buffer *out, bf_error *err)
-{
-    read_figures(s);
     metrics_read_process();
     bf_status status = metrics_write(out, err);
     return status == BF_OK && with_owners ? owner_figures_write(s->tokens, s->store, out, err)

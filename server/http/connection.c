@@ -229,22 +229,6 @@ static bool drain(int fd)
     return true;
 }
 
-static void drain_lingering(http *h, int64_t now_ms)
-{
-    unsigned n_left = 0;
-
-    lock_assert_held(&h->lock);
-    for (unsigned i = 0; i < h->n_lingering; i++) {
-        if (now_ms >= h->linger_until[i] || !drain(h->linger_fds[i])) {
-            (void)close(h->linger_fds[i]);
-            continue;
-        }
-        h->linger_fds[n_left] = h->linger_fds[i];
-        h->linger_until[n_left++] = h->linger_until[i];
-    }
-    h->n_lingering = n_left;
-}
-
 // One look at everything; returns when the next one is due, or -1.
 static int64_t look(http *h, int64_t now_ms)
 {
@@ -268,7 +252,17 @@ static int64_t look(http *h, int64_t now_ms)
             c->seems_disconnected = is_gone;
         }
     }
-    drain_lingering(h, now_ms);
+    unsigned n_left = 0;
+    lock_assert_held(&h->lock);
+    for (unsigned i = 0; i < h->n_lingering; i++) {
+        if (now_ms >= h->linger_until[i] || !drain(h->linger_fds[i])) {
+            (void)close(h->linger_fds[i]);
+            continue;
+        }
+        h->linger_fds[n_left] = h->linger_fds[i];
+        h->linger_until[n_left++] = h->linger_until[i];
+    }
+    h->n_lingering = n_left;
     int64_t due_ms = http__pull_watch(h, now_ms, looks_for_disconnected);
     if (h->n_lingering == 0 && h->connections == NULL)
         return -1;

@@ -363,26 +363,6 @@ static const char *run_of(const http_request *r, char *storage)
     return storage;
 }
 
-static void log_request(const http_request *r)
-{
-    const api_identity *identity = &r->response.who;
-    char who[API_OWNER_SIZE + 48] = ""; // with tokens in use, who changed something
-    char method[LOG_QUOTED_SIZE], path[LOG_QUOTED_SIZE], id[API_ID_SIZE];
-    const bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "PATCH") == 0 ||
-                          strcmp(r->method, "DELETE") == 0;
-    const bool logs_all = r->server->options.logs_all;
-
-    if (identity->token != 0)
-        (void)snprintf(who, sizeof who, " token=%llu owner=%s", (unsigned long long)identity->token,
-                       identity->owner);
-    log_event(is_write || logs_all ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",
-              "method=%s path=%s status=%d ms=%lld run=%s request_id=%s trace=%s%s%s%s",
-              log_quote(r->method, method), log_quote(r->path, path), r->response.status,
-              (long long)((clock_monotonic_ns() - r->begun_ns) / 1000000), run_of(r, id),
-              r->trace.id, r->trace.parent[0] == '\0' ? "-" : r->trace.parent, who,
-              logs_all ? " client=" : "", logs_all ? r->client.text : "");
-}
-
 void http__request_close(http_request *r)
 {
     if (r == NULL)
@@ -398,7 +378,21 @@ void http__request_close(http_request *r)
         const char *route = r->response.route;
         // A wait that the client asked for is no measure of the service's latency.
         const bool is_timed = !r->response.source.is_stream && !r->has_waited;
-        log_request(r);
+        const api_identity *identity = &r->response.who;
+        char who[API_OWNER_SIZE + 48] = ""; // with tokens in use, who changed something
+        char method[LOG_QUOTED_SIZE], path[LOG_QUOTED_SIZE], id[API_ID_SIZE];
+        const bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "PATCH") == 0 ||
+                              strcmp(r->method, "DELETE") == 0;
+        const bool logs_all = r->server->options.logs_all;
+        if (identity->token != 0)
+            (void)snprintf(who, sizeof who, " token=%llu owner=%s",
+                           (unsigned long long)identity->token, identity->owner);
+        log_event(is_write || logs_all ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",
+                  "method=%s path=%s status=%d ms=%lld run=%s request_id=%s trace=%s%s%s%s",
+                  log_quote(r->method, method), log_quote(r->path, path), r->response.status,
+                  (long long)((clock_monotonic_ns() - r->begun_ns) / 1000000), run_of(r, id),
+                  r->trace.id, r->trace.parent[0] == '\0' ? "-" : r->trace.parent, who,
+                  logs_all ? " client=" : "", logs_all ? r->client.text : "");
         metrics_count_request(route == NULL ? METRICS_NO_ROUTE : route, r->method,
                               r->response.status,
                               is_timed ? clock_monotonic_ns() - r->begun_ns : -1);

@@ -17,7 +17,7 @@ typedef struct answer {
 static bf_status begin_answer(answer *a, size_t n, bf_error *err)
 {
     *a = (answer){ .states = { .items = memory_alloc(n, sizeof *a->states.items) } };
-    return a->states.items != NULL ? BF_OK : bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return a->states.items != NULL ? BF_OK : bf_fail_memory(err);
 }
 
 static void add_state(answer *a, uint32_t number, uint64_t next, api_job_stop stop)

@@ -40,7 +40,7 @@ bf_status pull__begin_lease(pull_executor *e, const char *id, uint64_t token, co
     if (lease == NULL || jobs == NULL) {
         memory_free(lease);
         memory_free(jobs);
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     }
     *lease = (pull__lease){
         .begun_ms = now_ms, .seen_ms = now_ms, .n_jobs = n, .jobs = jobs, .token = token
@@ -193,8 +193,7 @@ static bf_status make_lease(pull_executor *e, const api_worker *who, const batch
     api_lease made = { .n_jobs = b->n, .jobs = memory_alloc(b->n, sizeof *made.jobs) };
     pull__lease *lease;
 
-    bf_status status = made.jobs == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                                         : run_id_make(made.id, err);
+    bf_status status = made.jobs == NULL ? bf_fail_memory(err) : run_id_make(made.id, err);
     if (status == BF_OK)
         status = pull__begin_lease(e, made.id, who->token, who->name, b->n, &lease, err);
     if (status != BF_OK) {
@@ -253,7 +252,7 @@ static bf_status read_input(const pull__lease *lease, bf_buffer *out, bf_error *
         if (job == NULL || job->has_begun)
             status = bf_fail(err, BF_ECONFLICT, "", "job %zu of the lease has begun or is gone", k);
         else if (buffer_append(out, job->input.bytes, job->input.n) != BF_OK)
-            status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+            status = bf_fail_memory(err);
         if (status != BF_OK) {
             buffer_truncate(out, n_before);
             return status;

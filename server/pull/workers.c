@@ -109,7 +109,7 @@ bf_status pull__list(pull_executor *e, uint64_t token, api_worker_list *ret_list
     list.leases = memory_alloc(e->n_leases, sizeof *list.leases);
     if (list.workers == NULL || list.leases == NULL) {
         api_worker_list_fini(&list);
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     }
     for (size_t k = 0; k < e->n_workers; k++) {
         const pull__worker *worker = &e->workers[k];

@@ -240,26 +240,6 @@ static bool is_over(supervisor *s, int64_t *ret_grace_ms)
     return is_stopping && s->n_tasks == 0;
 }
 
-// The figures of what is being solved, all runs of a model together.
-static void note_tasks(const supervisor *s)
-{
-    int64_t rates[RUN_MODEL_COUNT] = { 0 }, items[RUN_MODEL_COUNT] = { 0 };
-
-    for (size_t i = 0; i < s->n_tasks; i++) {
-        const supervisor__task *task = s->tasks[i];
-        const frame_begin *b = &task->begin;
-        if (task->phase == SUPERVISOR_CLAIMING)
-            continue;
-        rates[task->claimed.run.model] += (int64_t)task->rate;
-        items[task->claimed.run.model] +=
-            (int64_t)(b->n_values > 0 ? b->n_parts : b->grid.n1 * b->grid.n2);
-    }
-    for (size_t model = 0; model < RUN_MODEL_COUNT; model++) {
-        metrics_set(METRICS_SOLVER_RATE, model, rates[model]);
-        metrics_set(METRICS_SOLVER_ITEMS, model, items[model]);
-    }
-}
-
 static void *run_loop(void *context)
 {
     supervisor *s = context;
@@ -284,7 +264,21 @@ static void *run_loop(void *context)
         }
         lock_release(&s->lock);
         supervisor__claim(s);
-        note_tasks(s);
+        // The figures of what is being solved, all runs of a model together.
+        int64_t rates[RUN_MODEL_COUNT] = { 0 }, items[RUN_MODEL_COUNT] = { 0 };
+        for (size_t i = 0; i < s->n_tasks; i++) {
+            const supervisor__task *task = s->tasks[i];
+            const frame_begin *b = &task->begin;
+            if (task->phase == SUPERVISOR_CLAIMING)
+                continue;
+            rates[task->claimed.run.model] += (int64_t)task->rate;
+            items[task->claimed.run.model] +=
+                (int64_t)(b->n_values > 0 ? b->n_parts : b->grid.n1 * b->grid.n2);
+        }
+        for (size_t model = 0; model < RUN_MODEL_COUNT; model++) {
+            metrics_set(METRICS_SOLVER_RATE, model, rates[model]);
+            metrics_set(METRICS_SOLVER_ITEMS, model, items[model]);
+        }
     }
     return NULL;
 }

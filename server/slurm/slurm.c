@@ -71,22 +71,6 @@ static bool counts_as_worker(const slurm *s, const slurm__task *task)
            (task->runs_s < SLURM_BEGIN_S || pull_executor_has_worker(s->options.pull, name));
 }
 
-static void count(slurm *s, const slurm__queue *queue)
-{
-    uint64_t n_running = 0;
-
-    s->n_tasks = queue->n;
-    s->n_pending = s->n_there = 0;
-    for (size_t k = 0; k < queue->n; k++) {
-        const slurm__task *task = &queue->tasks[k];
-        s->n_pending += task->state == SLURM_PENDING;
-        n_running += task->state == SLURM_STARTED;
-        s->n_there += counts_as_worker(s, task);
-    }
-    metrics_set(METRICS_SLURM_TASKS, METRICS_TASK_PENDING, (int64_t)s->n_pending);
-    metrics_set(METRICS_SLURM_TASKS, METRICS_TASK_RUNNING, (int64_t)n_running);
-}
-
 static void look(slurm *s, int64_t now_ms)
 {
     static const char *const argv[] = {
@@ -100,7 +84,17 @@ static void look(slurm *s, int64_t now_ms)
         run_command(s, argv, NULL, &out) == BF_OK &&
         slurm__read_queue(out.n == 0 ? "" : out.bytes, s->comment, &queue, NULL) == BF_OK;
     if (s->has_looked) {
-        count(s, &queue);
+        uint64_t n_running = 0;
+        s->n_tasks = queue.n;
+        s->n_pending = s->n_there = 0;
+        for (size_t k = 0; k < queue.n; k++) {
+            const slurm__task *task = &queue.tasks[k];
+            s->n_pending += task->state == SLURM_PENDING;
+            n_running += task->state == SLURM_STARTED;
+            s->n_there += counts_as_worker(s, task);
+        }
+        metrics_set(METRICS_SLURM_TASKS, METRICS_TASK_PENDING, (int64_t)s->n_pending);
+        metrics_set(METRICS_SLURM_TASKS, METRICS_TASK_RUNNING, (int64_t)n_running);
         cancel_failed(s, &queue);
     }
     memory_free(queue.tasks);

@@ -75,7 +75,7 @@ bf_status store__pack_batch(const store__appending *context, bf_error *err)
         return BF_OK;
     store__packer *packer = store__packer_create();
     if (packer == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = pack_item(context, i, packer, err);
     if (status == BF_OK && batch->checkpoint != NULL)
@@ -383,7 +383,7 @@ bf_status store_begin_append(store *s, const store_batch *batch, store_appended 
 
     if (appending == NULL) {
         memory_free(o);
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     }
     *o = (append_operation){ .operation = { .apply = apply_append,
                                             .prepare = prepare_append,

@@ -9,15 +9,10 @@
 // Of compression: densities and parts take 6 % more room than at level 1, and a third of the time.
 enum { LEVEL = -5 };
 
-static bf_status fail_memory(bf_error *err)
-{
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
-}
-
 bf_status store__fail_zstd(size_t code, bf_status otherwise, bf_error *err)
 {
     if (ZSTD_getErrorCode(code) == ZSTD_error_memory_allocation)
-        return fail_memory(err);
+        return bf_fail_memory(err);
     return bf_fail(err, otherwise, "", "compressed bytes of the store: %s",
                    ZSTD_getErrorName(code));
 }
@@ -29,7 +24,7 @@ static bf_status compress(ZSTD_CCtx *context, const char *bytes, size_t n, bf_bu
     char *to = buffer_reserve(out, room);
 
     if (to == NULL)
-        return fail_memory(err);
+        return bf_fail_memory(err);
     size_t compressed = ZSTD_compress2(context, to, room, bytes, n);
     if (ZSTD_isError(compressed))
         return store__fail_zstd(compressed, BF_ESYSTEM, err);
@@ -61,7 +56,7 @@ bf_status store__pack(store__packer *packer, const void *bytes, size_t n, bf_buf
     // For all slices at once, so that they are not moved; what is not needed of it is never touched.
     const size_t room = n / STORE__SLICE_BYTES * ZSTD_compressBound(STORE__SLICE_BYTES) +
                         ZSTD_compressBound(n % STORE__SLICE_BYTES);
-    bf_status status = buffer_reserve(out, room) != NULL ? BF_OK : fail_memory(err);
+    bf_status status = buffer_reserve(out, room) != NULL ? BF_OK : bf_fail_memory(err);
     size_t at = 0;
 
     do {
@@ -103,7 +98,7 @@ bf_status store__unpack(const bf_buffer *compressed, bf_buffer *out, bf_error *e
         return bf_fail(err, BF_ECORRUPT, "", "compressed bytes of the store are damaged");
     char *to = buffer_reserve(out, n);
     if (to == NULL)
-        return fail_memory(err);
+        return bf_fail_memory(err);
     size_t got = ZSTD_decompress(to, n, compressed->bytes, compressed->n);
     if (ZSTD_isError(got))
         return store__fail_zstd(got, BF_ECORRUPT, err);

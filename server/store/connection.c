@@ -289,7 +289,7 @@ bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out,
     if (bytes == NULL && sqlite3_errcode(q->connection->db) == SQLITE_NOMEM)
         return store__fail(q->connection->db, SQLITE_NOMEM, err);
     if (buffer_append(out, bytes, bytes == NULL ? 0 : n) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     return BF_OK;
 }
 
@@ -411,7 +411,7 @@ bf_status store__read_page(store__pool *pool, size_t limit, const char *what,
                        limit);
     void *list = memory_alloc(1, size);
     if (list == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = store__acquire_reader(pool, &reader, err);
     if (status == BF_OK) {
         status = read(reader, query, list, err);

@@ -198,7 +198,7 @@ static bf_status copy_event(const store__query *q, int first, event_merge *merge
     // Each text keeps the terminating zero that append writes.
     if (buffer_append(&merge->data, "", 1) != BF_OK ||
         buffer_append(&merge->copied, &copied, sizeof copied) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     return BF_OK;
 }
 
@@ -291,7 +291,7 @@ bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_
     BF_CHECK(n_runs <= API_STREAM_RUNS_MAX);
     merge.rows = memory_alloc(n_runs, sizeof *merge.rows);
     if (merge.rows == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status == BF_OK) {
         status = copy_events(reader, runs, after, limit_bytes, &merge, err);

@@ -113,8 +113,7 @@ static bf_status prepare_last(finish_context *context, bf_error *err)
     if (context->ending->last == NULL)
         return BF_OK;
     context->last = store__appending_create(context->ending->last);
-    return context->last == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                                 : store__pack_batch(context->last, err);
+    return context->last == NULL ? bf_fail_memory(err) : store__pack_batch(context->last, err);
 }
 
 // The end, and behind it in the same commit the claim of the next run, if there is room for what that sends.

@@ -89,25 +89,6 @@ static void bind_search(store__query *q, const api_list_query *query, const id_b
     store__bind(q, TEXT(query->line));
 }
 
-// The path of the key in the figures, and the key behind which the page begins. path is used until the statement ends.
-static void bind_order(store__query *q, const api_list_query *query,
-                       char path[API_SORT_FIGURE_SIZE + 2])
-{
-    const char *key = query->before_key;
-
-    (void)snprintf(path, API_SORT_FIGURE_SIZE + 2, "$.%s", query->sort.figure);
-    store__bind(q, INTEGER(query->sort.by));
-    store__bind(q, TEXT(path));
-    if (query->sort.by == API_SORT_CREATED)
-        store__bind(q, TEXT(query->before));
-    else if (*key == '\0')
-        store__bind(q, REAL((double)NAN));
-    else if (query->sort.by == API_SORT_NAME || query->sort.by == API_SORT_LABEL)
-        store__bind(q, BLOB(key, strlen(key)));
-    else
-        store__bind(q, REAL(strtod(key, NULL)));
-}
-
 // The key of the present row, as text.
 static void take_key(const store__query *q, const api_list_query *query, api_run_list *list)
 {
@@ -183,8 +164,21 @@ static bf_status read_page(store__connection *reader, const api_list_query *quer
         bind_search(&q, query, &bounds);
     else
         store__bind(&q, TEXT(strcmp(oldest, bounds.from) > 0 ? oldest : bounds.from));
-    if (is_sorted(query))
-        bind_order(&q, query, path);
+    if (is_sorted(query)) {
+        // The path of the key in the figures, and the key behind which the page begins. path is used until the statement ends.
+        const char *key = query->before_key;
+        (void)snprintf(path, API_SORT_FIGURE_SIZE + 2, "$.%s", query->sort.figure);
+        store__bind(&q, INTEGER(query->sort.by));
+        store__bind(&q, TEXT(path));
+        if (query->sort.by == API_SORT_CREATED)
+            store__bind(&q, TEXT(query->before));
+        else if (*key == '\0')
+            store__bind(&q, REAL((double)NAN));
+        else if (query->sort.by == API_SORT_NAME || query->sort.by == API_SORT_LABEL)
+            store__bind(&q, BLOB(key, strlen(key)));
+        else
+            store__bind(&q, REAL(strtod(key, NULL)));
+    }
     status = take_rows(&q, query, list, err);
     store__end(&q);
     if (status == BF_OK && !list->has_more && strcmp(oldest, bounds.from) > 0) {

@@ -124,7 +124,7 @@ static bf_status read_samples(const store__query *q, const api_measurement *abou
         return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about->id);
     if (status == BF_OK &&
         buffer_append(&curve->columns, about->counter, strlen(about->counter)) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     curve->n = n;
     curve->n_columns = 1;
     return status;

@@ -73,7 +73,7 @@ static bf_status take_samples(const store__query *q, uint64_t first, uint64_t n_
     const size_t n_taken = (size_t)(n - skip < n_left ? n - skip : n_left);
     if (buffer_append(&curve->t, t + skip * sizeof(double), n_taken * sizeof(double)) != BF_OK ||
         buffer_append(&curve->values, parts + skip * n_row, n_taken * n_row) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     curve->n += n_taken;
     return BF_OK;
 }
@@ -141,7 +141,7 @@ static bf_status read_snapshot_list(store__connection *reader, const char *id,
     while (store__next(&q, &status, err)) {
         api_snapshot snapshot = read_snapshot_row(&q);
         if (buffer_append(&list->items, &snapshot, sizeof snapshot) != BF_OK)
-            status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+            status = bf_fail_memory(err);
         else
             list->n++;
     }

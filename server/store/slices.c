@@ -130,7 +130,7 @@ bf_status store_open_array(store *s, const char *id, uint64_t index, api_array_k
     ends e = { .n_chunks = 0 };
 
     if (r == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     *r = (slices){ .kind = store__blob_of(kind), .item = index };
     bf_status status = open_blob(s, r, id, &e, err);
     buffer_fini(&e.first);
@@ -189,7 +189,7 @@ static bf_status decode_row(slices *r, const bf_buffer *row, ZSTD_outBuffer *to,
     if (r->decoder == NULL && r->slice > 0 && !is_slice(r, row))
         return fail_damaged(err);
     if (r->decoder == NULL && (r->decoder = ZSTD_createDStream()) == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     while (has_moved && r->decoder != NULL && from.pos < from.size) {
         const size_t before = from.pos + to->pos;
         const size_t code = ZSTD_decompressStream(r->decoder, to, &from);
@@ -253,7 +253,7 @@ static bf_status skip(store *s, slices *r, uint64_t at, bf_error *err)
         return BF_OK;
     char *to = memory_alloc(STORE__SLICE_BYTES, 1);
     if (to == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     while (status == BF_OK && r->at < at) {
         const uint64_t left = at - r->at;
         ZSTD_outBuffer skipped = { to,
@@ -290,7 +290,7 @@ bf_status store_read_slice(store *s, api_slices *array, uint64_t at, size_t limi
         return BF_OK;
     char *to = buffer_reserve(out, n);
     if (to == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = read_at(s, r, at, to, n, err);
     if (status == BF_OK)
         out->n += n;

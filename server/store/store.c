@@ -244,7 +244,7 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
         return bf_fail(err, BF_ESYSTEM, "", "the data directory's path is too long");
     store *s = create(options);
     if (s == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     snprintf(s->directory, sizeof s->directory, "%s", options->directory);
     snprintf(s->path, sizeof s->path, "%.*s/beltflow.db", STORE__PATH_SIZE - 32,
              options->directory);

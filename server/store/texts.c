@@ -10,11 +10,6 @@
 // Of compression: level 1 finds long matches as fast as others. What a decoder takes without being asked to (zstd's manual).
 enum { LEVEL = 1, WINDOW_LOG_LEAST = 10, WINDOW_LOG_MOST = 27, HASH_LOG_MOST = 20 };
 
-static bf_status fail_memory(bf_error *err)
-{
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
-}
-
 bf_status store__put_text(store__connection *writer, int64_t number, store__text kind,
                           const char *text, size_t n, bf_error *err)
 {
@@ -72,7 +67,7 @@ static bf_status compress(const bf_buffer *base, const char *text, size_t n, bf_
 
     if (context == NULL || to == NULL) {
         ZSTD_freeCCtx(context);
-        return fail_memory(err);
+        return bf_fail_memory(err);
     }
     size_t code = set_up(context, base, n);
     if (!ZSTD_isError(code))
@@ -95,7 +90,7 @@ static bf_status decompress(const bf_buffer *base, const bf_buffer *delta, bf_bu
     char *to = buffer_reserve(out, (size_t)n);
     if (context == NULL || to == NULL) {
         ZSTD_freeDCtx(context);
-        return fail_memory(err);
+        return bf_fail_memory(err);
     }
     size_t code = ZSTD_DCtx_refPrefix(context, base->bytes, base->n);
     if (!ZSTD_isError(code))
@@ -118,7 +113,7 @@ static bf_status need_base(store__connection *writer, const store__study *of, st
     if (status != BF_OK || base->n > 0 || kind != STORE__TEXT_SCENARIO)
         return status;
     if (buffer_append(base, text, n) != BF_OK)
-        return fail_memory(err);
+        return bf_fail_memory(err);
     *n_bytes += n;
     return store__put_study_text(writer, of, API_STUDY_BASE, base, err);
 }

@@ -142,26 +142,20 @@ static int64_t due_ms(const store *s)
     return s->has_new_stats && s->count_at_ms < due ? s->count_at_ms : due;
 }
 
-// Sleep until there are operations, the end, a question of liveness, or something is due.
-static void wait_for_work(store *s)
-{
-    const store__queue *queue = &s->writing;
-    bool is_time = true;
-
-    lock_assert_held(&s->lock);
-    while (is_time && queue->first == NULL && !queue->is_stopping &&
-           !liveness_is_asked(&s->liveness))
-        is_time = lock_wait(&s->writing.filled, &s->lock, due_ms(s));
-    liveness_answer(&s->liveness);
-}
-
 static void *write_groups(void *context)
 {
     store *s = context;
 
     lock_acquire(&s->lock);
     while (s->writing.first != NULL || !s->writing.is_stopping) {
-        wait_for_work(s);
+        // Sleep until there are operations, the end, a question of liveness, or something is due.
+        const store__queue *queue = &s->writing;
+        bool is_time = true;
+        lock_assert_held(&s->lock);
+        while (is_time && queue->first == NULL && !queue->is_stopping &&
+               !liveness_is_asked(&s->liveness))
+            is_time = lock_wait(&s->writing.filled, &s->lock, due_ms(s));
+        liveness_answer(&s->liveness);
         store__operation *first = s->writing.first;
         s->writing.first = s->writing.last = NULL;
         if (first != NULL) {

@@ -48,25 +48,6 @@ static void log_change(const char *event, const tokens_record *about)
               about->resource[0] == '\0' ? "" : " resource=", about->resource);
 }
 
-// What was read takes the place of what was there; uses that are only in memory stay.
-static void take_over(tokens *t, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        store__token *now = &t->next[i];
-        const store__token *before = find_id(t->all, t->n, now->about.id);
-        if (before == NULL)
-            log_change("token_added", &now->about);
-        else if (before->about.revoked_ms == 0 && now->about.revoked_ms != 0)
-            log_change("token_revoked", &now->about);
-        if (before != NULL && before->about.used_ms > now->about.used_ms) {
-            now->about.used_ms = before->about.used_ms;
-            now->is_unsaved = before->is_unsaved;
-        }
-    }
-    memcpy(t->all, t->next, n * sizeof *t->all);
-    t->n = n;
-}
-
 // A file that cannot be read, or that another process is writing to at this moment, leaves all as it was.
 static void refresh(tokens *t)
 {
@@ -81,7 +62,21 @@ static void refresh(tokens *t)
     bf_status status = store__read_tokens(&t->reader, t->next, &n, &err);
     if (status == BF_OK) {
         t->read_ms = now_ms;
-        take_over(t, n);
+        // What was read takes the place of what was there; uses that are only in memory stay.
+        for (size_t i = 0; i < n; i++) {
+            store__token *now = &t->next[i];
+            const store__token *before = find_id(t->all, t->n, now->about.id);
+            if (before == NULL)
+                log_change("token_added", &now->about);
+            else if (before->about.revoked_ms == 0 && now->about.revoked_ms != 0)
+                log_change("token_revoked", &now->about);
+            if (before != NULL && before->about.used_ms > now->about.used_ms) {
+                now->about.used_ms = before->about.used_ms;
+                now->is_unsaved = before->is_unsaved;
+            }
+        }
+        memcpy(t->all, t->next, n * sizeof *t->all);
+        t->n = n;
     } else if ((sqlite3_errcode(t->reader.db) & 0xff) != SQLITE_BUSY) {
         t->read_ms = now_ms;
         log_event(LOG_LEVEL_ERROR, "tokens_unreadable", "error=%s", log_quote(err.text, quoted));
@@ -93,7 +88,7 @@ bf_status tokens_open(const char *directory, tokens **ret_tokens, bf_error *err)
     tokens *t = memory_alloc(1, sizeof *t);
 
     if (t == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = store__open_tokens(directory, true, &t->reader, err);
     if (status == BF_OK && (status = store__read_tokens(&t->reader, t->all, &t->n, err)) != BF_OK)
         store__disconnect(&t->reader);

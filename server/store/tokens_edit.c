@@ -117,8 +117,8 @@ static bf_status find_valid(store__connection *c, uint64_t id, int64_t now_ms,
     bool is_found = false;
     size_t n = 0;
 
-    bf_status status = entries == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                                       : store__read_tokens(c, entries, &n, err);
+    bf_status status =
+        entries == NULL ? bf_fail_memory(err) : store__read_tokens(c, entries, &n, err);
     for (size_t i = 0; status == BF_OK && i < n; i++) {
         const tokens_record *about = &entries[i].about;
         if (about->id == id && tokens_counts(about, now_ms)) {
@@ -192,8 +192,7 @@ bf_status tokens_list(const char *directory, tokens_take_fn *take, void *context
     if (status != BF_OK)
         return status;
     store__token *entries = memory_alloc(TOKENS_MAX, sizeof *entries);
-    status = entries == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                             : store__read_tokens(&c, entries, &n, err);
+    status = entries == NULL ? bf_fail_memory(err) : store__read_tokens(&c, entries, &n, err);
     store__disconnect(&c);
     for (size_t i = 0; status == BF_OK && i < n; i++)
         take(context, &entries[i].about);

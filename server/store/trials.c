@@ -214,7 +214,7 @@ bf_status store_read_trials(store *s, const char *id, const api_trial_query *que
                        API_TRIALS_PAGE_MAX, query->limit);
     api_trial *trials = memory_alloc(query->limit, sizeof *trials);
     if (trials == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = read_page(s, id, query, trials, &n, err);
     for (size_t k = 0; k < n && status == BF_OK; k++)
         status = take(take_context, &trials[k], err);

@@ -18,7 +18,7 @@ static bf_status make_scene(study__task *t, const api_trial *trial, scene *ret_s
     bf_faults *faults = memory_alloc(1, sizeof *faults);
 
     if (faults == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     faults->is_cancelled = &t->owner->is_abandoned;
     bf_status status = study_document_scene(&t->document, point.at, about.substream, trial->model,
                                             ret_scene, faults, err);
@@ -54,7 +54,7 @@ static bf_status read_figures(study__task *t, const char *run_id, const scene *s
 
     double *figures = memory_alloc(n, sizeof *figures);
     if (figures == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status =
         store_read_text(t->owner->options.store, run_id, API_TEXT_FIGURES, &text, err);
     if (status == BF_OK)

@@ -79,7 +79,7 @@ static bf_status end_study(studies *s, const char *id, api_study_state state, co
     api_run record;
 
     if (e == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status = store_read_trials(at, id, &open, take_open, e, err);
     for (size_t k = 0; k < e->n && status == BF_OK; k++) {
         status = store_cancel(at, e->trials[k].run, API_ANY_REVISION, &record, err);
@@ -163,7 +163,7 @@ static bf_status stop_studies(studies *s, bf_error *err)
     size_t n = 0;
 
     if (work == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+        return bf_fail_memory(err);
     bf_status status =
         store_list_work(s->options.store, STORE_STUDIES_TO_STOP, STOPS_A_TURN, work, &n, err);
     bool has_trouble = false;

@@ -32,11 +32,6 @@ typedef struct study__turn {
     int64_t cpu_ns;                         ///< CPU time that making them took
 } turn;
 
-static bf_status no_memory(bf_error *err)
-{
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
-}
-
 bool study__may_work_later(bf_status code)
 {
     return code == BF_EBUSY || code == BF_ENOMEM || code == BF_ESYSTEM || code == BF_ENOSPACE;
@@ -109,7 +104,7 @@ static bf_status read_document(study__task *t, bf_error *err)
     bf_buffer text = { 0 };
 
     if (faults == NULL)
-        return no_memory(err);
+        return bf_fail_memory(err);
     bf_status status =
         store_read_study(t->owner->options.store, t->id, API_STUDY_DOCUMENT, &text, err);
     if (status == BF_OK)
@@ -136,14 +131,14 @@ bf_status study__task_create(studies *s, const api_study *about, study__task **r
     study__task *t = memory_alloc(1, sizeof *t);
 
     if (t == NULL)
-        return no_memory(err);
+        return bf_fail_memory(err);
     t->owner = s;
     t->best = (double)NAN;
     memcpy(t->id, about->id, sizeof t->id);
     memcpy(t->owner_name, about->owner, sizeof t->owner_name);
     t->open = memory_alloc(STUDIES_OPEN_MAX, sizeof *t->open);
     t->turn = memory_alloc(1, sizeof *t->turn);
-    bf_status status = t->open == NULL || t->turn == NULL ? no_memory(err) : prepare(t, err);
+    bf_status status = t->open == NULL || t->turn == NULL ? bf_fail_memory(err) : prepare(t, err);
     if (status == BF_OK)
         *ret_task = t;
     else
@@ -263,24 +258,6 @@ static bool has_ended(const study__task *t)
     return study_is_ended(t->core) && t->n_told == study_trials(t->core);
 }
 
-// What has begun is open, or told where it ended at once.
-static void take_begins(study__task *t, turn *u)
-{
-    lock_acquire(&t->owner->lock);
-    for (size_t k = 0; k < u->n_begins; k++) {
-        api_trial *trial = &u->begins[k].trial;
-        memcpy(trial->run, u->begins[k].run, sizeof trial->run);
-        if (!api_trial_state_is_end(trial->state))
-            add_open(t, trial);
-    }
-    lock_release(&t->owner->lock);
-    for (size_t k = 0; k < u->n_begins; k++) {
-        t->n_begun++;
-        if (api_trial_state_is_end(u->begins[k].trial.state))
-            tell(t, &u->begins[k].trial);
-    }
-}
-
 static bf_status write_turn(study__task *t, turn *u, bf_error *err)
 {
     store_study_step step = { .id = t->id,
@@ -334,8 +311,22 @@ static bf_status take_turn(study__task *t, turn *u, bf_error *err)
     }
     if (status == BF_OK)
         status = write_turn(t, u, err);
-    if (status == BF_OK)
-        take_begins(t, u);
+    if (status == BF_OK) {
+        // What has begun is open, or told where it ended at once.
+        lock_acquire(&t->owner->lock);
+        for (size_t k = 0; k < u->n_begins; k++) {
+            api_trial *trial = &u->begins[k].trial;
+            memcpy(trial->run, u->begins[k].run, sizeof trial->run);
+            if (!api_trial_state_is_end(trial->state))
+                add_open(t, trial);
+        }
+        lock_release(&t->owner->lock);
+        for (size_t k = 0; k < u->n_begins; k++) {
+            t->n_begun++;
+            if (api_trial_state_is_end(u->begins[k].trial.state))
+                tell(t, &u->begins[k].trial);
+        }
+    }
     if (status == BF_OK && u->n_begins > 0)
         t->owner->options.queued(t->owner->options.context);
     return status;

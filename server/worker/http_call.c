@@ -128,10 +128,14 @@ static bool make_headers(http_call *c, const http_call_request *request)
            (c->authorization[0] == '\0' || add_header(c, c->authorization));
 }
 
-static void set_options(http_call *c, const http_call_request *request)
+bf_status http_call_begin(http_call *c, const http_call_request *request, bf_error *err)
 {
+    c->body.n = 0;
+    c->n_most = request->n_most;
+    c->error[0] = '\0';
+    if (!make_headers(c, request))
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a request");
     char url[URL_SIZE + PATH_SIZE];
-
     snprintf(url, sizeof url, "%s%s", c->url, request->path);
     curl_easy_reset(c->easy); // the connection stays
     curl_easy_setopt(c->easy, CURLOPT_URL, url);
@@ -152,16 +156,6 @@ static void set_options(http_call *c, const http_call_request *request)
         curl_easy_setopt(c->easy, CURLOPT_POSTFIELDS, request->body);
     }
     curl_easy_setopt(c->easy, CURLOPT_CUSTOMREQUEST, request->method);
-}
-
-bf_status http_call_begin(http_call *c, const http_call_request *request, bf_error *err)
-{
-    c->body.n = 0;
-    c->n_most = request->n_most;
-    c->error[0] = '\0';
-    if (!make_headers(c, request))
-        return bf_fail(err, BF_ENOMEM, "", "no memory for a request");
-    set_options(c, request);
     if (curl_multi_add_handle(c->multi, c->easy) != CURLM_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a request");
     c->goes_on = true;

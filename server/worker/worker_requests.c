@@ -90,32 +90,6 @@ static bf_status write_frames(worker *w, worker_lease *lease, int64_t now, bf_er
     return status;
 }
 
-static void list_jobs(worker *w, const worker_lease *lease, api_renewal *renewal)
-{
-    for (size_t k = 0; k < lease->n_jobs; k++) {
-        worker_job *job = &lease->jobs[k];
-        if (job->state == WORKER_JOB_RUNS)
-            job->used_s = w->solver->functions->cpu_s(w->solver, job->child);
-        api_job_report report = { .job = job->about.job,
-                                  .attempt = job->about.attempt,
-                                  .cpu_s = job->used_s };
-
-        memcpy(report.run, job->about.run, sizeof report.run);
-        w->is_ended[k] = is_delivered(job);
-        if (job->state == WORKER_JOB_OVER)
-            continue;
-        api_job_end end = { .report = report,
-                            .cause = job->end.cause,
-                            .error = job->end.error,
-                            .n_bytes = job->n_spooled };
-        memcpy(end.digest, job->digest, sizeof end.digest);
-        if (w->is_ended[k])
-            renewal->ended[renewal->n_ended++] = end;
-        else
-            renewal->jobs[renewal->n_jobs++] = report;
-    }
-}
-
 static bf_status write_renewal(worker *w, worker_lease *lease, bf_error *err)
 {
     api_renewal renewal = { .jobs = memory_alloc(lease->n_jobs, sizeof *renewal.jobs),
@@ -127,7 +101,27 @@ static bf_status write_renewal(worker *w, worker_lease *lease, bf_error *err)
     } else {
         memcpy(renewal.worker, w->options->who.name, sizeof renewal.worker);
         memcpy(renewal.solver, w->options->who.solver, sizeof renewal.solver);
-        list_jobs(w, lease, &renewal);
+        for (size_t k = 0; k < lease->n_jobs; k++) {
+            worker_job *job = &lease->jobs[k];
+            if (job->state == WORKER_JOB_RUNS)
+                job->used_s = w->solver->functions->cpu_s(w->solver, job->child);
+            api_job_report report = { .job = job->about.job,
+                                      .attempt = job->about.attempt,
+                                      .cpu_s = job->used_s };
+            memcpy(report.run, job->about.run, sizeof report.run);
+            w->is_ended[k] = is_delivered(job);
+            if (job->state == WORKER_JOB_OVER)
+                continue;
+            api_job_end end = { .report = report,
+                                .cause = job->end.cause,
+                                .error = job->end.error,
+                                .n_bytes = job->n_spooled };
+            memcpy(end.digest, job->digest, sizeof end.digest);
+            if (w->is_ended[k])
+                renewal.ended[renewal.n_ended++] = end;
+            else
+                renewal.jobs[renewal.n_jobs++] = report;
+        }
         status = lease_json_write_renewal(&renewal, &w->body, err);
     }
     api_renewal_fini(&renewal);

@@ -27,26 +27,6 @@ static bf_status init_kinds(body_state *s, const micro_def *def, bf_error *err)
     return status;
 }
 
-/// Place the parts of the definition; those on a belt start with its velocity.
-static void place_parts(body_state *s, const micro_def *def)
-{
-    for (size_t k = 0; k < s->n; k++) {
-        const micro_arrival arrival = { def->part_kinds != NULL ? def->part_kinds[k] : 0,
-                                        def->poses[k], def->start_velocity };
-        body_body *body = &s->bodies[k];
-        body__place_part(s, k, &arrival);
-        const size_t belt = surroundings_belt_under(
-            &s->common.around, (vec2){ body->x.x, body->x.y }, s->kinds[body->kind].inner_radius);
-        if (belt == def->n_belts)
-            continue;
-        const double factor = belt_speeds_at(&s->common.world->belts, belt, 0.0);
-        const vec2 v =
-            vec2_scale(belt_velocity(&def->belts[belt], (vec2){ body->x.x, body->x.y }), factor);
-        body->v = (vec3){ v.x, v.y, 0.0 };
-        body->w.z = factor * def->belts[belt].turn;
-    }
-}
-
 static void note_radius(body_state *s, double radius)
 {
     s->bounding_radius_max = fmax(s->bounding_radius_max, radius);
@@ -94,28 +74,6 @@ static bool is_before(const body_pair *left, const body_pair *right)
     return left->a != right->a ? left->a < right->a : left->b < right->b;
 }
 
-/// Write the new pairs into the spare storage, with memory and warm start of those that were pairs before;
-/// both lists are sorted, so that one pass along the old one finds them.
-static void write_pairs(body_state *s)
-{
-    const neighbours_list *list = &s->list;
-    size_t old = 0, n = 0;
-
-    for (size_t k = 0; k < s->n; k++) {
-        for (size_t at = list->start[k]; at < list->start[k + 1]; at++) {
-            if (list->neighbour[at] <= k)
-                continue;
-            body_pair pair = { .a = (uint32_t)k, .b = list->neighbour[at] };
-            while (old < s->n_pairs && is_before(&s->pairs[old], &pair))
-                old++;
-            if (old < s->n_pairs && !is_before(&pair, &s->pairs[old]))
-                pair = s->pairs[old];
-            s->links[at] = (uint32_t)n;
-            s->spare[n++] = pair;
-        }
-    }
-}
-
 bf_status body__list(body_state *s, bf_error *err)
 {
     const neighbours_parts parts = { .x = &s->bodies->x.x,
@@ -130,10 +88,25 @@ bf_status body__list(body_state *s, bf_error *err)
         return status;
     if (count_pairs(s) != BF_OK || s->first_pair[s->n] > UINT32_MAX)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the pairs of neighbours");
-    write_pairs(s);
+    // Write the new pairs into the spare storage, with memory and warm start of those that were pairs before;
+    // both lists are sorted, so that one pass along the old one finds them.
+    const neighbours_list *list = &s->list;
+    size_t old = 0, n = 0;
+    for (size_t k = 0; k < s->n; k++) {
+        for (size_t at = list->start[k]; at < list->start[k + 1]; at++) {
+            if (list->neighbour[at] <= k)
+                continue;
+            body_pair pair = { .a = (uint32_t)k, .b = list->neighbour[at] };
+            while (old < s->n_pairs && is_before(&s->pairs[old], &pair))
+                old++;
+            if (old < s->n_pairs && !is_before(&pair, &s->pairs[old]))
+                pair = s->pairs[old];
+            s->links[at] = (uint32_t)n;
+            s->spare[n++] = pair;
+        }
+    }
     // Set the links of neighbours with smaller ids: pairs come up in the order in which they stand at the part
     // with the smaller id.
-    const neighbours_list *list = &s->list;
     size_t *cursor = s->cursor;
     memcpy(cursor, s->first_pair, s->n * sizeof *cursor);
     for (size_t k = 0; k < s->n; k++)
@@ -196,7 +169,23 @@ static bf_status create(const micro_def *def, micro_common **ret_state, bf_error
     if ((status = init_kinds(s, def, err)) == BF_OK &&
         (status = init_arrays(s, def->n_parts, err)) == BF_OK &&
         (status = body__belt_init(s, def, err)) == BF_OK) {
-        place_parts(s, def);
+        // Place the parts of the definition; those on a belt start with its velocity.
+        for (size_t k = 0; k < s->n; k++) {
+            const micro_arrival arrival = { def->part_kinds != NULL ? def->part_kinds[k] : 0,
+                                            def->poses[k], def->start_velocity };
+            body_body *body = &s->bodies[k];
+            body__place_part(s, k, &arrival);
+            const size_t belt =
+                surroundings_belt_under(&s->common.around, (vec2){ body->x.x, body->x.y },
+                                        s->kinds[body->kind].inner_radius);
+            if (belt == def->n_belts)
+                continue;
+            const double factor = belt_speeds_at(&s->common.world->belts, belt, 0.0);
+            const vec2 v = vec2_scale(
+                belt_velocity(&def->belts[belt], (vec2){ body->x.x, body->x.y }), factor);
+            body->v = (vec3){ v.x, v.y, 0.0 };
+            body->w.z = factor * def->belts[belt].turn;
+        }
         // The extremes of all parts that there may be, and lengths that follow.
         s->bounding_radius_min = s->n > 0 || s->def.n_parts_expected > 0 ? DBL_MAX : 1.0;
         for (size_t k = 0; k < s->n; k++)

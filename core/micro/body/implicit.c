@@ -34,24 +34,6 @@ const body_kernels *body__implicit_kernels(cpu_level level)
     return builds[level];
 }
 
-/// The largest number of iterations that a kind of part requires.
-static int find_iterations(const body_state *s)
-{
-    const double damping = fmax(s->cargo.damping, s->def.contact[SCENE_HANDLING_CARGO].damping);
-    int iterations = 1;
-
-    for (size_t k = 0; k < s->n_kinds; k++) {
-        const body_kind *kind = &s->kinds[k];
-        double stiffness =
-            fmax(s->cargo.stiffness / (2.0 * kind->compliance), kind->boundary_law.stiffness);
-        int own = implicit_step_iterations(
-            false, micro__n_expected(&s->def), s->def.dt, stiffness,
-            hardness_dashpot(&s->def, damping, stiffness, 1.0 / kind->mass), kind->mass);
-        iterations = own > iterations ? own : iterations;
-    }
-    return iterations;
-}
-
 size_t body__implicit_arrays(body_solver *z, size_t n, size_t capacity, memory_array *ret_arrays)
 {
     const memory_array arrays[] = {
@@ -73,7 +55,18 @@ bf_status body__implicit_init(body_state *s, bf_error *err)
     if (z == NULL || memory_resize(arrays, body__implicit_arrays(z, 0, s->capacity, arrays)) != 0)
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", s->n);
     z->kernels = body__implicit_kernels(cpu_best());
-    z->iterations = find_iterations(s);
+    // The largest number of iterations that a kind of part requires.
+    const double damping = fmax(s->cargo.damping, s->def.contact[SCENE_HANDLING_CARGO].damping);
+    z->iterations = 1;
+    for (size_t k = 0; k < s->n_kinds; k++) {
+        const body_kind *kind = &s->kinds[k];
+        double stiffness =
+            fmax(s->cargo.stiffness / (2.0 * kind->compliance), kind->boundary_law.stiffness);
+        int own = implicit_step_iterations(
+            false, micro__n_expected(&s->def), s->def.dt, stiffness,
+            hardness_dashpot(&s->def, damping, stiffness, 1.0 / kind->mass), kind->mass);
+        z->iterations = own > z->iterations ? own : z->iterations;
+    }
     z->damping_factor = exp(-s->def.damping * s->def.dt);
     s->list.skin = SKIN * s->bounding_radius_min;
     s->map_range = PLATE_RANGE * s->bounding_radius_max;
@@ -133,21 +126,6 @@ static bf_status refresh(void *state, bf_error *err)
                                                                                        : BF_ENOMEM;
 }
 
-/// Inverse inertia of a body in the world's frame.
-static mat3 find_inv_inertia(const body_body *body, vec3 inertia)
-{
-    const vec3 x = mat3_column(&body->r, 0), y = mat3_column(&body->r, 1),
-               z = mat3_column(&body->r, 2);
-    mat3 inverse;
-
-    for (int k = 0; k < 3; k++) {
-        vec3 row = vec3_scale(x, vec3_component(x, k) / inertia.x);
-        row = vec3_along(row, vec3_component(y, k) / inertia.y, y);
-        inverse.row[k] = vec3_along(row, vec3_component(z, k) / inertia.z, z);
-    }
-    return inverse;
-}
-
 /// Velocities of a body after a step without contacts.
 static void predict_part(body_state *s, size_t k, body_block_buffer *buffer)
 {
@@ -160,7 +138,17 @@ static void predict_part(body_state *s, size_t k, body_block_buffer *buffer)
                                 body__gravity(s, k));
     solver_body->w = body__integrate_spin(s, body, nothing);
     solver_body->inv_mass = 1.0 / kind->mass;
-    solver_body->inv_inertia = find_inv_inertia(body, kind->inertia);
+    // Inverse inertia of a body in the world's frame.
+    const vec3 inertia = kind->inertia;
+    const vec3 x = mat3_column(&body->r, 0), y = mat3_column(&body->r, 1),
+               z = mat3_column(&body->r, 2);
+    mat3 inverse;
+    for (int axis = 0; axis < 3; axis++) {
+        vec3 row = vec3_scale(x, vec3_component(x, axis) / inertia.x);
+        row = vec3_along(row, vec3_component(y, axis) / inertia.y, y);
+        inverse.row[axis] = vec3_along(row, vec3_component(z, axis) / inertia.z, z);
+    }
+    solver_body->inv_inertia = inverse;
     double before = vec3_length(body->v) + s->bounding_radius[k] * vec3_length(body->w);
     double then = vec3_length(solver_body->v) + s->bounding_radius[k] * vec3_length(solver_body->w);
     buffer->speed = fmax(buffer->speed, fmax(before, then));

@@ -148,20 +148,6 @@ static void fill_vector(vec3 from, size_t lane, body_lanes *to)
     to[2][lane] = from.z;
 }
 
-static void fill_belt(const body_constraint *p, size_t lane, body_batch *batch)
-{
-    const micro_law *law = &p->law;
-
-    batch->spin_friction[lane] = law->friction * p->belt_kind->spin_radius;
-    batch->spin_rate[lane] = law->tanh_spin;
-    batch->gyration[lane] = p->belt_kind->flat_gyration;
-    batch->belt_turn[lane] = p->belt_turn;
-    for (uint32_t k = 0; k < p->n; k++) {
-        batch->point[k].belt_velocity[0][lane] = p->belt_velocity[k].x;
-        batch->point[k].belt_velocity[1][lane] = p->belt_velocity[k].y;
-    }
-}
-
 /// The gains of the points, and the impulse of the last step distributed to them by weight.
 static void fill_points(const body_state *s, const body_constraint *p, size_t lane,
                         body_batch *batch)
@@ -217,8 +203,17 @@ static void fill_lane(const body_state *s, const body_constraint *p, size_t lane
     fill_vector(velocity, lane, batch->surface);
     batch->surface[3][lane] = p->moving != NULL ? p->moving->spin : 0.0;
     fill_inertia(s, p, lane, batch);
-    if (batch->is_belt)
-        fill_belt(p, lane, batch);
+    if (batch->is_belt) {
+        const micro_law *law = &p->law;
+        batch->spin_friction[lane] = law->friction * p->belt_kind->spin_radius;
+        batch->spin_rate[lane] = law->tanh_spin;
+        batch->gyration[lane] = p->belt_kind->flat_gyration;
+        batch->belt_turn[lane] = p->belt_turn;
+        for (uint32_t k = 0; k < p->n; k++) {
+            batch->point[k].belt_velocity[0][lane] = p->belt_velocity[k].x;
+            batch->point[k].belt_velocity[1][lane] = p->belt_velocity[k].y;
+        }
+    }
 }
 
 void body_implicit__fill_batch(const body_state *s, body_batch *batch)

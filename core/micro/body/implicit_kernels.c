@@ -166,23 +166,6 @@ static inline bool is_nowhere(simd x)
     return simd_less(simd_all(0.0), size_of(x)) == 0;
 }
 
-// Add a point where all normals are that of the constraint: its row is (0, 0, 1, y, -x, 0).
-static inline void add_flat(const lanes_point *point, lanes_law *law)
-{
-    const simd x = point->x, y = point->y, gain = point->gain, bias = point->bias;
-    simd(*row)[6] = law->slope.row;
-
-    row[2][2] += gain;
-    row[3][2] += gain * y;
-    row[3][3] += gain * y * y;
-    row[4][2] -= gain * x;
-    row[4][3] -= gain * x * y;
-    row[4][4] += gain * x * x;
-    law->start[2] += bias;
-    law->start[3] += bias * y;
-    law->start[4] -= bias * x;
-}
-
 static inline void add_normals(const body_batch *p, size_t lane, const lanes_point *points,
                                lanes_law *law)
 {
@@ -192,7 +175,19 @@ static inline void add_normals(const body_batch *p, size_t lane, const lanes_poi
         if (is_nowhere(points[k].gain))
             continue;
         if (p->is_flat) {
-            add_flat(&points[k], law);
+            // Add a point where all normals are that of the constraint: its row is (0, 0, 1, y, -x, 0).
+            const simd x = points[k].x, y = points[k].y, gain = points[k].gain,
+                       bias = points[k].bias;
+            simd(*flat)[6] = law->slope.row;
+            flat[2][2] += gain;
+            flat[3][2] += gain * y;
+            flat[3][3] += gain * y * y;
+            flat[4][2] -= gain * x;
+            flat[4][3] -= gain * x * y;
+            flat[4][4] += gain * x * x;
+            law->start[2] += bias;
+            law->start[3] += bias * y;
+            law->start[4] -= bias * x;
             continue;
         }
         find_row(&p->point[k], lane, row);

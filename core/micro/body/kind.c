@@ -83,21 +83,6 @@ static body_face weigh_face(const hull *h, size_t face_id)
     return face;
 }
 
-static void find_laws(const micro_def *def, const scene_material *material, body_kind *kind)
-{
-    const double reduction = def->modulus_reduction;
-    micro_law *const laws[] = { &kind->belt_law, &kind->boundary_law };
-
-    kind->compliance = contact_law_compliance(material, reduction);
-    kind->belt_law = contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], material,
-                                         &def->conveyor, reduction, kind->radius);
-    kind->boundary_law = contact_law_of_line(&def->contact[SCENE_HANDLING_CARGO], material,
-                                             &def->handling, reduction);
-    for (size_t k = 0; k < sizeof laws / sizeof *laws; k++)
-        laws[k]->damping =
-            hardness_dashpot(def, laws[k]->damping, laws[k]->stiffness, 1.0 / kind->mass);
-}
-
 micro_law body__law(const body_state *s, const body_kind *a, const body_kind *b)
 {
     micro_law law = s->cargo;
@@ -150,7 +135,17 @@ bf_status body__kind_init(const micro_def *def, const micro_kind *from, body_kin
     for (size_t face = 0; face < kind->shape.n_faces; face++)
         kind->faces[face] = weigh_face(&kind->shape, face);
     kind->flat_gyration = find_flat_gyration(kind, mat3_apply_back(&axes, down));
-    find_laws(def, &from->material, kind);
+    const scene_material *material = &from->material;
+    const double reduction = def->modulus_reduction;
+    micro_law *const laws[] = { &kind->belt_law, &kind->boundary_law };
+    kind->compliance = contact_law_compliance(material, reduction);
+    kind->belt_law = contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], material,
+                                         &def->conveyor, reduction, kind->radius);
+    kind->boundary_law = contact_law_of_line(&def->contact[SCENE_HANDLING_CARGO], material,
+                                             &def->handling, reduction);
+    for (size_t k = 0; k < sizeof laws / sizeof *laws; k++)
+        laws[k]->damping =
+            hardness_dashpot(def, laws[k]->damping, laws[k]->stiffness, 1.0 / kind->mass);
     return BF_OK;
 }
 

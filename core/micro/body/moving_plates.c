@@ -28,23 +28,6 @@ static vec3 turn(const plate_motion_pose *pose, vec3 a)
     return (vec3){ turned.x, turned.y, a.z };
 }
 
-static void pose_plate(body_moving *moving, const plate_motion_step *step, body_plate *plate)
-{
-    const vec2 middle =
-        plate_motion_move(&step->pose, (vec2){ moving->rest.middle.x, moving->rest.middle.y });
-
-    const vec2 pivot = plate_motion_pivot(&step->pose);
-
-    plate->middle = (vec3){ middle.x, middle.y, 0.0 };
-    plate->along = turn(&step->pose, moving->rest.along);
-    plate->across = turn(&step->pose, moving->rest.across);
-    moving->pivot = (vec3){ pivot.x, pivot.y, 0.0 };
-    moving->velocity = (vec3){ step->velocity.x, step->velocity.y, 0.0 };
-    moving->spin = step->spin;
-    moving->recess = step->recess;
-    moving->growth = step->growth;
-}
-
 void body__pose_plates(body_state *s, uint64_t n_before)
 {
     for (size_t k = 0; s->moving != NULL && k < s->n_plates; k++) {
@@ -53,7 +36,18 @@ void body__pose_plates(body_state *s, uint64_t n_before)
             continue;
         const plate_motion_step step = plate_motion_in_step(
             &s->common.world->plates, moving->obstacle, n_before, s->def.dt, moving->depth);
-        pose_plate(moving, &step, &s->plates[k]);
+        body_plate *plate = &s->plates[k];
+        const vec2 middle =
+            plate_motion_move(&step.pose, (vec2){ moving->rest.middle.x, moving->rest.middle.y });
+        const vec2 pivot = plate_motion_pivot(&step.pose);
+        plate->middle = (vec3){ middle.x, middle.y, 0.0 };
+        plate->along = turn(&step.pose, moving->rest.along);
+        plate->across = turn(&step.pose, moving->rest.across);
+        moving->pivot = (vec3){ pivot.x, pivot.y, 0.0 };
+        moving->velocity = (vec3){ step.velocity.x, step.velocity.y, 0.0 };
+        moving->spin = step.spin;
+        moving->recess = step.recess;
+        moving->growth = step.growth;
     }
 }
 

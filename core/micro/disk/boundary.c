@@ -131,22 +131,6 @@ static void add_plate(disk_state *s, const scene_obstacle *obstacle)
     add_free_end(s, &last, obstacle->path[n], last.along, obstacle->thickness);
 }
 
-static void add_walls(disk_state *s)
-{
-    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
-        const surroundings_line line = surroundings_side(&s->common.around, (scene_side)side);
-        if (s->common.around.edges[side] == SCENE_EDGE_WALL)
-            s->faces[s->n_faces++] = (disk_face){ .px = line.at.x,
-                                                  .py = line.at.y,
-                                                  .nx = line.inward.x,
-                                                  .ny = line.inward.y,
-                                                  .from = -INFINITY,
-                                                  .to = INFINITY,
-                                                  .depth = INFINITY,
-                                                  .friction = s->def.wall_friction };
-    }
-}
-
 bf_status disk__boundary_init(disk_state *s, const micro_def *def, bf_error *err)
 {
     size_t n_faces = SCENE_SIDE_COUNT, n_arcs = 0;
@@ -161,7 +145,18 @@ bf_status disk__boundary_init(disk_state *s, const micro_def *def, bf_error *err
     s->plates.of = memory_alloc(def->n_obstacles, sizeof *s->plates.of);
     if (s->faces == NULL || s->arcs == NULL || s->plates.of == NULL)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
-    add_walls(s);
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
+        const surroundings_line line = surroundings_side(&s->common.around, (scene_side)side);
+        if (s->common.around.edges[side] == SCENE_EDGE_WALL)
+            s->faces[s->n_faces++] = (disk_face){ .px = line.at.x,
+                                                  .py = line.at.y,
+                                                  .nx = line.inward.x,
+                                                  .ny = line.inward.y,
+                                                  .from = -INFINITY,
+                                                  .to = INFINITY,
+                                                  .depth = INFINITY,
+                                                  .friction = s->def.wall_friction };
+    }
     for (size_t k = 0; k < def->n_obstacles; k++) {
         const size_t face_first = s->n_faces, arc_first = s->n_arcs;
         add_plate(s, &def->obstacles[k]);

@@ -51,33 +51,6 @@ static disk_law make_law(const scene_contact *contact)
                        .tanh_linear = contact->tanh_linear };
 }
 
-// What does not need memory.
-static void set_constants(disk_state *s, const micro_def *def)
-{
-    const scene_belt *top = def->n_belts > 0 ? &def->belts[def->n_belts - 1] : NULL;
-
-    s->def = *def;
-    s->def.belts = NULL;
-    s->def.obstacles = NULL;
-    s->def.kinds = NULL;
-    s->def.poses = NULL;
-    s->def.part_kinds = NULL;
-    s->cargo = make_law(&def->contact[SCENE_CARGO_CARGO]);
-    s->handling = make_law(&def->contact[SCENE_HANDLING_CARGO]);
-    s->handling_compliance = contact_law_compliance(&def->handling, def->modulus_reduction);
-    s->belt =
-        contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], &def->kinds[0].material,
-                            &def->conveyor, def->modulus_reduction, def->kinds[0].shape.radius);
-    s->spin_damping = pow(fmax(1.0 - def->damping, 0.0), def->dt);
-    s->is_uniform =
-        def->n_kinds == 1 && !def->tension &&
-        (top == NULL || (top->n_points == 0 && top->turn == 0.0 && top->incline == 0.0));
-    s->uniform_belt = (uint16_t)(def->n_belts - (top != NULL ? 1 : 0));
-    s->n = def->n_parts;
-    s->n_partitions = 1;
-    s->displacement_bound = s->last_bound = INFINITY;
-}
-
 static bf_status copy_kinds(disk_state *s, const micro_def *def)
 {
     s->n_kinds = def->n_kinds;
@@ -154,26 +127,6 @@ const disk_belt *disk__belts_in_step(const disk_state *s, uint64_t n_before, dis
     return room->of;
 }
 
-static void start_parts(disk_state *s, const micro_def *def)
-{
-    disk__fill_slots(s);
-    for (size_t k = 0; k < s->n; k++) {
-        const scene_pose *pose = &def->poses[k];
-        vec2 v = def->start_velocity;
-        s->now[k].x = pose->x;
-        s->now[k].y = pose->y;
-        const size_t belt = disk__belt_under(s, &s->now[k]);
-        if (belt < def->n_belts) {
-            const double factor = belt_speeds_at(&s->common.world->belts, belt, 0.0);
-            v = vec2_scale(belt_velocity(&def->belts[belt], (vec2){ pose->x, pose->y }), factor);
-            s->now[k].spin = factor * def->belts[belt].turn;
-        }
-        s->now[k].vx = v.x;
-        s->now[k].vy = v.y;
-        s->heading[k] = pose->heading;
-    }
-}
-
 static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
 {
     bool is_tiled = def->integrator == MICRO_VERLET && def->n_parts >= TILED_PARTS;
@@ -182,7 +135,27 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
     for (size_t k = 0; k < def->n_obstacles; k++)
         is_tiled = is_tiled && !scene_obstacle_moves(&def->obstacles[k]);
     s->common.world = micro__world(def);
-    set_constants(s, def);
+    const scene_belt *top = def->n_belts > 0 ? &def->belts[def->n_belts - 1] : NULL;
+    s->def = *def;
+    s->def.belts = NULL;
+    s->def.obstacles = NULL;
+    s->def.kinds = NULL;
+    s->def.poses = NULL;
+    s->def.part_kinds = NULL;
+    s->cargo = make_law(&def->contact[SCENE_CARGO_CARGO]);
+    s->handling = make_law(&def->contact[SCENE_HANDLING_CARGO]);
+    s->handling_compliance = contact_law_compliance(&def->handling, def->modulus_reduction);
+    s->belt =
+        contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], &def->kinds[0].material,
+                            &def->conveyor, def->modulus_reduction, def->kinds[0].shape.radius);
+    s->spin_damping = pow(fmax(1.0 - def->damping, 0.0), def->dt);
+    s->is_uniform =
+        def->n_kinds == 1 && !def->tension &&
+        (top == NULL || (top->n_points == 0 && top->turn == 0.0 && top->incline == 0.0));
+    s->uniform_belt = (uint16_t)(def->n_belts - (top != NULL ? 1 : 0));
+    s->n = def->n_parts;
+    s->n_partitions = 1;
+    s->displacement_bound = s->last_bound = INFINITY;
     if (copy_kinds(s, def) != BF_OK || make_arrays(s, def) != BF_OK ||
         (is_tiled && disk__tiling_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
@@ -204,7 +177,22 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
         status = disk__boundary_init(s, def, err);
     if (status != BF_OK)
         return status;
-    start_parts(s, def);
+    disk__fill_slots(s);
+    for (size_t k = 0; k < s->n; k++) {
+        const scene_pose *pose = &def->poses[k];
+        vec2 v = def->start_velocity;
+        s->now[k].x = pose->x;
+        s->now[k].y = pose->y;
+        const size_t belt = disk__belt_under(s, &s->now[k]);
+        if (belt < def->n_belts) {
+            const double factor = belt_speeds_at(&s->common.world->belts, belt, 0.0);
+            v = vec2_scale(belt_velocity(&def->belts[belt], (vec2){ pose->x, pose->y }), factor);
+            s->now[k].spin = factor * def->belts[belt].turn;
+        }
+        s->now[k].vx = v.x;
+        s->now[k].vy = v.y;
+        s->heading[k] = pose->heading;
+    }
     return disk__rebuild(s, err);
 }
 

@@ -220,13 +220,15 @@ static size_t find_last_needed(const disk_state *s, size_t first, size_t last)
     return farthest / (DISK_DOUBLES * DISK_GROUP * BLOCK_GROUPS);
 }
 
-// Returns how far ahead the neighbours of a block are at most, blocks.
-static size_t cut_blocks(disk_state *s)
+void disk__plan_tiles(disk_state *s)
 {
+    disk_tiling *tiles = &s->tiling;
+
+    if (tiles->backup == NULL)
+        return;
     const size_t n_groups = s->n_padded / DISK_GROUP;
     disk_block *blocks = s->tiling.blocks;
     size_t n = 0, candidate = 0, border = 0, ahead = 0;
-
     for (size_t group = 0; group < n_groups; group += BLOCK_GROUPS, n++) {
         size_t last = group + BLOCK_GROUPS < n_groups ? group + BLOCK_GROUPS : n_groups;
         blocks[n] = (disk_block){ group, candidate, border, find_last_needed(s, group, last) };
@@ -238,16 +240,6 @@ static size_t cut_blocks(disk_state *s)
     }
     blocks[n] = (disk_block){ n_groups, candidate, border, n };
     s->tiling.n_blocks = n;
-    return ahead;
-}
-
-void disk__plan_tiles(disk_state *s)
-{
-    disk_tiling *tiles = &s->tiling;
-
-    if (tiles->backup == NULL)
-        return;
-    size_t ahead = cut_blocks(s);
     size_t bytes = (ahead + 2) * BLOCK_GROUPS * DISK_GROUP * PART_BYTES;
     int most = bytes < TILE_BYTES / TILE_STEPS ? TILE_STEPS : (int)(TILE_BYTES / bytes);
     tiles->lead = ahead + SLACK_BLOCKS;
@@ -344,21 +336,6 @@ static driver_outcome outcome_of(const tile *w, driver_progress *ret_progress, b
     return outcome;
 }
 
-static void put_back_gone(disk_state *s, disk_border_part *w)
-{
-    const uint32_t id = s->id_of[w->slot];
-    const disk *kind = &disk__kind_of(s, id)->part;
-
-    for (int k = 0; k < 2; k++) {
-        disk *part = k == 0 ? &s->now[w->slot] : &s->next[w->slot];
-        part->radius = kind->radius;
-        part->compliance = kind->compliance;
-        part->inv_mass = kind->inv_mass;
-    }
-    w->gone = DISK_HERE;
-    s->common.presence[id] = MICRO_HERE;
-}
-
 static void put_back(disk_state *s)
 {
     for (size_t slot = 0; slot < s->n_padded; slot++) {
@@ -373,8 +350,18 @@ static void put_back(disk_state *s)
     }
     for (size_t k = 0; k < s->n_border_parts; k++) {
         disk_border_part *w = &s->border_parts[k];
-        if (w->gone == DISK_GOING)
-            put_back_gone(s, w);
+        if (w->gone == DISK_GOING) {
+            const uint32_t id = s->id_of[w->slot];
+            const disk *kind = &disk__kind_of(s, id)->part;
+            for (int n = 0; n < 2; n++) {
+                disk *part = n == 0 ? &s->now[w->slot] : &s->next[w->slot];
+                part->radius = kind->radius;
+                part->compliance = kind->compliance;
+                part->inv_mass = kind->inv_mass;
+            }
+            w->gone = DISK_HERE;
+            s->common.presence[id] = MICRO_HERE;
+        }
         if (!s->is_uniform)
             s->belt_under[w->slot] = disk__belt_under(s, &s->now[w->slot]);
     }

@@ -249,23 +249,6 @@ static void find_contacts(const disk_state *s, implicit_state *z, implicit_piece
     clear_rest(z, p);
 }
 
-// The pairs of the last group stay in their order; those without a contact have an infinite gap.
-static void find_contacts_in_order(const disk_state *s, implicit_state *z, implicit_piece *p,
-                                   double margin)
-{
-    contact_geometry m;
-
-    for (size_t k = 0; k < p->n; k++) {
-        const size_t at = p->block + k / IMPLICIT_WIDTH, lane = k % IMPLICIT_WIDTH;
-        if (find_contact(s, z, &z->blocks[at], lane, margin, &m)) {
-            set_contact(s, z, p, k, &m);
-            continue;
-        }
-        z->contacts[at].overlap[lane] = -HUGE_VAL;
-        z->blocks[at].normal[lane] = z->blocks[at].sliding[lane] = 0.0;
-    }
-}
-
 typedef void kernel(solver_body *bodies, const implicit_blocks *blocks);
 
 // Copy n doubles of a lane to lane 0, as clear_lane().
@@ -273,34 +256,6 @@ static void take_lane(double *to, const double *from, size_t n, size_t lane)
 {
     for (size_t k = 0; k < n; k++)
         to[k * IMPLICIT_WIDTH] = from[k * IMPLICIT_WIDTH + lane];
-}
-
-// Let a kernel work on each contact of the last group in a block of its own.
-static void work_in_order(implicit_state *z, const implicit_piece *p, double excess, kernel *work)
-{
-    _Alignas(64) implicit_block pair = { .normal = { 0.0 } };
-    _Alignas(64) implicit_contacts contact = { .nx = { 0.0 } };
-    _Alignas(64) implicit_law law = { .joint = { 0.0 } };
-    const implicit_blocks one = { 1, &pair, &contact, &law, true, excess };
-
-    for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane++)
-        pair.row[0][lane] = pair.row[1][lane] = p->static_body * SIMD_QUAD;
-    for (size_t k = 0; k < p->n; k++) {
-        const size_t at = k / IMPLICIT_WIDTH, lane = k % IMPLICIT_WIDTH;
-        implicit_block *block = &z->blocks[p->block + at];
-        const implicit_contacts *contacts = &z->contacts[p->block + at];
-        if (contacts->overlap[lane] == -HUGE_VAL)
-            continue;
-        pair.row[0][0] = block->row[0][lane];
-        pair.row[1][0] = block->row[1][lane];
-        pair.normal[0] = block->normal[lane];
-        pair.sliding[0] = block->sliding[lane];
-        take_lane(contact.nx, contacts->nx, sizeof contact / sizeof contact.nx, lane);
-        take_lane(law.joint, z->laws[p->law + at].joint, sizeof law / sizeof law.joint, lane);
-        work(z->bodies.rows, &one);
-        block->normal[lane] = pair.normal[0];
-        block->sliding[lane] = pair.sliding[0];
-    }
 }
 
 static void work_on(implicit_state *z, const implicit_piece *p, double excess, kernel *work)
@@ -312,10 +267,33 @@ static void work_on(implicit_state *z, const implicit_piece *p, double excess, k
                                      .is_one_law = p->is_one_law,
                                      .excess = excess };
 
-    if (p->is_rest)
-        work_in_order(z, p, excess, work);
-    else
+    if (p->is_rest) {
+        // Let a kernel work on each contact of the last group in a block of its own.
+        _Alignas(64) implicit_block pair = { .normal = { 0.0 } };
+        _Alignas(64) implicit_contacts contact = { .nx = { 0.0 } };
+        _Alignas(64) implicit_law law = { .joint = { 0.0 } };
+        const implicit_blocks one = { 1, &pair, &contact, &law, true, excess };
+        for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane++)
+            pair.row[0][lane] = pair.row[1][lane] = p->static_body * SIMD_QUAD;
+        for (size_t k = 0; k < p->n; k++) {
+            const size_t at = k / IMPLICIT_WIDTH, lane = k % IMPLICIT_WIDTH;
+            implicit_block *block = &z->blocks[p->block + at];
+            const implicit_contacts *contacts = &z->contacts[p->block + at];
+            if (contacts->overlap[lane] == -HUGE_VAL)
+                continue;
+            pair.row[0][0] = block->row[0][lane];
+            pair.row[1][0] = block->row[1][lane];
+            pair.normal[0] = block->normal[lane];
+            pair.sliding[0] = block->sliding[lane];
+            take_lane(contact.nx, contacts->nx, sizeof contact / sizeof contact.nx, lane);
+            take_lane(law.joint, z->laws[p->law + at].joint, sizeof law / sizeof law.joint, lane);
+            work(z->bodies.rows, &one);
+            block->normal[lane] = pair.normal[0];
+            block->sliding[lane] = pair.sliding[0];
+        }
+    } else {
         work(z->bodies.rows, &blocks);
+    }
 }
 
 void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t piece,
@@ -325,12 +303,23 @@ void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t
 
     p->overlap = p->overlap_share = 0.0;
     z->bodies.rows[p->static_body] = (solver_body){ .vx = 0.0 };
-    if (p->is_rest)
-        find_contacts_in_order(s, z, p, margin);
-    else if (piece >= z->group_piece[IMPLICIT_BOUNDARY])
+    if (p->is_rest) {
+        // The pairs of the last group stay in their order; those without a contact have an infinite gap.
+        contact_geometry m;
+        for (size_t k = 0; k < p->n; k++) {
+            const size_t at = p->block + k / IMPLICIT_WIDTH, lane = k % IMPLICIT_WIDTH;
+            if (find_contact(s, z, &z->blocks[at], lane, margin, &m)) {
+                set_contact(s, z, p, k, &m);
+                continue;
+            }
+            z->contacts[at].overlap[lane] = -HUGE_VAL;
+            z->blocks[at].normal[lane] = z->blocks[at].sliding[lane] = 0.0;
+        }
+    } else if (piece >= z->group_piece[IMPLICIT_BOUNDARY]) {
         find_contacts_of_parts(s, z, p, margin);
-    else
+    } else {
         find_contacts(s, z, p, margin);
+    }
     work_on(z, p, 0.0, z->kernels->warm_start);
 }
 

@@ -237,23 +237,6 @@ static void place_pair(implicit_state *z, const choice *c, size_t k, size_t *n)
                             at - piece * IMPLICIT_PIECE, &c->pairs[k]);
 }
 
-// Chosen pairs to their groups: coloured ones by slots, so that memory is accessed in order, the others in their
-// present order.
-static void place_pairs(const disk_state *s, implicit_state *z, const choice *c)
-{
-    size_t n[IMPLICIT_GROUPS] = { 0 };
-
-    for (size_t slot = 0; slot < s->n_live; slot++) {
-        uint32_t id = s->id_of[slot];
-        for (size_t k = c->first[id]; k < c->first[id + 1]; k++)
-            if (c->colour[k] != IMPLICIT_REST)
-                place_pair(z, c, k, n);
-    }
-    for (size_t k = 0; k < c->n; k++)
-        if (c->colour[k] < IMPLICIT_BOUNDARY || c->colour[k] == IMPLICIT_REST)
-            place_pair(z, c, k, n);
-}
-
 bf_status disk_implicit__choose(disk_state *s, implicit_state *z, bf_error *err)
 {
     size_t group[IMPLICIT_GROUPS + 1];
@@ -269,8 +252,20 @@ bf_status disk_implicit__choose(disk_state *s, implicit_state *z, bf_error *err)
         group[c.colour[k] + 1]++;
     for (size_t g = 0; g < IMPLICIT_GROUPS; g++)
         group[g + 1] += group[g];
-    if ((status = disk_implicit__cut(s, z, group, err)) == BF_OK)
-        place_pairs(s, z, &c);
+    if ((status = disk_implicit__cut(s, z, group, err)) == BF_OK) {
+        // Chosen pairs to their groups: coloured ones by slots, so that memory is accessed in order, the others in their
+        // present order.
+        size_t n[IMPLICIT_GROUPS] = { 0 };
+        for (size_t slot = 0; slot < s->n_live; slot++) {
+            uint32_t id = s->id_of[slot];
+            for (size_t k = c.first[id]; k < c.first[id + 1]; k++)
+                if (c.colour[k] != IMPLICIT_REST)
+                    place_pair(z, &c, k, n);
+        }
+        for (size_t k = 0; k < c.n; k++)
+            if (c.colour[k] < IMPLICIT_BOUNDARY || c.colour[k] == IMPLICIT_REST)
+                place_pair(z, &c, k, n);
+    }
     return status;
 }
 

@@ -73,22 +73,6 @@ static void fill_pad(const disk_state *s, const new_order *sorted, size_t to)
     sorted->id[to] = UINT32_MAX;
 }
 
-// The parts in their new order become the state. Rows of `next` have what steps do not write.
-static void take_sorted(disk_state *s, const new_order *sorted)
-{
-    memcpy(s->now, sorted->parts, s->void_slot * sizeof *s->now);
-    memcpy(s->heading, sorted->heading, s->void_slot * sizeof *s->heading);
-    memcpy(s->id_of, sorted->id, s->void_slot * sizeof *s->id_of);
-    for (size_t slot = 0; slot < s->void_slot; slot++) {
-        const uint32_t id = s->id_of[slot];
-        if (id != UINT32_MAX)
-            s->slot_of[id] = (uint32_t)slot;
-        if (s->spin_deceleration != NULL)
-            s->spin_deceleration[slot] =
-                id != UINT32_MAX ? disk__kind_of(s, id)->spin_deceleration : 0.0;
-    }
-}
-
 // The rows in `now` for the search, once they are sorted by cell.
 static neighbours_parts parts_of(const disk_state *s)
 {
@@ -98,25 +82,6 @@ static neighbours_parts parts_of(const disk_state *s)
                                .radius = &s->now->radius,
                                .radius_stride = DISK_DOUBLES,
                                .id = s->id_of };
-}
-
-// Writes the new order: live parts by cell, padding, those that left, padding.
-static void order_parts(disk_state *s, const new_order *sorted, size_t end)
-{
-    size_t to = 0;
-
-    for (; to < s->cells.n_live; to++)
-        move_part(s, s->cells.order[to], sorted, to);
-    for (; to % DISK_GROUP != 0; to++)
-        fill_pad(s, sorted, to);
-    s->n_padded = to;
-    for (size_t slot = 0; slot < end; slot++)
-        if (s->cells.cell_of[slot] == UINT32_MAX && s->id_of[slot] != UINT32_MAX)
-            move_part(s, slot, sorted, to++);
-    for (; to < s->void_slot; to++)
-        fill_pad(s, sorted, to);
-    sorted->parts[s->void_slot] = s->now[s->void_slot];
-    s->n_live = s->cells.n_live;
 }
 
 // Sorts live parts by cell to the front, those that left behind the padding.
@@ -134,8 +99,32 @@ static bf_status sort_parts(disk_state *s, bf_error *err)
     bf_status status =
         neighbours_sort(&s->cells, end, &parts, sorted.skip, 2.0 * s->radius_max + s->skin, err);
     if (status == BF_OK) {
-        order_parts(s, &sorted, end);
-        take_sorted(s, &sorted);
+        // Writes the new order: live parts by cell, padding, those that left, padding.
+        size_t to = 0;
+        for (; to < s->cells.n_live; to++)
+            move_part(s, s->cells.order[to], &sorted, to);
+        for (; to % DISK_GROUP != 0; to++)
+            fill_pad(s, &sorted, to);
+        s->n_padded = to;
+        for (size_t slot = 0; slot < end; slot++)
+            if (s->cells.cell_of[slot] == UINT32_MAX && s->id_of[slot] != UINT32_MAX)
+                move_part(s, slot, &sorted, to++);
+        for (; to < s->void_slot; to++)
+            fill_pad(s, &sorted, to);
+        sorted.parts[s->void_slot] = s->now[s->void_slot];
+        s->n_live = s->cells.n_live;
+        // The parts in their new order become the state. Rows of `next` have what steps do not write.
+        memcpy(s->now, sorted.parts, s->void_slot * sizeof *s->now);
+        memcpy(s->heading, sorted.heading, s->void_slot * sizeof *s->heading);
+        memcpy(s->id_of, sorted.id, s->void_slot * sizeof *s->id_of);
+        for (size_t slot = 0; slot < s->void_slot; slot++) {
+            const uint32_t id = s->id_of[slot];
+            if (id != UINT32_MAX)
+                s->slot_of[id] = (uint32_t)slot;
+            if (s->spin_deceleration != NULL)
+                s->spin_deceleration[slot] =
+                    id != UINT32_MAX ? disk__kind_of(s, id)->spin_deceleration : 0.0;
+        }
     }
     neighbours_end_loan(&s->cells);
     return status;
@@ -227,23 +216,6 @@ static bf_status reserve_rows(disk_state *s, size_t n)
     return BF_OK;
 }
 
-// Closes the gaps between the pieces' rows.
-static void join_pieces(making *m)
-{
-    disk_list *list = &m->s->list;
-    size_t n_rows = 0;
-
-    for (size_t k = 0; k < m->n_pieces; k++) {
-        piece *p = &m->pieces[k];
-        for (size_t group = p->group_first; group < p->group_last; group++)
-            list->first[group] += (uint32_t)n_rows;
-        memmove(list->neighbour + n_rows * DISK_GROUP, list->neighbour + p->row_first * DISK_GROUP,
-                p->n_rows * DISK_GROUP * sizeof *list->neighbour);
-        n_rows += p->n_rows;
-    }
-    list->first[m->s->n_padded / DISK_GROUP] = (uint32_t)n_rows;
-}
-
 static bool is_short(const making *m)
 {
     for (size_t k = 0; k < m->n_pieces; k++)
@@ -267,7 +239,18 @@ static bf_status list_neighbours(disk_state *s)
         if (reserve_rows(s, s->list.rows_capacity + s->list.rows_capacity / 4) != BF_OK)
             return BF_ENOMEM;
     }
-    join_pieces(&m);
+    // Closes the gaps between the pieces' rows.
+    disk_list *list = &s->list;
+    size_t n_rows = 0;
+    for (size_t k = 0; k < m.n_pieces; k++) {
+        piece *p = &m.pieces[k];
+        for (size_t group = p->group_first; group < p->group_last; group++)
+            list->first[group] += (uint32_t)n_rows;
+        memmove(list->neighbour + n_rows * DISK_GROUP, list->neighbour + p->row_first * DISK_GROUP,
+                p->n_rows * DISK_GROUP * sizeof *list->neighbour);
+        n_rows += p->n_rows;
+    }
+    list->first[s->n_padded / DISK_GROUP] = (uint32_t)n_rows;
     return BF_OK;
 }
 
