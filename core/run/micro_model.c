@@ -182,6 +182,19 @@ static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **r
     return BF_OK;
 }
 
+static micro_thrown find_fastest(const micro_solver *s)
+{
+    micro_thrown fastest = { .speed = 0.0 };
+
+    for (size_t k = 0; k < micro_parts(s); k++) {
+        const micro_part part = micro_part_of(s, k);
+        const double speed = hypot(part.v[0], part.v[1]);
+        if (!part.is_gone && speed > fastest.speed)
+            fastest = (micro_thrown){ micro_id_of(s, k), { part.x[0], part.x[1] }, speed };
+    }
+    return fastest;
+}
+
 static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
 {
     micro_run *run = solver;
@@ -189,11 +202,14 @@ static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
     if (run->feeds.entry != NULL)
         micro_feeds_count_steps(&run->feeds, n);
     const bf_status status = micro_advance(run->solver, n, err);
+    if (status != BF_ENUMERIC)
+        return status;
+    const double t = (double)micro_steps(run->solver) * micro_dt(run->solver);
     micro_press press;
-    return status == BF_ENUMERIC && micro_press_now(run->solver, &press)
-               ? micro_press_fail(run->scene, &press,
-                                  (double)micro_steps(run->solver) * micro_dt(run->solver), err)
-               : status;
+    if (micro_press_now(run->solver, &press))
+        return micro_press_fail(run->scene, &press, t, err);
+    const micro_thrown fastest = find_fastest(run->solver);
+    return micro_press_fail_thrown(run->scene, &fastest, t, err);
 }
 
 static void count_parts(const void *solver, double *ret_parts)

@@ -80,3 +80,25 @@ bf_status micro_press_fail(const scene *s, const micro_press *press, double t, b
                    (unsigned long long)press->part, into, 100.0 * press->overlap, press->at.x,
                    press->at.y, t, 100.0 * s->micro.overlap_limit, change);
 }
+
+bf_status micro_press_fail_thrown(const scene *s, const micro_thrown *thrown, double t,
+                                  bf_error *err)
+{
+    const double range = 3.0 * mix_radii_of(s).largest; // a diameter from its edge
+
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        char pointer[BF_POINTER_SIZE];
+        if (!scene_obstacle_moves(&s->obstacles[k]) || !may_touch(s, k, thrown->at, range))
+            continue;
+        snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion", k);
+        return bf_fail(
+            err, BF_ENUMERIC, pointer,
+            "part %llu was squeezed out by the plate '%s' with %.3g m/s at (%.4g, %.4g) m after "
+            "%.4g s: the plate moves into cargo that has no way out: let it move slower or less "
+            "far, or leave "
+            "no room behind it that a part slips into",
+            (unsigned long long)thrown->part, s->obstacles[k].id, thrown->speed, thrown->at.x,
+            thrown->at.y, t);
+    }
+    return BF_ENUMERIC;
+}

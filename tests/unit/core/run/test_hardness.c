@@ -172,6 +172,31 @@ static void a_light_part_between_heavy_ones_fails_with_the_masses(void **state)
     scene_fini(&s);
 }
 
+// A part that is squeezed out beside a plate that moves is that plate's fault; farther away, or beside one that stands, the
+// solver's own words stay.
+static void a_part_that_is_squeezed_out_fails_with_the_plate(void **state)
+{
+    const double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 0.5 };
+    bf_error err = { .pointer = "", .text = "as it was" };
+    scene s;
+
+    (void)state;
+    make_heap(&s, &can);
+    const vec2 foot = s.obstacles[0].path[0];
+    const micro_thrown near = { 7, { foot.x, foot.y + 2.9 * s.cargo[0].shape.radius }, 26.0 };
+    assert_int_equal(micro_press_fail_thrown(&s, &near, 1.0, &err), BF_ENUMERIC);
+    assert_string_equal(err.text, "as it was");
+    s.obstacles[0].turn = helper_scene_series(2, times, angles, INFINITY);
+    const micro_thrown far = { 7, { foot.x - 50.0, foot.y }, 26.0 };
+    assert_int_equal(micro_press_fail_thrown(&s, &far, 1.0, &err), BF_ENUMERIC);
+    assert_string_equal(err.text, "as it was");
+    assert_int_equal(micro_press_fail_thrown(&s, &near, 1.0, &err), BF_ENUMERIC);
+    assert_string_equal(err.pointer, "/obstacles/0/motion");
+    assert_non_null(
+        strstr(err.text, "part 7 was squeezed out by the plate 'obstacle-1' with 26 m/s"));
+    scene_fini(&s);
+}
+
 // The expected overlap d of a line of mass M = 2 L m/2r under F = mu g M, from v, with k of steel on aluminium:
 // k d^2/2 = M v^2/2 + F d.
 static void the_expected_overlap_stops_the_line(void **state)
@@ -267,6 +292,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(goods_overlap_little_at_the_defaults),
         cmocka_unit_test(parts_that_are_too_soft_fail_with_part_and_plate),
+        cmocka_unit_test(a_part_that_is_squeezed_out_fails_with_the_plate),
         cmocka_unit_test(a_light_part_between_heavy_ones_fails_with_the_masses),
         cmocka_unit_test(the_expected_overlap_stops_the_line),
         cmocka_unit_test(dashpots_are_at_most_four_times_critical_where_the_hardness_is_chosen),
