@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
+import { lineOf } from "../../web/src/board/lines.js";
 import { cargoOf } from "../../web/src/cargo.js";
 import { chipsOf, differences, nameOfVariant } from "../../web/src/differences.js";
 import { Equipment, isPresentAt, placeAt } from "../../web/src/equipment.js";
@@ -30,6 +31,12 @@ test("parts of a mix are of the kinds that the server names, told by the heights
   const { shape: [n, columns], data } = readNpy(bytesOf(await d.get(`/v1/runs/${run.id}/parts/0`)));
   const { kindOfPart } = cargoOf(example, (await d.get(`/v1/runs/${run.id}/snapshots`)).json.kinds);
   for (let k = 0; k < n; k++) near(data[k * columns + 2], example.cargo[kindOfPart(k)].shape.height_m / 2, 1e-6);
+});
+
+test("a line that is called by the name of its scenario has whole characters and 100 bytes at most", () => {
+  assert.equal(lineOf(" hall 2 "), "hall 2");
+  // 1 and 25 times 4 bytes.
+  assert.equal(lineOf(`a${"\u{1f4e6}".repeat(25)}`), `a${"\u{1f4e6}".repeat(24)}`);
 });
 
 test("counts are shifted to where they are nearest to a curve", () => {

@@ -30,9 +30,9 @@ const LINE_BYTES = 100; // the server's limit of a line's name
 
 // What a line is called by the name of its scenario.
 export function lineOf(name = "") {
-  let line = name.trim();
-  while (new TextEncoder().encode(line).length > LINE_BYTES) line = line.slice(0, -1);
-  return line;
+  const characters = [...name.trim()];
+  while (new TextEncoder().encode(characters.join("")).length > LINE_BYTES) characters.pop();
+  return characters.join("");
 }
 
 export const newLineId = () => `${Date.now().toString(36)}${Math.floor(Math.random() * 1e6).toString(36)}`;
