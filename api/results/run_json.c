@@ -91,6 +91,13 @@ static bool has_line(const void *item)
     return record->line[0] != '\0';
 }
 
+static bool has_line_version(const void *item)
+{
+    const api_run *record = item;
+
+    return record->line_version > 0;
+}
+
 static bool has_notes(const void *item)
 {
     const api_run *record = item;
@@ -157,7 +164,7 @@ static const member run_members[] = {
     MEMBER("line_version", size, AT(line_version),
            "Which of the line's scenarios it has, from 1 in the order of their first use; names do "
            "not count",
-           .applies = has_line),
+           .applies = has_line_version),
     MEMBER("notes", text, AT(notes), "What its users noted of it", .applies = has_notes),
     MEMBER("starred", bool, AT(is_starred), "Its users want to find it again: true, or missing",
            .applies = is_starred),

@@ -7,6 +7,11 @@
 #include <sodium.h>
 #include <string.h>
 
+static bool has_version(const api_run *record)
+{
+    return record->line[0] != '\0' && record->study[0] == '\0';
+}
+
 bf_status store__number_version(store__connection *writer, store__row *row,
                                 const bf_buffer *identity, bf_error *err)
 {
@@ -16,7 +21,7 @@ bf_status store__number_version(store__connection *writer, store__row *row,
 
     row->line_scenario[0] = '\0';
     record->line_version = 0;
-    if (record->line[0] == '\0')
+    if (!has_version(record))
         return BF_OK;
     (void)crypto_hash_sha256(digest, (const unsigned char *)identity->bytes, identity->n);
     (void)sodium_bin2hex(row->line_scenario, sizeof row->line_scenario, digest, sizeof digest);
@@ -32,9 +37,9 @@ bf_status store__renumber_version(store__connection *writer, store__row *row, bf
     bf_buffer scenario = { 0 }, identity = { 0 };
     bf_status status = BF_OK;
 
-    if (row->run.line[0] != '\0')
+    if (has_version(&row->run))
         status = store__get_run_text(writer, row, STORE__TEXT_SCENARIO, &scenario, err);
-    if (status == BF_OK && row->run.line[0] != '\0')
+    if (status == BF_OK && has_version(&row->run))
         status = submission_identity(scenario.bytes, scenario.n, &identity, err);
     if (status == BF_OK)
         status = store__number_version(writer, row, &identity, err);

@@ -6,7 +6,7 @@
 #include "server/store/store_priv.h"
 
 /// Number a run whose owner and line are filled in by what its resolved scenario is without its name (submission_identity()).
-/// Of a run without a line there is no number.
+/// Of a run without a line, and of a trial, there is no number.
 BF_MUST_CHECK bf_status store__number_version(store__connection *writer, store__row *row,
                                               const bf_buffer *identity, bf_error *err);
 

@@ -462,6 +462,20 @@ static void what_is_paused_begins_no_trial_until_it_goes_on(void **state)
     assert_string_equal(helper_claim(s).study, of.id);
 }
 
+static void a_trial_that_gets_a_line_is_no_version_of_it(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study of = start_study(s, "", 0);
+    const api_annotations to = { .line = "hall 2" };
+    char runs[1][API_ID_SIZE];
+    api_run record;
+
+    assert_int_equal(begin_trials(s, &of, 0, 1, runs), BF_OK);
+    assert_int_equal(store_annotate(s, runs[0], API_ANY_REVISION, &to, &record, NULL), BF_OK);
+    assert_string_equal(record.line, "hall 2");
+    assert_int_equal(record.line_version, 0);
+}
+
 static void what_is_to_be_cancelled_begins_no_trial_and_ends_once(void **state)
 {
     store *s = ((helper_store *)*state)->store;
@@ -691,6 +705,7 @@ int main(void)
         CASE(a_run_by_itself_comes_before_trials),
         CASE(studies_take_turns_and_so_do_their_owners),
         CASE(what_is_paused_begins_no_trial_until_it_goes_on),
+        CASE(a_trial_that_gets_a_line_is_no_version_of_it),
         CASE(what_is_to_be_cancelled_begins_no_trial_and_ends_once),
         CASE(an_owner_has_so_many_studies_that_have_not_ended),
         CASE(there_is_a_limit_to_studies_that_have_not_ended),
