@@ -17,29 +17,29 @@ typedef struct variant {
 } variant;
 
 static const variant variants[PREDICTION_KIND_COUNT] = {
-    [PREDICTION_ROE] = { .model = RUN_MACRO, .duration = 1.0, .reference_s = 2.45e-3 },
+    [PREDICTION_ROE] = { .model = RUN_MACRO, .duration = 1.0, .reference_s = 1.66e-3 },
     [PREDICTION_MUSCL] = { .model = RUN_MACRO,
                            .scheme = SCENE_SCHEME_MUSCL,
                            .duration = 0.3,
-                           .reference_s = 3.29e-3 },
+                           .reference_s = 2.15e-3 },
     [PREDICTION_CONGESTED] = { .model = RUN_MACRO,
                                .closure = SCENE_CONGESTED,
                                .duration = 1.0,
-                               .reference_s = 3.81e-3 },
-    [PREDICTION_PLANAR_VERLET] = { .model = RUN_MICRO, .duration = 0.1, .reference_s = 6.88e-3 },
+                               .reference_s = 3.51e-3 },
+    [PREDICTION_PLANAR_VERLET] = { .model = RUN_MICRO, .duration = 0.1, .reference_s = 5.26e-3 },
     [PREDICTION_PLANAR_IMPLICIT] = { .model = RUN_MICRO,
                                      .integrator = SCENE_IMPLICIT,
                                      .duration = 1.5,
-                                     .reference_s = 17.6e-3 },
+                                     .reference_s = 11.5e-3 },
     [PREDICTION_SPATIAL_VERLET] = { .model = RUN_MICRO,
                                     .path = SCENE_PATH_SPATIAL,
                                     .duration = 0.01,
-                                    .reference_s = 28.2e-3 },
+                                    .reference_s = 17.8e-3 },
     [PREDICTION_SPATIAL_IMPLICIT] = { .model = RUN_MICRO,
                                       .integrator = SCENE_IMPLICIT,
                                       .path = SCENE_PATH_SPATIAL,
                                       .duration = 0.1,
-                                      .reference_s = 128e-3 },
+                                      .reference_s = 77.9e-3 },
 };
 
 // A plate at 60 degrees.
