@@ -538,15 +538,18 @@ static speeds speeds_of(const scene *s)
 {
     const double edge = scene_cell_edge(s);
     speeds of = { .face = 0.0 };
+    // Belts that come to run apart empty a cell between them through all its faces, where a plate turns cargo aside.
+    const bool may_part = s->n_belts > 1 && belt_speeds_may_reverse_any(s->n_belts, s->belts);
     double factor = 1.0;
 
     for (size_t k = 0; k < s->n_belts; k++) {
         const scene_belt *belt = &s->belts[k];
+        const double faces = may_part ? 4.0 : belt->arc.is_given ? M_SQRT2 : 2.0;
         const double largest = belt_speeds_largest(belt);
         const double speedup = belt->arc.is_given ? arc_lanes_speedup(s, belt, edge) : 1.0;
         const double face = speedup * belt_largest_speed(belt) * largest;
         of.face = fmax(of.face, face);
-        of.outflow = fmax(of.outflow, (belt->arc.is_given ? M_SQRT2 : 2.0) * face);
+        of.outflow = fmax(of.outflow, faces * face);
         factor = fmax(factor, largest);
     }
     of.dispersion = s->macro.dispersion * factor;
