@@ -35,6 +35,13 @@ static const scene_obstacle *find_plate(const scene *s, vec2 at)
     return NULL;
 }
 
+// What moves obstacle k: its own motion, or else actions or when it is there.
+static void point_at(const scene *s, size_t k, char pointer[BF_POINTER_SIZE])
+{
+    (void)snprintf(pointer, BF_POINTER_SIZE, "/obstacles/%zu%s", k,
+                   s->obstacles[k].turn.n_times > 0 ? "/motion" : "");
+}
+
 // The largest mass of a kind divided by the smallest.
 static double ratio_of_masses(const scene *s)
 {
@@ -59,7 +66,7 @@ bf_status micro_press_fail(const scene *s, const micro_press *press, double t, b
     else if (plate != NULL)
         snprintf(into, sizeof into, "the plate '%s'", plate->id);
     if (plate != NULL && scene_obstacle_moves(plate)) {
-        snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion", (size_t)(plate - s->obstacles));
+        point_at(s, (size_t)(plate - s->obstacles), pointer);
         change = "the plate moves into cargo that has no way out: let it move slower or less far";
     } else if (s->micro.modulus_reduction > 0.0) {
         change =
@@ -90,7 +97,7 @@ bf_status micro_press_fail_thrown(const scene *s, const micro_thrown *thrown, do
         char pointer[BF_POINTER_SIZE];
         if (!scene_obstacle_moves(&s->obstacles[k]) || !may_touch(s, k, thrown->at, range))
             continue;
-        snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion", k);
+        point_at(s, k, pointer);
         return bf_fail(
             err, BF_ENUMERIC, pointer,
             "part %llu was squeezed out by the plate '%s' with %.3g m/s at (%.4g, %.4g) m after "

@@ -194,6 +194,11 @@ static void a_part_that_is_squeezed_out_fails_with_the_plate(void **state)
     assert_string_equal(err.pointer, "/obstacles/0/motion");
     assert_non_null(
         strstr(err.text, "part 7 was squeezed out by the plate 'obstacle-1' with 26 m/s"));
+    // One that actions alone move has no motion to point at.
+    s.obstacles[0].turn.n_times = 0;
+    s.obstacles[0].is_commanded = true;
+    assert_int_equal(micro_press_fail_thrown(&s, &near, 1.0, &err), BF_ENUMERIC);
+    assert_string_equal(err.pointer, "/obstacles/0");
     scene_fini(&s);
 }
 
