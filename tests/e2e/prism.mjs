@@ -15,7 +15,9 @@ import { document, operationOf, typeOf } from "./contract.mjs";
 import { packages } from "./setup.mjs";
 
 const PER_KIND = 2; // of an operation, a status and a media type, by a process
-const LONGEST = 2_000_000; // bytes of a body; the document has half of them
+const LONGEST_REQUEST = 100_000; // bytes of a body; Prism does not pass on a million
+const LONGEST_ANSWER = 2_000_000; // same; the document has half of them
+const ANSWER_MS = 60_000; // an answer takes some 10 ms
 
 const folder = process.env.BELTFLOW_EXCHANGES;
 const kept = new Map();
@@ -66,7 +68,7 @@ export function noteExchange(exchange, { status, headers, body }) {
   const { template } = operationOf(exchange.method, exchange.target);
   const kind = `${exchange.method} ${template} ${status} ${typeOf(headers)}`;
   const list = kept.get(kind) ?? [];
-  if (list.length === PER_KIND || body.length > LONGEST || exchange.body?.length > LONGEST) return;
+  if (list.length === PER_KIND || body.length > LONGEST_ANSWER || exchange.body?.length > LONGEST_REQUEST) return;
   const sent = exchange.body === undefined ? {} : { body: packed(exchange.body) };
   kept.set(kind, [...list, { kind, exchange: { ...exchange, ...sent }, answer: { status, headers, body: packed(body) } }]);
 }
@@ -115,7 +117,8 @@ export async function startJudge() {
   const prism = await startPrism(upstream);
   const { hostname, port } = prism.url;
   const ask = ({ method, target, headers, body }) => new Promise((resolve, reject) => {
-    const request = http.request({ hostname, port, method, path: target, headers, agent: false }, (response) => {
+    const signal = AbortSignal.timeout(ANSWER_MS);
+    const request = http.request({ hostname, port, method, path: target, headers, agent: false, signal }, (response) => {
       response.resume();
       response.on("error", reject);
       response.on("end", () => resolve(response.headers));
