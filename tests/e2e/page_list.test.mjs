@@ -116,6 +116,7 @@ test("the line as it was before is found among its versions, changed and run as 
   await d.reached(before.id, "succeeded");
   const page = await openPage(t, d);
   await visit(page, "#/lines");
+  await page.getByRole("link", { name: "Hall 2", exact: true }).waitFor();
   const cells = await page.getByRole("row", { name: /Hall 2/ }).getByRole("cell").allInnerTexts();
   assert.deepEqual(cells.slice(0, 3), ["2", "2", "1"]); // versions, runs, studies
   await page.getByRole("link", { name: "Hall 2", exact: true }).click();
