@@ -59,6 +59,17 @@ static void on_completed(void *context, struct MHD_Connection *mhd, void **reque
     *request = NULL;
 }
 
+// While the server stops nobody is taken in. MHD_quiesce_daemon() would say so, too; but it takes the listening socket out of
+// the epoll sets while their threads may do so, and whoever is second ends the process (0.9.75).
+static enum MHD_Result on_accept(void *context, const struct sockaddr *peer, socklen_t n)
+{
+    const http *h = context;
+
+    (void)peer;
+    (void)n;
+    return atomic_load(&h->is_ending) ? MHD_NO : MHD_YES;
+}
+
 static void on_connection(void *context, struct MHD_Connection *mhd, void **connection,
                           enum MHD_ConnectionNotificationCode what)
 {
@@ -200,7 +211,7 @@ static bf_status start_daemon(http *h, bf_error *err)
     if (h->options.n_threads > 1)
         add_option(items, MHD_OPTION_THREAD_POOL_SIZE, h->options.n_threads);
     h->daemon = MHD_start_daemon(
-        flags, 0, NULL, NULL, on_request, h, MHD_OPTION_EXTERNAL_LOGGER, on_message, h,
+        flags, 0, on_accept, h, on_request, h, MHD_OPTION_EXTERNAL_LOGGER, on_message, h,
         MHD_OPTION_URI_LOG_CALLBACK, on_target, h, MHD_OPTION_UNESCAPE_CALLBACK, leave_as_it_is, h,
         MHD_OPTION_NOTIFY_COMPLETED, on_completed, h, MHD_OPTION_NOTIFY_CONNECTION, on_connection,
         h, MHD_OPTION_ARRAY, items, MHD_OPTION_END);
@@ -274,8 +285,6 @@ http *http_stop(http *h)
 {
     if (h == NULL)
         return NULL;
-    if (h->daemon != NULL)
-        (void)MHD_quiesce_daemon(h->daemon);
     atomic_store(&h->is_ending, true);
     http__pull_stop_all(h);
     http__pool_end(h->pool);
@@ -290,10 +299,10 @@ http *http_stop(http *h)
     http__watch_stop(h);
     http__probe_end(h);
     if (h->daemon != NULL)
-        MHD_stop_daemon(h->daemon);
-    h->pool = http__pool_free(h->pool);
-    if (h->listen_fd >= 0)
+        MHD_stop_daemon(h->daemon); // closes the listening socket
+    else if (h->listen_fd >= 0)
         (void)close(h->listen_fd);
+    h->pool = http__pool_free(h->pool);
     if (h->web_fd >= 0)
         (void)close(h->web_fd);
     h->limit = http_limit_destroy(h->limit);

@@ -7,7 +7,7 @@
 ///          pulled (a body_source, or the wait for a run: `Prefer: wait`, `?wait=`) is worked on by
 ///          request threads too, and is suspended and without a thread while there is nothing to do;
 ///          http_notify() wakes what waits for the run.
-/// Order of stopping  http_stop(): quiesce, mark all that is pulled as ending, resume it, stop.
+/// Order of stopping  http_stop(): take nobody in, mark all that is pulled as ending, resume it, stop.
 
 #pragma once
 
