@@ -110,6 +110,33 @@ bf_status helper_run(const scene *s, int n_threads, int resume, helper_run_log *
     return status;
 }
 
+static helper_run_log *new_log(run_model model)
+{
+    helper_run_log *log = calloc(1, sizeof *log);
+
+    BF_CHECK(log != NULL);
+    log->model = model;
+    return log;
+}
+
+helper_run_log *helper_run_check_stops(const scene *s, run_model model, uint64_t n, uint64_t step,
+                                       helper_run_threads threads)
+{
+    helper_run_log *whole = new_log(model);
+
+    BF_CHECK(helper_run(s, 1, 0, whole) == BF_OK);
+    for (uint64_t k = 1; k < n; k += step) {
+        helper_run_log *log = new_log(model);
+        log->stop_at = 1 + k * whole->n_askings / n;
+        BF_CHECK(helper_run(s, threads.before, 0, log) == BF_OK && log->end.stopped == 1);
+        log->stop_at = 0;
+        BF_CHECK(helper_run(s, threads.after, 1, log) == BF_OK);
+        BF_CHECK(helper_run_is_same(log, whole));
+        helper_run_free(log);
+    }
+    return whole;
+}
+
 const double *helper_run_at(const helper_run_log *log, double t)
 {
     for (size_t k = 0; k < log->n_samples; k++)

@@ -39,6 +39,16 @@ typedef struct helper_run_log {
 /// is not 0.
 bf_status helper_run(const scene *s, int n_threads, int resume, helper_run_log *log);
 
+/// Threads of a run that is stopped, and of the one that goes on.
+typedef struct helper_run_threads {
+    int before, after; ///< a stop
+} helper_run_threads;
+
+/// Run a scenario to its end on one thread, and for each k = 1, 1 + step .. < n stop it after k/n of it, and resume it: that is
+/// the same to the bit. Returns the whole run: helper_run_free().
+helper_run_log *helper_run_check_stops(const scene *s, run_model model, uint64_t n, uint64_t step,
+                                       helper_run_threads threads);
+
 /// The sample at time t, which must be there.
 const double *helper_run_at(const helper_run_log *log, double t);
 

@@ -49,22 +49,12 @@ static void a_run_stopped_in_a_swing_resumes_to_the_same_results(void **state)
 {
     (void)state;
     for (int k = 0; k < 4; k++) {
-        helper_run_log *whole = new_log();
         scene s;
         make_swing(&s, k < 2 ? SCENE_DISPERSIVE : SCENE_CONGESTED,
                    k % 2 == 0 ? SCENE_SCHEME_ROE : SCENE_SCHEME_MUSCL);
-        assert_int_equal(helper_run(&s, 1, 0, whole), BF_OK);
-        for (uint64_t stop = 1; stop < 6; stop += HELPER_AMOUNT(1, 3)) {
-            helper_run_log *log = new_log();
-            log->stop_at = 1 + stop * whole->n_askings / 6;
-            assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
-            assert_int_equal(log->end.stopped, 1);
-            assert_int_equal(helper_run(&s, 2, 1, log), BF_OK);
-            assert_true(helper_run_is_same(log, whole));
-            helper_run_free(log);
-        }
+        helper_run_free(helper_run_check_stops(&s, RUN_MACRO, 6, HELPER_AMOUNT(1, 3),
+                                               (helper_run_threads){ .before = 1, .after = 2 }));
         scene_fini(&s);
-        helper_run_free(whole);
     }
 }
 

@@ -184,20 +184,12 @@ static void threads_and_a_stop_change_no_bit(void **state)
 {
     (void)state;
     for (int k = 0; k < PLANAR; k++) {
-        helper_run_log *whole = new_log(k);
         scene s;
         make_eventful(&s, k);
-        assert_int_equal(helper_run(&s, 1, 0, whole), BF_OK);
+        helper_run_log *whole =
+            helper_run_check_stops(&s, solvers[k].model, 6, HELPER_AMOUNT(2, 4),
+                                   (helper_run_threads){ .before = 1, .after = 2 });
         assert_true(whole->figures[figure_at(&s, FIGURE_FAILED_COUNT, 0)] > 1.0);
-        for (uint64_t stop = 1; stop < 6; stop += HELPER_AMOUNT(2, 4)) {
-            helper_run_log *log = new_log(k);
-            log->stop_at = 1 + stop * whole->n_askings / 6;
-            assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
-            assert_int_equal(log->end.stopped, 1);
-            assert_int_equal(helper_run(&s, stop == 1 ? 2 : 1, 1, log), BF_OK);
-            assert_true(helper_run_is_same(log, whole));
-            helper_run_free(log);
-        }
         scene_fini(&s);
         helper_run_free(whole);
     }

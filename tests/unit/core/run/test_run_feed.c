@@ -143,24 +143,15 @@ static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
 {
     (void)state;
     for (int k = 0; k < SOLVERS; k++) {
-        helper_run_log *whole = new_log(k);
         scene s;
         make_stop(&s, k);
         add_action(&s, true, 0.1, 0.5);
         add_action(&s, false, 0.0, 1.0);
         helper_scene_resolve(&s);
-        assert_int_equal(helper_run(&s, 1, 0, whole), BF_OK);
+        helper_run_log *whole =
+            helper_run_check_stops(&s, solvers[k].model, 4, HELPER_AMOUNT(1, 2),
+                                   (helper_run_threads){ .before = 2, .after = 1 });
         assert_true(whole->n_changes > 1);
-        for (uint64_t stop = HELPER_AMOUNT(1, 2); stop < 4; stop += HELPER_AMOUNT(1, 2)) {
-            helper_run_log *log = new_log(k);
-            log->stop_at = 1 + stop * whole->n_askings / 4;
-            assert_int_equal(helper_run(&s, 2, 0, log), BF_OK);
-            assert_int_equal(log->end.stopped, 1);
-            log->stop_at = 0;
-            assert_int_equal(helper_run(&s, 1, 1, log), BF_OK);
-            assert_true(helper_run_is_same(log, whole));
-            helper_run_free(log);
-        }
         scene_fini(&s);
         helper_run_free(whole);
     }

@@ -88,20 +88,9 @@ static void a_run_resumes_to_the_same_bits_on_any_number_of_threads(void **state
     for (int k = 0; k < SOLVERS; k++) {
         scene s;
         make_loosened_jam(&s, k);
-        helper_run_log *whole = run_with(&s, k, 1);
-        for (uint64_t stop = 1; stop < 4; stop++) {
-            helper_run_log *log = calloc(1, sizeof *log);
-            assert_non_null(log);
-            log->model = solvers[k].model;
-            log->stop_at = 1 + stop * whole->n_askings / 4;
-            assert_int_equal(helper_run(&s, 3, 0, log), BF_OK);
-            assert_int_equal(log->end.stopped, 1);
-            assert_int_equal(helper_run(&s, 2, 1, log), BF_OK);
-            assert_true(helper_run_is_same(log, whole));
-            helper_run_free(log);
-        }
+        helper_run_free(helper_run_check_stops(&s, solvers[k].model, 4, 1,
+                                               (helper_run_threads){ .before = 3, .after = 2 }));
         scene_fini(&s);
-        helper_run_free(whole);
     }
 }
 

@@ -66,21 +66,11 @@ static void a_run_stopped_in_a_ramp_resumes_to_the_same_results(void **state)
 {
     (void)state;
     for (int k = 0; k < SOLVERS; k++) {
-        helper_run_log *whole = new_log(k);
         scene s;
         make_jam(&s, k);
-        assert_int_equal(helper_run(&s, 1, 0, whole), BF_OK);
-        for (uint64_t stop = 1; stop < 5; stop += HELPER_AMOUNT(1, 3)) {
-            helper_run_log *log = new_log(k);
-            log->stop_at = 1 + stop * whole->n_askings / 5;
-            assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
-            assert_int_equal(log->end.stopped, 1);
-            assert_int_equal(helper_run(&s, 2, 1, log), BF_OK);
-            assert_true(helper_run_is_same(log, whole));
-            helper_run_free(log);
-        }
+        helper_run_free(helper_run_check_stops(&s, solvers[k].model, 5, HELPER_AMOUNT(1, 3),
+                                               (helper_run_threads){ .before = 1, .after = 2 }));
         scene_fini(&s);
-        helper_run_free(whole);
     }
 }
 
