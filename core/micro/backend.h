@@ -79,6 +79,9 @@ static inline size_t micro__n_expected(const micro_def *def)
     return def->n_parts_expected > 0 ? def->n_parts_expected : def->n_parts;
 }
 
+/// The definition without its arrays, which stay the caller's.
+micro_def micro__without_arrays(const micro_def *def);
+
 /// The definition's domain, edges and belts, copied: surroundings_fini(). BF_ENOMEM.
 BF_MUST_CHECK bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy,
                                                  bf_error *err);

@@ -192,6 +192,19 @@ bf_world *micro__world(const micro_def *def)
     return def->world != NULL ? def->world : &at_rest;
 }
 
+micro_def micro__without_arrays(const micro_def *def)
+{
+    micro_def copy = *def;
+
+    copy.belts = NULL;
+    copy.obstacles = NULL;
+    copy.actions = NULL;
+    copy.kinds = NULL;
+    copy.poses = NULL;
+    copy.part_kinds = NULL;
+    return copy;
+}
+
 bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy, bf_error *err)
 {
     surroundings around = {

@@ -33,17 +33,12 @@ static void note_radius(body_state *s, double radius)
     s->bounding_radius_min = fmin(s->bounding_radius_min, radius);
 }
 
-/// Copy the definition without its arrays.
+/// What follows from the definition.
 static void take_def(body_state *s, const micro_def *def)
 {
     const scene_contact *contact = &def->contact[SCENE_CARGO_CARGO];
 
-    s->def = *def;
-    s->def.belts = NULL;
-    s->def.obstacles = NULL;
-    s->def.kinds = NULL;
-    s->def.poses = NULL;
-    s->def.part_kinds = NULL;
+    s->def = micro__without_arrays(def);
     s->gravity = (vec3){ 0.0, 0.0, -def->gravity };
     // For D >= 1 (13) leaves no spin.
     s->spin_damping = def->damping < 1.0 ? pow(1.0 - def->damping, def->dt) : 0.0;

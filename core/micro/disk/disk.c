@@ -136,12 +136,7 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
         is_tiled = is_tiled && !scene_obstacle_moves(&def->obstacles[k]);
     s->common.world = micro__world(def);
     const scene_belt *top = def->n_belts > 0 ? &def->belts[def->n_belts - 1] : NULL;
-    s->def = *def;
-    s->def.belts = NULL;
-    s->def.obstacles = NULL;
-    s->def.kinds = NULL;
-    s->def.poses = NULL;
-    s->def.part_kinds = NULL;
+    s->def = micro__without_arrays(def);
     s->cargo = make_law(&def->contact[SCENE_CARGO_CARGO]);
     s->handling = make_law(&def->contact[SCENE_HANDLING_CARGO]);
     s->handling_compliance = contact_law_compliance(&def->handling, def->modulus_reduction);
