@@ -10,29 +10,37 @@
 // Kinds of parts whose masses have this ratio overlap by up to 7 % of a radius at the defaults.
 static const double unlike = 300.0;
 
-// Whether a part with its centre there may touch obstacle k: its path, or where that may come to.
-static bool may_touch(const scene *s, size_t k, vec2 at, double range)
+static const char no_way_out[] =
+    "the plate moves into cargo that has no way out: let it move slower or less far";
+
+// How far a place is from obstacle k: from its path, or where that may come to, m.
+static double distance_of(const scene *s, size_t k, vec2 at)
 {
     const scene_obstacle *o = &s->obstacles[k];
     const plate_range places = plate_range_of(s->obstacles, k, s->n_actions, s->actions);
     double nearest = HUGE_VAL;
 
-    if (places.moves &&
-        plate_range_distance(&places, o->pivot, at) <= plate_range_radius(o) + range)
-        return true;
     for (size_t m = 1; m < o->n_points; m++)
         nearest = fmin(nearest, polygon_segment_distance(at, o->path[m - 1], o->path[m]));
-    return nearest <= range + o->thickness;
+    nearest -= o->thickness;
+    return places.moves
+               ? fmin(nearest, plate_range_distance(&places, o->pivot, at) - plate_range_radius(o))
+               : nearest;
 }
 
-static const scene_obstacle *find_plate(const scene *s, vec2 at)
+// The obstacle nearest to a place within a range; with only_moving, of those that move. n_obstacles: none.
+static size_t find_plate(const scene *s, vec2 at, double range, bool only_moving)
 {
-    const double range = mix_radii_of(s).largest;
+    size_t found = s->n_obstacles;
 
-    for (size_t k = 0; k < s->n_obstacles; k++)
-        if (may_touch(s, k, at, range))
-            return &s->obstacles[k];
-    return NULL;
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const double distance = distance_of(s, k, at);
+        if (distance > range || (only_moving && !scene_obstacle_moves(&s->obstacles[k])))
+            continue;
+        range = distance;
+        found = k;
+    }
+    return found;
 }
 
 // What moves obstacle k: its own motion, or else actions or when it is there.
@@ -56,7 +64,8 @@ static double ratio_of_masses(const scene *s)
 
 bf_status micro_press_fail(const scene *s, const micro_press *press, double t, bf_error *err)
 {
-    const scene_obstacle *plate = find_plate(s, press->at);
+    const size_t at = find_plate(s, press->at, mix_radii_of(s).largest, false);
+    const scene_obstacle *plate = at < s->n_obstacles ? &s->obstacles[at] : NULL;
     const bool is_between_parts = press->other != UINT64_MAX;
     const char *change;
     char into[SCENE_ID_SIZE + 32] = "a wall", pointer[BF_POINTER_SIZE] = "/micro/modulus_reduction";
@@ -66,8 +75,8 @@ bf_status micro_press_fail(const scene *s, const micro_press *press, double t, b
     else if (plate != NULL)
         snprintf(into, sizeof into, "the plate '%s'", plate->id);
     if (plate != NULL && scene_obstacle_moves(plate)) {
-        point_at(s, (size_t)(plate - s->obstacles), pointer);
-        change = "the plate moves into cargo that has no way out: let it move slower or less far";
+        point_at(s, at, pointer);
+        change = no_way_out;
     } else if (s->micro.modulus_reduction > 0.0) {
         change =
             "parts are too soft for what presses on them: leave modulus_reduction out, or make "
@@ -92,20 +101,16 @@ bf_status micro_press_fail_thrown(const scene *s, const micro_thrown *thrown, do
                                   bf_error *err)
 {
     const double range = 3.0 * mix_radii_of(s).largest; // a diameter from its edge
+    const size_t at = find_plate(s, thrown->at, range, true);
+    char pointer[BF_POINTER_SIZE];
 
-    for (size_t k = 0; k < s->n_obstacles; k++) {
-        char pointer[BF_POINTER_SIZE];
-        if (!scene_obstacle_moves(&s->obstacles[k]) || !may_touch(s, k, thrown->at, range))
-            continue;
-        point_at(s, k, pointer);
-        return bf_fail(
-            err, BF_ENUMERIC, pointer,
-            "part %llu was squeezed out by the plate '%s' with %.3g m/s at (%.4g, %.4g) m after "
-            "%.4g s: the plate moves into cargo that has no way out: let it move slower or less "
-            "far, or leave "
-            "no room behind it that a part slips into",
-            (unsigned long long)thrown->part, s->obstacles[k].id, thrown->speed, thrown->at.x,
-            thrown->at.y, t);
-    }
-    return BF_ENUMERIC;
+    if (at == s->n_obstacles)
+        return BF_ENUMERIC;
+    point_at(s, at, pointer);
+    return bf_fail(err, BF_ENUMERIC, pointer,
+                   "part %llu was squeezed out by the plate '%s' with %.3g m/s at (%.4g, %.4g) m "
+                   "after %.4g s: %s, or leave no room "
+                   "behind it that a part slips into",
+                   (unsigned long long)thrown->part, s->obstacles[at].id, thrown->speed,
+                   thrown->at.x, thrown->at.y, t, no_way_out);
 }

@@ -199,6 +199,12 @@ static void a_part_that_is_squeezed_out_fails_with_the_plate(void **state)
     s.obstacles[0].is_commanded = true;
     assert_int_equal(micro_press_fail_thrown(&s, &near, 1.0, &err), BF_ENUMERIC);
     assert_string_equal(err.pointer, "/obstacles/0");
+    // Of two that move it is the nearer one's.
+    const vec2 closer[] = { near.at, { near.at.x, near.at.y + 0.01 } };
+    helper_scene_add_obstacle(&s, closer, 2, SCENE_SEALED)->turn =
+        helper_scene_series(2, times, angles, INFINITY);
+    assert_int_equal(micro_press_fail_thrown(&s, &near, 1.0, &err), BF_ENUMERIC);
+    assert_string_equal(err.pointer, "/obstacles/1/motion");
     scene_fini(&s);
 }
 
