@@ -149,13 +149,13 @@ static bool init_faces(const macro_solver *s, congested *c, const macro_def *def
     c->fastest = memory_alloc(def->n_belts + 1, sizeof *c->fastest);
     c->slope_ratio = memory_alloc(def->n_belts + 1, sizeof *c->slope_ratio);
     c->onto = memory_alloc(def->n_belts + 1, sizeof *c->onto);
-    c->drives = memory_alloc(def->n_belts + 1, sizeof *c->drives);
+    c->present = memory_alloc(def->n_belts + 1, sizeof *c->present);
     c->is_changed = memory_alloc(def->n_belts + 1, sizeof *c->is_changed);
     if (c->belts == NULL || c->is_changed == NULL || c->fastest == NULL || c->slope_ratio == NULL ||
-        c->onto == NULL || c->drives == NULL)
+        c->onto == NULL || c->present == NULL)
         return false;
     for (size_t k = 0; k <= def->n_belts; k++)
-        c->drives[k] = (congested_drives){ 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0 };
+        c->present[k] = (congested_belt){ 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0 };
     copy_belts(def, c);
     memcpy(c->closed_edge, def->one_way, sizeof c->closed_edge);
     return true;
@@ -293,7 +293,7 @@ static void limit_pressures(const macro_solver *s, congested *c)
 
     for (size_t k = 0; k < c->n_belts; k++) {
         fastest = fmax(fastest, fmax(s->factors[k], 1.0) * c->fastest[k]);
-        steepest = fmax(steepest, c->drives[k].slower);
+        steepest = fmax(steepest, c->present[k].slower);
     }
     const float most = (float)(c->jam_density * fastest * steepest * (double)(s->n1 + s->n2));
     for (int colour = 0; colour < 2; colour++)
@@ -333,7 +333,7 @@ congested *congested_destroy(congested *c)
     memory_free(c->fastest);
     memory_free(c->slope_ratio);
     memory_free(c->onto);
-    memory_free(c->drives);
+    memory_free(c->present);
     memory_free(c->storage);
     memory_free(c->is_uniform);
     memory_free(c->range);

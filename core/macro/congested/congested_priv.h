@@ -136,12 +136,12 @@ typedef struct congested_kernels {
 } congested_kernels;
 
 /// A belt at its present speed. What it drives cargo by, of what a level one does, is times chi of congested.h.
-typedef struct congested_drives {
+typedef struct congested_belt {
     double slower, faster, across; ///< cos(alpha) times 1 - tau, 1 + tau, 1
     double factor;                 ///< on its velocity
     double speed, grip,
         lateral; ///< if it does not turn: v_T, tanh(lambda v_T/2), most speed of cargo across it
-} congested_drives;
+} congested_belt;
 
 /// The closure's state and what it precomputes.
 struct congested {
@@ -162,13 +162,13 @@ struct congested {
     double *fastest;   ///< largest speed on each of them at the factor 1, m/s
     double *slope_ratio,
         *onto; ///< tau of each (belt_slope.h); speed across one that it runs onto, at the factor 1, m/s
-    congested_drives *drives; ///< of each now
-    bool *is_changed;         ///< these have, since the laws of their faces were made
-    uint8_t closed_edge[4];   ///< west, east, south, north: nothing is corrected across it
-    ptrdiff_t half_stride;    ///< floats from half row to half row
-    float *storage;           ///< of all half rows
-    float *pressure[2];       ///< p/dx1 of red and black cells, m/s: a difference is -dp/dx1
-    float *excess[2];         ///< rho* - C of them
+    congested_belt *present; ///< of each now
+    bool *is_changed;        ///< these have, since the laws of their faces were made
+    uint8_t closed_edge[4];  ///< west, east, south, north: nothing is corrected across it
+    ptrdiff_t half_stride;   ///< floats from half row to half row
+    float *storage;          ///< of all half rows
+    float *pressure[2];      ///< p/dx1 of red and black cells, m/s: a difference is -dp/dx1
+    float *excess[2];        ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
     congested_uniform uniform;          ///< of a forward solver
     bool *is_uniform; ///< per row, colour and group: all faces have the law `uniform`

@@ -25,7 +25,7 @@ typedef struct face_state {
     double belt_t;
     double stat_e; // v_stat
     double stat_t;
-    const congested_drives *drives; // of the belt there
+    const congested_belt *belt; // of the belt there
 } face_state;
 
 // Elements of the half rows that belong to a face.
@@ -48,16 +48,16 @@ static face_slot slot_of(const congested *c, int axis, ptrdiff_t i, ptrdiff_t j)
 static void set_across(const congested *c, const face_slot *f, const face_state *x, double speed,
                        double lateral)
 {
-    const double most = c->jam_density * x->drives->lateral, open = x->scale * x->aperture;
+    const double most = c->jam_density * x->belt->lateral, open = x->scale * x->aperture;
 
     f->law->lower[f->at] = (float)(open * fmin(0.0, -most - c->jam_density * lateral));
     f->law->upper[f->at] = (float)(open * fmax(0.0, most - c->jam_density * lateral));
     f->law->full_slip[f->at] = (float)(c->jam_density * speed);
     // What is held back bears on its neighbours by what the belt drives it by, and gives way by its friction across.
-    const double bearing = x->drives->slower / x->drives->across;
-    f->law->gain[f->at] = (float)(x->scale * 0.25 * friction * bearing * x->drives->grip);
+    const double bearing = x->belt->slower / x->belt->across;
+    f->law->gain[f->at] = (float)(x->scale * 0.25 * friction * bearing * x->belt->grip);
     if (c->has_drives)
-        f->law->sideways[f->at] = (float)(1.0 / x->drives->across);
+        f->law->sideways[f->at] = (float)(1.0 / x->belt->across);
 }
 
 static void set_along(const congested *c, const face_slot *f, const face_state *x, double speed,
@@ -65,8 +65,8 @@ static void set_along(const congested *c, const face_slot *f, const face_state *
 {
     const double open = x->scale * x->aperture;
     const double free = open * fmax(0.0, c->jam_density * (speed - forward));
-    const double inner = 1.0 / x->drives->slower;
-    const double slope = fmin(inner, forward_slope / (c->slip_rate * speed * x->drives->faster));
+    const double inner = 1.0 / x->belt->slower;
+    const double slope = fmin(inner, forward_slope / (c->slip_rate * speed * x->belt->faster));
 
     f->law->slope[f->at] = (float)slope;
     f->law->offset[f->at] = (float)((1.0 - slope / inner) * free);
@@ -92,7 +92,7 @@ static void close_face(const congested *c, const face_slot *f, double speed)
 
 static void set_face(const congested *c, const face_slot *f, const face_state *x)
 {
-    const double speed = x->drives->speed;
+    const double speed = x->belt->speed;
 
     if (x->aperture == 0.0 || speed == 0.0) {
         close_face(c, f, speed);
@@ -124,9 +124,9 @@ static vec2 place_of(const bf_grid *g, int axis, ptrdiff_t i, ptrdiff_t j)
 }
 
 // What a belt that turns has at a place.
-static congested_drives drives_at(const congested *c, const congested_drives *of, vec2 v_t)
+static congested_belt belt_at(const congested *c, const congested_belt *of, vec2 v_t)
 {
-    congested_drives at = *of;
+    congested_belt at = *of;
 
     at.speed = hypot(v_t.x, v_t.y);
     at.grip = grip_of(c, at.speed);
@@ -147,8 +147,8 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
             const double factor = s->factors[belt], aperture = c->aperture[axis][at];
             const vec2 v_t =
                 vec2_scale(belt_velocity(under, place_of(&s->def.grid, axis, i, j)), factor);
-            const congested_drives drives =
-                under->turn == 0.0 ? c->drives[belt] : drives_at(c, &c->drives[belt], v_t);
+            const congested_belt now =
+                under->turn == 0.0 ? c->present[belt] : belt_at(c, &c->present[belt], v_t);
             const face_slot f = slot_of(c, axis, i, j);
             const face_state x = {
                 .scale = axis == 0 ? 1.0 : (double)c->ratio,
@@ -157,7 +157,7 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
                 .belt_t = axis == 0 ? v_t.y : -v_t.x,
                 .stat_e = aperture > 0.0 ? factor * c->slide[axis][at] / aperture : 0.0,
                 .stat_t = (axis == 0 ? 1.0 : -1.0) * factor * c->transverse[axis][at],
-                .drives = &drives
+                .belt = &now
             };
             set_face(c, &f, &x);
         }
@@ -170,13 +170,13 @@ static double steepness_of(const macro_solver *s, const congested *c, int axis, 
                            ptrdiff_t j)
 {
     const size_t belt = c->belt[axis][(size_t)(j * (s->n1 + (axis == 0)) + i)];
-    const congested_drives drives = c->drives[belt];
+    const congested_belt now = c->present[belt];
     const vec2 v = belt_velocity(&c->belts[belt], place_of(&s->def.grid, axis, i, j));
     const double speed = vec2_length(v);
     const double cosine = speed > 0.0 ? (axis == 0 ? v.x : v.y) / speed : 1.0;
 
     return (axis == 0 ? 1.0 : (double)c->steepness) *
-           (cosine * cosine / drives.slower + (1.0 - cosine * cosine) / drives.across);
+           (cosine * cosine / now.slower + (1.0 - cosine * cosine) / now.across);
 }
 
 static void set_relaxations(const macro_solver *s, const congested *c)
@@ -207,7 +207,7 @@ static void set_uniform(const macro_solver *s, congested *c)
                                 .at_rest = &others[3] };
     const face_slot slot = { &law, 0 };
     face_state x = {
-        .scale = 1.0, .aperture = 1.0, .belt_e = speed, .stat_e = speed, .drives = &c->drives[0]
+        .scale = 1.0, .aperture = 1.0, .belt_e = speed, .stat_e = speed, .belt = &c->present[0]
     };
 
     set_face(c, &slot, &x);
@@ -261,7 +261,7 @@ static double most_across(const macro_solver *s, const congested *c, size_t belt
     return most;
 }
 
-static congested_drives drives_of(const macro_solver *s, const congested *c, size_t belt)
+static congested_belt belt_now(const macro_solver *s, const congested *c, size_t belt)
 {
     const double factor = s->factors[belt], tau = c->slope_ratio[belt];
     const vec2 v = vec2_scale(c->belts[belt].velocity, factor);
@@ -272,13 +272,13 @@ static congested_drives drives_of(const macro_solver *s, const congested *c, siz
     const double chi = slip > 0.0 ? slip / tanh(slip) : 1.0;
     const double level = chi * cos(c->belts[belt].incline);
 
-    return (congested_drives){ .slower = level * (1.0 - tau),
-                               .faster = level * (1.0 + tau),
-                               .across = level,
-                               .factor = factor,
-                               .speed = speed,
-                               .grip = grip_of(c, speed),
-                               .lateral = most_across(s, c, belt) };
+    return (congested_belt){ .slower = level * (1.0 - tau),
+                             .faster = level * (1.0 + tau),
+                             .across = level,
+                             .factor = factor,
+                             .speed = speed,
+                             .grip = grip_of(c, speed),
+                             .lateral = most_across(s, c, belt) };
 }
 
 void congested_update(macro_solver *s)
@@ -287,12 +287,12 @@ void congested_update(macro_solver *s)
 
     c->has_standing = c->has_moving = false;
     for (size_t k = 0; k < c->n_belts; k++) {
-        const congested_drives now = drives_of(s, c, k);
+        const congested_belt now = belt_now(s, c, k);
         const bool is_standing = s->factors[k] * vec2_length(c->belts[k].velocity) == 0.0;
         c->has_standing |= is_standing;
         c->has_moving |= !is_standing;
-        c->is_changed[k] = memcmp(&now, &c->drives[k], sizeof now) != 0;
-        c->drives[k] = now;
+        c->is_changed[k] = memcmp(&now, &c->present[k], sizeof now) != 0;
+        c->present[k] = now;
     }
     set_axis(s, c, 0);
     set_axis(s, c, 1);
