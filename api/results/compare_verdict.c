@@ -283,6 +283,11 @@ void compare_verdict_find(const compare_side *a, const compare_side *b, verdicts
                     "curve is of what is inside while cargo enters and leaves.");
         return;
     }
+    if (a->throughput_per_h == 0.0 && b->throughput_per_h == 0.0) {
+        verdict_say(verdict_add(ret_verdicts, "no_throughput"),
+                    "Nothing came through in either of them: there is no throughput to compare.");
+        return;
+    }
     if (a->is_run && b->is_run && a->model != b->model && a->line == b->line)
         say_models(a, b, half, ret_verdicts);
     else
@@ -304,8 +309,8 @@ void compare_verdict_flows(const compare_side *a, const compare_side *b,
                            verdicts *ret_verdicts)
 {
     const double most = fmax(a->throughput_per_h, b->throughput_per_h);
-    const double allowed = COMPARE_MODELS_AGREE + fabs(a->arrived - b->arrived) +
-                           fabs(a->throughput_per_h - b->throughput_per_h) / most;
+    const double apart = most > 0.0 ? fabs(a->throughput_per_h - b->throughput_per_h) / most : 0.0;
+    const double allowed = COMPARE_MODELS_AGREE + fabs(a->arrived - b->arrived) + apart;
     compare_flow_pair pairs[COMPARE_FLOWS_MAX];
     const size_t n = compare_flows_match(flows_a, flows_b, pairs);
     size_t n_differ = 0;

@@ -9,7 +9,7 @@
 ///     uncertain        parts arrive by chance, and how much of the difference is chance is not known
 ///     too_early        both models of one line, not within that, and the belt of one was still filling while its throughput was
 ///                      counted
-///     no_throughput    nothing has left of one of them, or its curve is of what is inside while cargo enters and leaves
+///     no_throughput    nothing came through in either, or nothing has left of one of them, or its curve is of what is inside while cargo enters and leaves
 ///     flows_differ     flows of counters or outlets differ by more than chance leaves open, and by more than the throughputs do
 
 #pragma once

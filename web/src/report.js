@@ -5,7 +5,7 @@ import { h, link } from "./dom.js";
 import { moment } from "./format.js";
 import { saveBlob } from "./picture.js";
 
-const CONTROLS = "button, select, input, label, .button, .segments, .transport, [hidden], .hidden, .scene-row, .scale, .drop, .row.hint, progress";
+const CONTROLS = "button, select, input, label, .button, .segments, .transport, [hidden], .hidden, .scene-row, .scale, .drop, .row.hint, .of-screen, progress";
 
 const STYLE = `body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1b2430;background:#fff}
 h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:1.6rem}h3{font-size:1rem}img{max-width:100%;display:block}section{break-inside:avoid}
@@ -15,7 +15,7 @@ dd{margin:0}dd>span{display:block}small{margin:0 .4rem}.plot-legend{list-style:n
 
 const place = (k) => h("span", { "data-drawing": String(k) });
 
-// As it is seen now: addresses whole, without what can be pressed; drawings go to the list, and leave their places.
+// As it is seen now: addresses whole, without what can be pressed or speaks of that; drawings go to the list, and leave their places.
 function stillOf(element, drawings) {
   const copy = element.cloneNode(true);
   const canvases = [...element.querySelectorAll("canvas")];

@@ -30,6 +30,10 @@ export class StudyPictures {
       h("div", { class: "card-head" }, h("h2", { id: "pictures-title" }, "The jam at each point"), this.row, this.button), this.list);
   }
 
+  get hasAny() {
+    return this.list.childElementCount > 0;
+  }
+
   dispose() {
     this.isGone = true;
   }

@@ -71,7 +71,7 @@ export class StudyView {
     const action = (text, what) => h("button", { type: "button", on: { click: () => this.data.post(what).catch(tellFault) } }, text);
     this.buttons = { pause: action("Pause", "pause"), resume: action("Resume", "resume"), cancel: action("Cancel", "cancel") };
     const saved = [
-      iconButton("download", "Save report", () => saveReport({ title: this.title, name: `${fileNameOf(this.title)}.html`, pieces: this.cards }), { shown: true }),
+      iconButton("download", "Save report", () => saveReport({ title: this.title, name: `${fileNameOf(this.title)}.html`, pieces: this.cards.filter((card) => card !== this.pictures.element || this.pictures.hasAny) }), { shown: true }),
       iconButton("download", "Trials as CSV", () => this.download(), { shown: true })];
     return h("div", { class: "view-head" },
       h("div", { class: "heading" }, this.nameText = h("h1", {}, this.title),
@@ -98,8 +98,8 @@ export class StudyView {
           choose("Against", [...this.words.keys()], this.pointer, (pointer) => this.words.get(pointer).label,
             (value) => this.choose({ pointer: value })))),
       this.chart.element,
-      h("p", { class: "hint" }, this.words.size > 0 ? "Each point is the mean of its runs, with the 95 % interval where there are several. Press a point to open its run."
-        : "Each point is a run. Press one to open it."));
+      h("p", { class: "hint" }, this.words.size > 0 ? "Each point is the mean of its runs, with the 95 % interval where there are several." : "Each point is a run.",
+        h("span", { class: "of-screen" }, " Press one to open it.")));
   }
 
   tableCard() {

@@ -135,6 +135,18 @@ static void a_difference_is_held_against_chance(void **unused)
     "'feeds': [], 'counters': [{'id': 'c', 'flow_per_h': 7}]}, 'scenario': {" DOCUMENT_NEEDED      \
     ", 'macro': {" macro "}}}"
 
+// Models that both let nothing through do not agree on anything.
+static void there_is_nothing_to_compare_where_nothing_comes_through(void **unused)
+{
+    compare_side macro = run_of(RUN_MACRO, 1, 0.0, (double)NAN);
+    const compare_side micro = run_of(RUN_MICRO, 1, 0.0, 0.0);
+
+    (void)unused;
+    assert_string_equal(say(&macro, &micro)->kind, "no_throughput");
+    macro.throughput_per_h = 10.0;
+    assert_string_equal(say(&macro, &micro)->kind, "models_disagree");
+}
+
 // Two counters and an outlet; without chance but where the throughput of a run of parts has some.
 static compare_flows flows_of(double first, double second, double outlet, double error)
 {
@@ -167,6 +179,11 @@ static void flows_that_differ_more_than_the_throughputs_are_told(void **unused)
     all = (verdicts){ 0 };
     compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
     assert_int_equal(all.n, 0);
+
+    a.throughput_per_h = b.throughput_per_h =
+        0.0; // what goes through counters before a queue differs all the same
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 1);
 }
 
 static void flows_within_their_intervals_or_without_any_do_not_differ(void **unused)
@@ -288,6 +305,7 @@ int main(void)
         cmocka_unit_test(what_is_inside_is_no_outflow_where_cargo_enters),
         cmocka_unit_test(models_agree_where_more_parts_than_the_mean_arrived),
         cmocka_unit_test(a_difference_is_held_against_chance),
+        cmocka_unit_test(there_is_nothing_to_compare_where_nothing_comes_through),
         cmocka_unit_test(flows_that_differ_more_than_the_throughputs_are_told),
         cmocka_unit_test(flows_within_their_intervals_or_without_any_do_not_differ),
         cmocka_unit_test(of_many_flows_that_differ_three_are_named),
