@@ -39,7 +39,7 @@ typedef struct api_run {
     char name[SCENE_NAME_SIZE]; ///< at first that of the scenario
     char line[API_LABEL_SIZE];  ///< the line that it belongs to, "" if none
     uint64_t
-        line_version; ///< which of the line's scenarios it has, from 1 in the order of their first use; 0: no line, or a trial
+        line_version; ///< its scenario's number among the line's, from 1; 0: no line, or a trial
     char notes[API_NOTES_SIZE]; ///< of its users, "" if none
     bool is_starred;            ///< its users want to find it again
     char closure

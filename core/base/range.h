@@ -13,8 +13,8 @@ typedef struct bf_range {
     bool excludes_min; ///< minimum itself is out of range
     bool excludes_max; ///< maximum itself is out of range
     double
-        guard; ///< numbers of larger size are refused, too, so that later arithmetic is safe; far from
-               ///< any sensible value, so documents do not state it; 0: none
+        guard; ///< numbers of larger size are refused, too, so that later arithmetic is safe; far
+               ///< from any sensible value, so documents do not state it; 0: none
 } bf_range;
 
 /// Note a fault at pointer if the value is out of range or no number.

@@ -37,8 +37,7 @@ struct moving_field {
     int8_t *directions;        // of each of them: 1, or -1: it runs backwards; with speeds
     double dt;                 // step of the solver, s
     double edge;               // shorter one of a cell, m
-    scene
-        now; // the same with the plates that are there, at their places, and belts in their directions
+    scene now; // the same with the plates that are there, at their places, and belts as they run
     scene_obstacle *obstacles; // of now
     plate_motion *motion;      // of the scene's world, borrowed
     const plate_drive *drives; // same

@@ -41,7 +41,7 @@ typedef enum prediction_term {
                                 ///< reaches over
     PREDICTION_RELAXED, ///< congested closure: cells whose pressure is relaxed, each time that one is
     PREDICTION_COUPLED,      ///< same, where belts do not all run along x1
-    PREDICTION_FIELD_CELLS,  ///< cells of all fields that are made of plates that move
+    PREDICTION_FIELD_CELLS,  ///< cells of all fields that plates and belts have made anew
     PREDICTION_SAMPLE_CELLS, ///< with feeds, cells that cargo covers of all samples
     PREDICTION_TRACER_STEPS, ///< tracers of cargo's time, times steps
     PREDICTION_PART_STEPS,   ///< parts in the domain times steps

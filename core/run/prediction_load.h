@@ -26,7 +26,7 @@ typedef struct prediction_load {
     double area;           ///< that cargo covers, m2 s
     double saturated_area; ///< of that a jam's, m2 s
     double relaxed; ///< cells of the scenario whose pressure is relaxed, each time that one is
-    double fields;  ///< of plates that move, made of the scenario
+    double fields;  ///< of the scenario that plates and belts have made anew
     double tracers; ///< of cargo's time, tracers s
 } prediction_load;
 

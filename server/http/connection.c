@@ -235,6 +235,7 @@ static int64_t look(http *h, int64_t now_ms)
     bool looks_for_disconnected = now_ms >= h->polled_ms + WATCH_DISCONNECTED_MS;
 
     lock_assert_held(&h->lock);
+    // Those that are late are cut off.
     for (http_connection *c = h->connections; c != NULL; c = c->next) {
         if (c->deadline_ms < 0 || now_ms < c->deadline_ms)
             continue;
@@ -244,6 +245,7 @@ static int64_t look(http *h, int64_t now_ms)
     make_room(h, now_ms);
     if (looks_for_disconnected) {
         h->polled_ms = now_ms;
+        // So are those that hung up, of which nothing is left to be read, at the second look at which they have.
         for (http_connection *c = h->connections; c != NULL; c = c->next) {
             bool is_gone =
                 c->deadline_ms >= 0 && http__connection_has_hung_up(c->fd) && !has_unread(c->fd);
@@ -252,8 +254,8 @@ static int64_t look(http *h, int64_t now_ms)
             c->seems_disconnected = is_gone;
         }
     }
+    // Of closed ones what still comes is read, until they end or their time is over.
     unsigned n_left = 0;
-    lock_assert_held(&h->lock);
     for (unsigned i = 0; i < h->n_lingering; i++) {
         if (now_ms >= h->linger_until[i] || !drain(h->linger_fds[i])) {
             (void)close(h->linger_fds[i]);

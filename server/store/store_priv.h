@@ -125,9 +125,8 @@ typedef struct store__row {
     uint64_t attempts;       ///< that were begun since the run last went on, and not handed back
     uint64_t hand_backs;     ///< since the run last went on, of those who gave it back unsolved
     store_stop stop_request; ///< of a running run
-    char external_id[STORE_EXTERNAL_ID_SIZE]; ///< of a running run; "": none
-    char line_scenario
-        [STORE__LINE_SCENARIO_SIZE]; ///< stands for its scenario among those of its line; "": no line
+    char external_id[STORE_EXTERNAL_ID_SIZE];      ///< of a running run; "": none
+    char line_scenario[STORE__LINE_SCENARIO_SIZE]; ///< digest of its scenario; "": no line
 } store__row;
 
 /// Start the preparing thread and the store's thread.
