@@ -98,6 +98,56 @@ test("a study is begun by the form, shows what it finds, and its points open the
   await page.getByRole("cell", { name: "4 trials" }).waitFor();
 });
 
+test("several parameters are varied in the form, and two figures are weighed against each other", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(plate(0.5));
+  const page = await openPage(t, d);
+  await visit(page, `#/studies/new?from=${run.id}`);
+  const [first, second] = [1, 2].map((k) => page.getByRole("group", { name: `Parameter ${k}` }));
+  await first.getByLabel("Parameter").selectOption("angle");
+  await page.getByRole("button", { name: "Vary another one, too" }).click();
+  await second.getByLabel("Parameter").selectOption("tip y");
+  await page.getByText("At most 18 runs").waitFor(); // 6 angles by 3 tips
+
+  await page.locator("[name=method]").selectOption("Listed values");
+  await first.locator("[name=values]").fill("60 75 90");
+  await second.locator("[name=values]").fill("0.45 0.5");
+  await page.getByText("Values: each parameter needs as many as the others, not 3 and 2").waitFor();
+  await second.locator("[name=values]").fill("0.45 0,5 five");
+  await page.getByText("Values: must be a number").waitFor();
+  await second.locator("[name=values]").fill("0.45 0.5 0.55");
+  await page.getByText("At most 3 runs").waitFor();
+  await assertAccessible(page, "several parameters");
+
+  await page.locator("[name=method]").selectOption("Spread evenly");
+  await page.locator("[name=points]").fill("5");
+  await page.locator("[name=figure]").selectOption("Parts inside, mean, of upstream");
+  await page.locator("[name=second]").selectOption("Peak density");
+  await first.getByLabel("From").fill("60");
+  await second.getByLabel("From").fill("0.45");
+  await second.getByLabel("To").fill("0.55");
+  assert.equal(await page.locator("[name=name]").inputValue(), "Parts inside, mean, of upstream, angle 60 to 90°, tip y 0.45 to 0.55 m");
+  await page.getByText("At most 5 runs").waitFor();
+  await page.getByRole("button", { name: "Start the study" }).click();
+  await page.locator(".pill", { hasText: "succeeded" }).waitFor();
+  const id = /studies\/([^?]*)/.exec(page.url())[1];
+  const { base, parameters, method, objectives } = (await d.get(`/v1/studies/${id}/document`)).json;
+  assert.deepEqual([method.type, method.points], ["sobol", 5]);
+  assert.deepEqual(parameters.map(({ pointer, range }) => [pointer, range]), [["/obstacles/0/angle_deg", [60, 90]], ["/obstacles/0/end_m/1", [0.45, 0.55]]]);
+  assert.deepEqual(objectives.slice(0, 2).map(({ figure }) => figure), ["content.mean", "peak_density"]);
+  // Its foot stays behind the wall for the highest tip at the least angle.
+  assert.ok(Math.abs(base.scenario.obstacles[0].length_m - 0.55 / Math.sin(Math.PI / 3)) < 1e-6);
+
+  await page.getByRole("combobox", { name: "Against" }).selectOption("Peak density");
+  await page.getByRole("heading", { name: "Parts inside, mean, of upstream against Peak density" }).waitFor();
+  const { front } = (await d.get(`/v1/studies/${id}/best`)).json;
+  assert.equal(await page.locator(".study-point").count(), 5);
+  assert.equal(await page.locator(".study-point.front").count(), front.length);
+  await page.getByText("no other is better in both").waitFor();
+  await page.reload();
+  await page.getByRole("heading", { name: "against Peak density" }).waitFor();
+});
+
 test("a study is paused, resumed, cancelled and deleted", async (t) => {
   const d = await daemon(t);
   const id = await begin(d, { name: "long", base: { scenario: plate(0.5) }, method: { type: "grid" }, objectives: [{ figure: "content.mean" }],

@@ -1,4 +1,4 @@
-// A new study: which parameter, from where to where, what is best, and how the values are chosen.
+// A new study: which parameters, from where to where, what is best, and how the values are chosen.
 
 import { post, Problem } from "./api.js";
 import { lineOf } from "./board/lines.js";
@@ -10,16 +10,23 @@ import { readNumber, writeNumber } from "./numbers.js";
 import { askForCounts } from "./paste_counts.js";
 import { address, go } from "./router.js";
 import { ScenarioSource } from "./scenario_source.js";
-import { baseFor, studyParameters } from "./study_parameters.js";
+import { studyParameters } from "./study_parameters.js";
+import { VaryRows } from "./study_vary.js";
 import { segments } from "./transport.js";
 
 const methods = [
-  ["grid", "Even steps", "every value in the chosen model"],
+  ["grid", "Even steps", "every value in the chosen model; of several parameters all combinations"],
+  ["list", "Listed values", "the first value of each parameter, then the second ones, and so on"],
+  ["sobol", "Spread evenly", "points that fill the ranges of several parameters (Sobol)"],
+  ["lhs", "Spread at random", "points that fill each range evenly, drawn at random (Latin hypercube)"],
   ["screen", "Both models", "even steps in the macroscopic model, then the best ones in the microscopic one"],
-  ["direct", "Search", "goes where the best value is likely"],
+  ["direct", "Search", "goes where the best value is likely (DIRECT); up to three parameters"],
+  ["cmaes", "Search, many parameters", "an evolution strategy (CMA-ES), also where results scatter"],
   ["calibrate", "Fit to counts", "finds the value that agrees best with counts from the hall"],
 ];
+const SPREAD = ["sobol", "lhs"];
 const CONFIRMED = 3;
+const NAME_MOST = 100;
 
 const numberIn = (box) => readNumber(box.value).value;
 
@@ -27,7 +34,6 @@ export class NewStudyView {
   constructor() {
     this.title = "New study";
     this.scenario = {}; // until what the study begins with is read
-    this.parameters = [];
     this.method = "grid";
     this.model = "macro";
   }
@@ -56,15 +62,13 @@ export class NewStudyView {
   }
 
   build() {
-    this.parameterBox = h("select", { name: "parameter", on: { change: () => this.chooseParameter() } });
-    this.units = [0, 1].map(() => h("span", { class: "unit" }));
-    this.fromBox = this.box("from", "");
-    this.toBox = this.box("to", "");
-    this.stepsBox = this.box("steps", "6", { inputmode: "numeric" });
+    this.vary = new VaryRows(() => this.change());
+    this.pointsBox = this.box("points", "32", { inputmode: "numeric" });
     this.trialsBox = this.box("trials", "60", { inputmode: "numeric" });
     this.runsBox = this.box("replications", "1", { inputmode: "numeric" });
     this.runsBox.addEventListener("input", () => (this.hasRuns = true));
     this.figureBox = h("select", { name: "figure", on: { change: () => this.chooseFigure() } });
+    this.secondBox = h("select", { name: "second", on: { change: () => (this.hasSecond = true) } });
     this.indifferenceBox = this.box("indifference", "");
     this.demandBox = this.box("demand", "", { inputmode: "text" });
     this.indifferenceUnit = h("span", { class: "unit" });
@@ -77,17 +81,18 @@ export class NewStudyView {
       this.change();
     });
     this.chooseModel = model.choose;
-    this.nameBox = h("input", { type: "text", name: "name", maxlength: "100", autocomplete: "off", on: { input: () => (this.isNamed = this.nameBox.value !== "") } });
+    this.nameBox = h("input", { type: "text", name: "name", maxlength: String(NAME_MOST), autocomplete: "off", on: { input: () => (this.isNamed = this.nameBox.value !== "") } });
     this.lineBox = h("input", { type: "text", name: "line", maxlength: "100", autocomplete: "off" });
     this.verdict = h("p", { class: "verdict", role: "status" });
     this.faults = h("ul", { class: "faults", "aria-label": "Faults" });
     this.button = h("button", { class: "primary" }, "Start the study");
     this.parts = {
       model: h("div", { class: "field" }, h("span", {}, "Model"), model.element),
-      steps: this.field("Values", this.stepsBox, "how many, with both ends"),
+      points: this.field("Points", this.pointsBox, "how many are tried"),
       trials: this.field("Trials", this.trialsBox, "at most"),
       runs: this.field("Runs of each", this.runsBox, "with other arrivals, for an interval; where parts arrive at random"),
       figure: this.field("Figure", this.figureBox),
+      second: this.field("Then", this.secondBox, "decides between equals; both are weighed against each other"),
       demand: this.field("At least", this.demandBox, "asks for the least parameter; a number, or offered; empty: the best"),
       indifference: this.field("Does not matter below", this.indifferenceBox, "a difference of the figure", this.indifferenceUnit),
       counter: this.field("Counter", this.counterBox, "where parts were counted"),
@@ -101,11 +106,10 @@ export class NewStudyView {
       } } },
       card("from-title", "Begin with", this.source.element, this.field("Name", this.nameBox, "says what is varied, until you edit it"),
         this.field("Line", this.lineBox, "with whose runs it is kept")),
-      card("vary-title", "Vary", h("div", { class: "fields" }, this.field("Parameter", this.parameterBox),
-        this.field("From", this.fromBox, null, this.units[0]), this.field("To", this.toBox, null, this.units[1]), this.parts.steps)),
+      card("vary-title", "Vary", this.vary.element),
       card("best-title", "Find the best", h("div", { class: "fields" },
         h("label", { class: "field" }, h("span", {}, "Method"), this.methodBox, this.methodHint),
-        this.parts.figure, this.parts.demand, this.parts.counter, this.parts.counts, this.parts.model, this.parts.runs, this.parts.trials, this.parts.indifference)),
+        this.parts.points, this.parts.figure, this.parts.second, this.parts.demand, this.parts.counter, this.parts.counts, this.parts.model, this.parts.runs, this.parts.trials, this.parts.indifference)),
       this.faults, h("div", { class: "submit-row" }, this.button, this.verdict))];
   }
 
@@ -170,11 +174,6 @@ export class NewStudyView {
   }
 
   fill() {
-    const chosen = this.parameterBox.value;
-    this.parameters = studyParameters(this.scenario, this.resolved);
-    this.parameterBox.replaceChildren(...this.parameters.map(({ pointer, label }) => h("option", { value: pointer }, label)));
-    const isKnown = this.parameters.some(({ pointer }) => pointer === chosen);
-    if (isKnown) this.parameterBox.value = chosen;
     const counters = (this.resolved ?? this.scenario).counters ?? [{ id: "upstream" }];
     this.counterBox.replaceChildren(...counters.map(({ id }) => h("option", { value: id }, id)));
     const figure = this.figureBox.value;
@@ -182,32 +181,34 @@ export class NewStudyView {
     this.figureBox.replaceChildren(...known.flatMap((one) => (one.of ? counters.map(({ id }) => ({ ...one, name: `${one.figure}:${id}` })) : [{ ...one, name: one.figure }]))
       .map(({ name }) => h("option", { value: name }, figureTitle(name))));
     if (figure) this.figureBox.value = figure;
-    if (!isKnown) this.chooseParameter();
+    this.vary.offer(studyParameters(this.scenario, this.resolved));
     this.chooseFigure();
     this.chooseMethod(this.method);
   }
 
-  get parameter() {
-    return this.parameters.find(({ pointer }) => pointer === this.parameterBox.value);
-  }
-
   get figure() {
-    const [figure, of] = this.figureBox.value.split(":");
-    return { ...studied.find((one) => one.figure === figure), of };
+    return this.figureOf(this.figureBox.value);
   }
 
-  chooseParameter() {
-    const { range: [from, to], unit } = this.parameter;
-    this.fromBox.value = writeNumber(from);
-    this.toBox.value = writeNumber(to);
-    for (const element of this.units) setText(element, unit);
-    this.change();
+  figureOf(name) {
+    const [figure, of] = name.split(":");
+    return { ...studied.find((one) => one.figure === figure), of };
   }
 
   chooseFigure() {
     this.indifferenceBox.value = writeNumber(this.figure.indifference);
     setText(this.indifferenceUnit, figureUnit(this.figureBox.value));
+    this.offerSecond();
     this.change();
+  }
+
+  // Any other figure; first one that belts with a feed have, too, which never drain.
+  offerSecond() {
+    const chosen = this.hasSecond ? this.secondBox.value : "";
+    const names = [...this.figureBox.options].map(({ value }) => value).filter((name) => name !== this.figureBox.value);
+    this.secondBox.replaceChildren(...names.map((name) => h("option", { value: name }, figureTitle(name))));
+    const usual = this.scenario.feeds?.length > 0 ? "residence_s.mean" : "";
+    this.secondBox.value = [chosen, usual, names[0]].find((name) => names.includes(name)) ?? "";
   }
 
   chooseMethod(method) {
@@ -215,12 +216,18 @@ export class NewStudyView {
     this.methodBox.value = method;
     setText(this.methodHint, methods.find(([value]) => value === method)[2]);
     const isFit = method === "calibrate";
-    for (const [part, isShown] of Object.entries({ model: method !== "screen", steps: method === "grid" || method === "screen",
-      trials: method !== "grid", runs: !isFit, figure: !isFit, demand: method === "grid", indifference: method === "screen", counter: isFit, counts: isFit })) {
+    this.vary.choose(method);
+    for (const [part, isShown] of Object.entries({ model: method !== "screen", points: SPREAD.includes(method), trials: !this.isSweep, runs: !isFit,
+      figure: !isFit, second: !isFit, demand: this.isSweep, indifference: method === "screen", counter: isFit, counts: isFit })) {
       this.parts[part].hidden = !isShown;
     }
     if (!this.hasRuns) this.runsBox.value = String(this.usualRuns());
     this.change();
+  }
+
+  // All points are chosen beforehand.
+  get isSweep() {
+    return ["grid", "list", ...SPREAD].includes(this.method);
   }
 
   // Where arrivals are drawn: a selection among points needs more of them for its first judgement than a mean does.
@@ -232,18 +239,18 @@ export class NewStudyView {
 
   // How many runs there will be at most.
   trials() {
-    const [steps, runs, trials] = [this.stepsBox, this.runsBox, this.trialsBox].map((box) => Math.max(1, Math.round(numberIn(box)) || 1));
-    if (this.method === "grid") return steps * runs;
-    return this.method === "screen" ? Math.max(trials, steps + CONFIRMED * Math.max(2, runs)) : trials;
+    const [points, runs, trials] = [this.pointsBox, this.runsBox, this.trialsBox].map((box) => Math.max(1, Math.round(numberIn(box)) || 1));
+    if (SPREAD.includes(this.method)) return points * runs;
+    if (this.isSweep) return this.vary.nPoints() * runs;
+    return this.method === "screen" ? Math.max(trials, this.vary.nPoints() + CONFIRMED * Math.max(2, runs)) : trials;
   }
 
   change() {
-    if (!this.parameter) return;
-    const range = [numberIn(this.fromBox), numberIn(this.toBox)];
-    const { label, unit } = this.parameter;
-    if (!this.isNamed && range.every(Number.isFinite)) {
+    if (!this.vary?.isReady) return;
+    const varied = this.vary.words();
+    if (!this.isNamed && varied !== "") {
       const goal = this.method === "calibrate" ? "Fit" : figureTitle(this.figureBox.value);
-      this.nameBox.value = `${goal}, ${label} ${range[0]} to ${range[1]}${unit === "°" ? "°" : unit ? ` ${unit}` : ""}`;
+      this.nameBox.value = `${goal}, ${varied}`.slice(0, NAME_MOST);
     }
     clearTimeout(this.timer);
     if (!this.hasBadNumbers()) this.timer = setTimeout(() => this.predict(), 300);
@@ -251,16 +258,16 @@ export class NewStudyView {
 
   // Boxes whose text is no number; they are marked, and said.
   hasBadNumbers() {
-    const boxes = [["Values", this.stepsBox], ["Trials", this.trialsBox], ["Runs of each", this.runsBox], ["From", this.fromBox], ["To", this.toBox],
-      ["Does not matter below", this.indifferenceBox]];
+    const boxes = [["Points", this.pointsBox], ["Trials", this.trialsBox], ["Runs of each", this.runsBox], ["Does not matter below", this.indifferenceBox]];
     if (this.demandBox.value.trim() !== "" && !/^[a-z]+$/i.test(this.demandBox.value.trim())) boxes.push(["At least", this.demandBox]);
     const bad = boxes.filter(([label, box]) => {
       const { fault } = readNumber(box.value);
       box.setAttribute("aria-invalid", String(fault !== ""));
       return fault !== "" && !box.closest("[hidden]");
     });
-    if (bad.length > 0) this.say(bad.map(([label, box]) => `${label}: ${readNumber(box.value).fault}`).join("; "));
-    return bad.length > 0;
+    const said = [...this.vary.faults(), ...bad.map(([label, box]) => `${label}: ${readNumber(box.value).fault}`)];
+    if (said.length > 0) this.say(said.join("; "));
+    return said.length > 0;
   }
 
   async predict() {
@@ -269,8 +276,8 @@ export class NewStudyView {
       const known = await Promise.all(models.map((model) => post("v1/validate", { scenario: this.scenario, model })));
       const each = known.map(({ predicted_s: seconds }) => seconds);
       const n = this.trials();
-      const steps = Math.max(1, Math.round(numberIn(this.stepsBox)) || 1);
-      const seconds = this.method === "screen" ? steps * each[0] + (n - steps) * each[1] : n * each[0];
+      const screened = this.vary.nPoints();
+      const seconds = this.method === "screen" ? screened * each[0] + (n - screened) * each[1] : n * each[0];
       this.say(each.includes(null) ? `At most ${n} runs.` : `At most ${n} runs, about ${span(seconds)} of computing on one core.`, "good");
     } catch (error) {
       this.refuse(error);
@@ -278,29 +285,27 @@ export class NewStudyView {
   }
 
   document() {
-    const range = [numberIn(this.fromBox), numberIn(this.toBox)];
-    const { pointer } = this.parameter;
     const goal = ({ figure, of, goal: way }) => ({ figure, ...(of ? { of } : {}), goal: way });
-    const others = studied.filter(({ figure, of }) => figure !== this.figure.figure && !of).slice(0, 5);
-    const isGrid = this.method === "grid" || this.method === "screen";
-    const asked = this.method === "grid" ? this.demandBox.value.trim() : "";
+    const second = this.figureOf(this.secondBox.value);
+    const others = studied.filter(({ figure, of }) => ![this.figure.figure, second.figure].includes(figure) && !of).slice(0, 4);
+    const asked = this.isSweep ? this.demandBox.value.trim() : "";
     const demand = asked === "" ? {} : { demand: Number.isFinite(numberIn(this.demandBox)) ? numberIn(this.demandBox) : asked };
     const common = {
       name: this.nameBox.value,
       line: this.lineBox.value.trim(),
-      base: { scenario: baseFor(this.scenario, this.parameter, range), model: this.method === "screen" ? "macro" : this.model },
-      parameters: [{ pointer, range, ...(isGrid ? { steps: numberIn(this.stepsBox) } : {}) }],
+      base: { scenario: this.vary.base(this.scenario), model: this.method === "screen" ? "macro" : this.model },
+      parameters: this.vary.document(),
     };
     if (this.method === "calibrate") {
       return { ...common, curves: [{ counter: this.counterBox.value, measurement: this.countsBox.value }],
         method: { type: "calibrate", points: 4 }, limits: { trials: this.trials() } };
     }
-    const method = this.method === "screen" ? { type: "screen", sweep: "grid", confirm: Math.min(CONFIRMED, numberIn(this.stepsBox)), indifference: numberIn(this.indifferenceBox) }
-      : { type: this.method };
+    const method = this.method === "screen" ? { type: "screen", sweep: "grid", confirm: Math.min(CONFIRMED, this.vary.nPoints()), indifference: numberIn(this.indifferenceBox) }
+      : { type: this.method, ...(SPREAD.includes(this.method) ? { points: numberIn(this.pointsBox) } : {}) };
     const runs = numberIn(this.runsBox);
-    return { ...common, method, objectives: [{ ...goal(this.figure), ...demand }, ...others.map(goal)],
+    return { ...common, method, objectives: [{ ...goal(this.figure), ...demand }, ...[second, ...others].map(goal)],
       replications: this.method === "screen" ? Math.max(2, runs) : runs,
-      ...(this.method === "grid" ? {} : { limits: { trials: this.trials() } }) };
+      ...(this.isSweep ? {} : { limits: { trials: this.trials() } }) };
   }
 
   async submit() {

@@ -27,6 +27,13 @@ export function readNumber(text, hasComma = usesComma()) {
   return { value: NaN, fault: `may mean ${value} or ${other}: write ${[value, other].map((one) => writeNumber(one, true)).join(" or ")}` };
 }
 
+// Several of them, with spaces or semicolons between: { values, fault }.
+export function readNumbers(text, hasComma = usesComma()) {
+  const read = text.split(/[;\s]+/).filter(Boolean).map((one) => readNumber(one, hasComma));
+  const fault = read.length === 0 ? "must be numbers with spaces between" : (read.find((one) => one.fault !== "")?.fault ?? "");
+  return { values: read.map(({ value }) => value), fault };
+}
+
 // What is wrong with a number that has these limits, or "".
 export function limitFault({ above, least, most }, value) {
   if (above !== undefined && !(value > above)) return `must be greater than ${writeNumber(above)}`;

@@ -25,7 +25,7 @@ function rangeOf(curves, hasZero) {
   return [least === 0 ? 0 : least - room, most + room];
 }
 
-// curves: as CurvePlot has them, or points with intervals (low, high); axes: what they are called; from, to: of the first axis.
+// curves: as CurvePlot has them, or points with intervals (low to high, and left to right); axes: what they are called; from, to: of the first axis.
 function saveCurves({ curves, from, to, axes: [across, unit], title }) {
   const [low, high] = rangeOf(curves, from === 0);
   const bottom = HEIGHT - BOTTOM;
@@ -33,10 +33,11 @@ function saveCurves({ curves, from, to, axes: [across, unit], title }) {
   const y = (v) => bottom - ((bottom - TOP) * (v - low)) / (high - low);
   const at = (value) => value.toFixed(2);
   const text = (px, py, words, more = {}) => svg("text", { x: at(px), y: at(py), ...more }, words);
-  const lines = curves.map(({ color: c, dash, points, t, v, low: lows = [], high: highs = [] }) => {
+  const lines = curves.map(({ color: c, dash, points, t, v, low: lows = [], high: highs = [], left: lefts = [], right: rights = [] }) => {
     const places = thinned(t.map((time, k) => [x(time), y(v[k])]).filter((place) => place.every(Number.isFinite)));
-    const spans = t.flatMap((time, k) => (Number.isFinite(lows[k]) ? [svg("path", { d: `M${at(x(time))} ${at(y(lows[k]))}V${at(y(highs[k]))}`,
-      stroke: color(c), "stroke-width": "1.5" })] : []));
+    const span = (d) => svg("path", { d, stroke: color(c), "stroke-width": "1.5" });
+    const spans = t.flatMap((time, k) => [Number.isFinite(lows[k]) ? span(`M${at(x(time))} ${at(y(lows[k]))}V${at(y(highs[k]))}`) : [],
+      Number.isFinite(lefts[k]) ? span(`M${at(x(lefts[k]))} ${at(y(v[k]))}H${at(x(rights[k]))}`) : []].flat());
     if (points) return svg("g", { fill: color(c) }, spans, places.map(([px, py]) => svg("circle", { cx: at(px), cy: at(py), r: "2.5" })));
     return svg("polyline", { points: places.map((place) => place.map(at).join()).join(" "), fill: "none", stroke: color(c), "stroke-width": "2",
       "stroke-dasharray": (dash ?? []).join(" ") });

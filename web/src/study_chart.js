@@ -1,4 +1,4 @@
-// A figure against a parameter, a point for each of a study's, with its interval. Points open their run.
+// A figure against a parameter or another figure, a point for each of a study's, with its intervals. Points open their run.
 
 import uPlot from "uplot";
 
@@ -30,11 +30,12 @@ export class StudyChart {
     this.plot?.destroy();
   }
 
-  // points: [{ key, x, mean, low, high, model, isBest, title }]; axes: the words below and beside.
-  show(points, axes) {
+  // points: [{ key, x, xLow, xHigh, mean, low, high, model, isBest, isFront, title }]; isLine: neighbours are joined; axes: the words
+  // below and beside.
+  show(points, isLine, axes) {
     this.points = [...points].sort((a, b) => a.x - b.x);
-    const isSame = axes.join() === this.axes.join();
-    this.axes = axes;
+    const isSame = axes.join() === this.axes.join() && isLine === this.isLine;
+    Object.assign(this, { axes, isLine });
     this.box.setAttribute("aria-label", `${axes[1]} against ${axes[0]}`);
     if (!this.plot || !isSame) this.rebuild();
     else this.plot.setData(this.data());
@@ -43,11 +44,12 @@ export class StudyChart {
 
   // As saveCurves() takes it.
   what() {
-    const [from, to] = this.rangeOf(this.points.map(({ x }) => x), 0.06);
+    const [from, to] = this.rangeAcross();
     const curves = this.seen().map((model) => {
       const points = this.points.filter((point) => point.model === model);
       return { name: models[model], color: COLORS[model], points: true, t: points.map(({ x }) => x), v: points.map(({ mean }) => mean),
-        low: points.map(({ low }) => low), high: points.map(({ high }) => high) };
+        low: points.map(({ low }) => low), high: points.map(({ high }) => high),
+        left: points.map(({ xLow }) => xLow), right: points.map(({ xHigh }) => xHigh) };
     });
     return { curves, from, to, axes: this.axes, title: `${this.axes[1]} against ${this.axes[0]}` };
   }
@@ -70,14 +72,18 @@ export class StudyChart {
     return [low - room, high + room];
   }
 
+  rangeAcross() {
+    return this.rangeOf(this.points.flatMap(({ x, xLow, xHigh }) => [x, xLow, xHigh]), 0.06);
+  }
+
   options() {
-    const series = (model) => ({ stroke: color(COLORS[model]), width: 1, dash: [3, 4], spanGaps: true,
+    const series = (model) => ({ stroke: color(COLORS[model]), width: this.isLine ? 1 : 0, dash: [3, 4], spanGaps: true,
       points: { show: true, size: 8, fill: color(COLORS[model]), width: 0 } });
     return {
       width: Math.max(120, this.box.clientWidth), height: 340, padding: [12, 22, 0, 0], legend: { show: false },
       cursor: { show: false },
       scales: {
-        x: { time: false, range: () => this.rangeOf(this.points.map(({ x }) => x), 0.06) },
+        x: { time: false, range: () => this.rangeAcross() },
         y: { range: () => this.rangeOf(this.points.flatMap(({ mean, low, high }) => [mean, low, high]), 0.1) },
       },
       axes: [axisOf(this.axes[0], 26), axisOf(this.axes[1], (u, texts) => 22 + 7 * longest(texts))],
@@ -99,18 +105,21 @@ export class StudyChart {
     const { ctx } = u;
     ctx.save();
     ctx.lineWidth = 1.5 * devicePixelRatio;
-    for (const { x, low, high, model } of this.points) {
-      if (low === null) continue;
-      const [px, y0, y1] = [u.valToPos(x, "x", true), u.valToPos(low, "y", true), u.valToPos(high, "y", true)];
-      const tick = 4 * devicePixelRatio;
+    const tick = 4 * devicePixelRatio;
+    const at = (x, y) => [u.valToPos(x, "x", true), u.valToPos(y, "y", true)];
+    const bar = ([x0, y0], [x1, y1], [dx, dy]) => {
+      ctx.moveTo(x0, y0);
+      ctx.lineTo(x1, y1);
+      for (const [x, y] of [[x0, y0], [x1, y1]]) {
+        ctx.moveTo(x - dx, y - dy);
+        ctx.lineTo(x + dx, y + dy);
+      }
+    };
+    for (const { x, xLow, xHigh, mean, low, high, model } of this.points) {
       ctx.strokeStyle = color(COLORS[model]);
       ctx.beginPath();
-      ctx.moveTo(px, y0);
-      ctx.lineTo(px, y1);
-      for (const y of [y0, y1]) {
-        ctx.moveTo(px - tick, y);
-        ctx.lineTo(px + tick, y);
-      }
+      if (low !== null) bar(at(x, low), at(x, high), [tick, 0]);
+      if (xLow !== null) bar(at(xLow, mean), at(xHigh, mean), [0, tick]);
       ctx.stroke();
     }
     ctx.restore();
@@ -134,6 +143,7 @@ export class StudyChart {
       button.title = point.title;
       button.setAttribute("aria-label", `${point.title}, open the run`);
       button.classList.toggle("best", point.isBest);
+      button.classList.toggle("front", point.isFront);
       button.style.transform = `translate(${u.valToPos(point.x, "x")}px, ${u.valToPos(point.mean, "y")}px)`;
     }
   }
@@ -146,6 +156,7 @@ export class StudyChart {
     };
     const best = this.points.find(({ isBest }) => isBest);
     this.legend.replaceChildren(...this.seen().map((model) => h("li", {}, mark(model), h("span", {}, models[model]))),
-      best ? h("li", {}, h("i", { class: "best-mark" }), h("span", {}, `best: ${quantity(best.x, "", 4)}`)) : "");
+      best ? h("li", {}, h("i", { class: "best-mark" }), h("span", {}, `best: ${quantity(best.x, "", 4)}`)) : "",
+      this.points.some(({ isFront }) => isFront) ? h("li", {}, h("i", { class: "front-mark" }), h("span", {}, "no other is better in both")) : "");
   }
 }

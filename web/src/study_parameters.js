@@ -7,28 +7,28 @@ import { angleOf, plateOf, tidy, withPlate } from "./plate.js";
 const radians = (degrees) => (degrees * Math.PI) / 180;
 const around = (value) => [tidy(value * 0.7, 2), tidy(value * 1.3, 2)];
 
-// A plate that stands at the wall stays there: it is made so long that its foot does not leave it anywhere in the range.
-function lengthened(scenario, k, { from, to }, least) {
+// A plate that stands at the wall stays there: it is made so long that its foot does not leave it at any of the angles and tips.
+function writePlate(scenario, k, { from, to }, valuesOf) {
   const plate = withPlate(scenario.obstacles[k], { from, to });
   const wall = scenario.domain?.y_m?.[0] ?? from[1];
   const isAtWall = Math.abs(from[1] - wall) < 1e-6;
+  const angles = valuesOf(`/obstacles/${k}/angle_deg`) ?? [angleOf({ from, to })];
+  const tips = valuesOf(`/obstacles/${k}/end_m/1`) ?? [to[1]];
+  const least = Math.max(...angles.flatMap((angle) => tips.map((tip) => (tip - from[1]) / Math.sin(radians(angle)))));
   scenario.obstacles[k] = isAtWall ? { ...plate, length_m: tidy(Math.max(plate.length_m, least)) } : plate;
 }
 
 function ofPlate(scenario, k) {
   const plate = plateOf(scenario.obstacles[k]);
   if (!plate) return [];
-  const { from, to } = plate;
-  const across = to[1] - from[1];
+  const [x, y] = plate.to;
   const who = scenario.obstacles.length === 1 ? "" : `${scenario.obstacles[k].id ?? k + 1} `;
-  const angled = (least) => (copy, range) => lengthened(copy, k, plate, least(range));
-  const at = (member, label, unit, value, range, write) => ({ pointer: `/obstacles/${k}/${member}`, label: `${who}${label}`, unit, value, range, write });
+  const at = (name, label, unit, value, range) => ({ pointer: `/obstacles/${k}/${name}`, label: `${who}${label}`, unit, value, range,
+    write: (copy, valuesOf) => writePlate(copy, k, plate, valuesOf) });
   return [
-    at("angle_deg", "angle", "°", angleOf(plate), [45, 90],
-      angled((range) => Math.max(...range.map((angle) => across / Math.sin(radians(angle)))))),
-    at("end_m/1", "tip y", "m", to[1], [tidy(to[1] - 0.05), tidy(to[1] + 0.05)],
-      angled((range) => (Math.max(...range) - from[1]) / Math.sin(radians(angleOf(plate))))),
-    at("end_m/0", "tip x", "m", to[0], [tidy(to[0] - 0.1), tidy(to[0] + 0.1)], angled(() => 0)),
+    at("angle_deg", "angle", "°", angleOf(plate), [45, 90]),
+    at("end_m/1", "tip y", "m", y, [tidy(y - 0.05), tidy(y + 0.05)]),
+    at("end_m/0", "tip x", "m", x, [tidy(x - 0.1), tidy(x + 0.1)]),
   ];
 }
 
@@ -52,7 +52,7 @@ function writeAt(scenario, pointer, value) {
   item[last] = value;
 }
 
-// [{ pointer, label, unit, value, range, write(copy, range) }]. resolved: the same scenario with its defaults, or null.
+// [{ pointer, label, unit, value, range, write(copy, valuesOf) }]. resolved: the same scenario with its defaults, or null.
 export function studyParameters(scenario, resolved) {
   const { obstacles = [], belts = [], feeds = [] } = scenario;
   const others = more.flatMap((pointer) => {
@@ -72,10 +72,12 @@ export function studyParameters(scenario, resolved) {
   ];
 }
 
-// The scenario as a study of this parameter over this range wants it; its name, which all trials have, does not say the parameter.
-export function baseFor(scenario, parameter, range) {
+// The scenario as a study of these parameters wants it; its name, which all trials have, does not say them.
+// varied: [{ parameter, values }], with the values, or the ends of the range, that are tried.
+export function baseFor(scenario, varied) {
   const copy = structuredClone(scenario);
-  parameter.write(copy, range);
-  if (copy.name) copy.name = stemOf(copy.name, [parameter.label]);
+  const valuesOf = (pointer) => varied.find(({ parameter }) => parameter.pointer === pointer)?.values;
+  for (const { parameter } of varied) parameter.write(copy, valuesOf);
+  if (copy.name) copy.name = stemOf(copy.name, varied.map(({ parameter }) => parameter.label));
   return copy;
 }

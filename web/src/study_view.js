@@ -1,4 +1,4 @@
-// One study: a figure against a parameter while it is made, what is best, and of a fit the curves that were fitted.
+// One study: a figure against a parameter or another figure while it is made, what is best, and of a fit the curves that were fitted.
 
 import { isGuest } from "./access.js";
 import { annotate } from "./annotate.js";
@@ -37,7 +37,8 @@ export class StudyView {
     this.words = new Map(doc.parameters.map(({ pointer }) => [pointer, parameterAt(pointer, scenario)]));
     this.figures = figureNames(doc);
     this.figure = this.figures.includes(query.get("figure")) ? query.get("figure") : this.figures[0];
-    this.pointer = this.words.has(query.get("against")) ? query.get("against") : doc.parameters[0]?.pointer;
+    const against = query.get("against");
+    this.against = this.words.has(against) || this.figures.includes(against) ? against : doc.parameters[0]?.pointer;
     root.replaceChildren(...this.build());
     this.data.onChange = () => this.show();
     this.show();
@@ -95,8 +96,8 @@ export class StudyView {
       h("div", { class: "card-head" }, this.chartTitle = h("h2", { id: "chart-title" }),
         h("div", { class: "row" },
           choose("Figure", this.figures, this.figure, figureTitle, (value) => this.choose({ figure: value })),
-          choose("Against", [...this.words.keys()], this.pointer, (pointer) => this.words.get(pointer).label,
-            (value) => this.choose({ pointer: value })))),
+          this.words.size === 0 ? null : choose("Against", [...this.words.keys(), ...this.figures], this.against, (name) => this.wordsOf(name).label,
+            (value) => this.choose({ against: value })))),
       this.chart.element,
       h("p", { class: "hint" }, this.words.size > 0 ? "Each point is the mean of its runs, with the 95 % interval where there are several." : "Each point is a run.",
         h("span", { class: "of-screen" }, " Press one to open it.")));
@@ -111,8 +112,13 @@ export class StudyView {
 
   choose(change) {
     Object.assign(this, change);
-    note({ figure: this.figure, against: this.pointer });
+    note({ figure: this.figure, against: this.against });
     this.show();
+  }
+
+  // Of a parameter or a figure.
+  wordsOf(name) {
+    return this.words.get(name) ?? { label: figureTitle(name), unit: figureUnit(name) };
   }
 
   show() {
@@ -128,10 +134,10 @@ export class StudyView {
     this.buttons.cancel.hidden = isOver(study);
     const points = pointsOf(this.data.ended(), this.figure);
     const unit = figureUnit(this.figure);
-    const { label, unit: of } = this.words.get(this.pointer) ?? { label: "number of the run" };
+    const { label, unit: of } = this.words.size > 0 ? this.wordsOf(this.against) : { label: "number of the run" };
     setText(this.chartTitle, `${figureTitle(this.figure)} against ${label}`);
-    const drawn = this.words.size > 0 ? points.map((point) => this.drawn(point, unit)) : this.repeated(unit);
-    this.chart.show(drawn, [of ? `${label} (${of})` : label, unit ? `${figureTitle(this.figure)} (${unit})` : figureTitle(this.figure)]);
+    const drawn = this.words.size > 0 ? this.drawn(points, unit) : this.repeated(unit);
+    this.chart.show(drawn, this.words.size === 1 && this.words.has(this.against), [of ? `${label} (${of})` : label, unit ? `${figureTitle(this.figure)} (${unit})` : figureTitle(this.figure)]);
     this.showTable(points, unit);
     this.pictures.show(this.pictured(points));
     this.best.show(study, best);
@@ -143,15 +149,23 @@ export class StudyView {
     return best?.point === point && best.model === model;
   }
 
-  drawn(point, unit) {
-    return { ...point, key: `${point.point} ${point.model}`, x: point.parameters[this.pointer], isBest: this.isBest(point),
-      title: `${parametersWords(point.parameters, this.words)}: ${valueWords(point, unit)}, ${point.model}` };
+  // Against a figure a point stands at the mean of that, with its interval.
+  drawn(points, unit) {
+    const { front = [] } = this.data.best ?? {};
+    const keyOf = ({ point, model }) => `${point} ${model}`;
+    const others = this.words.has(this.against) ? null : new Map(pointsOf(this.data.ended(), this.against).map((point) => [keyOf(point), point]));
+    const isWeighed = [this.figure, this.against].every((name) => this.figures.slice(0, 2).includes(name));
+    return points.filter((point) => !others || others.has(keyOf(point))).map((point) => {
+      const { mean: x, low: xLow, high: xHigh } = others?.get(keyOf(point)) ?? { mean: point.parameters[this.against], low: null, high: null };
+      return { ...point, key: keyOf(point), x, xLow, xHigh, isBest: this.isBest(point), isFront: isWeighed && front.some((one) => keyOf(one) === keyOf(point)),
+        title: `${parametersWords(point.parameters, this.words)}: ${valueWords(point, unit)}, ${point.model}` };
+    });
   }
 
   // Of a base that is repeated, each run.
   repeated(unit) {
     return this.data.ended().filter(({ values }) => values[this.figure] !== undefined).map((trial) => ({
-      key: `${trial.trial}`, x: trial.trial + 1, model: trial.model, mean: trial.values[this.figure], low: null, high: null, isBest: false,
+      key: `${trial.trial}`, x: trial.trial + 1, model: trial.model, mean: trial.values[this.figure], low: null, high: null, xLow: null, xHigh: null, isBest: false, isFront: false,
       trials: [trial], title: `run ${trial.trial + 1}: ${valueWords({ mean: trial.values[this.figure] }, unit)}, ${trial.model}` }));
   }
 
@@ -159,7 +173,7 @@ export class StudyView {
   pictured(points) {
     const macro = points.filter(({ model }) => model === "macro");
     return (macro.length > 0 ? macro : points)
-      .map((point) => ({ ...point, x: point.parameters[this.pointer] ?? 0, label: parametersWords(point.parameters, this.words) || "run 1" }));
+      .map((point) => ({ ...point, x: point.parameters[this.against] ?? 0, label: parametersWords(point.parameters, this.words) || "run 1" }));
   }
 
   showTable(points, unit) {
