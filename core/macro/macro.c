@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/base/team.h"
 #include "core/macro/congested.h"
+#include "core/macro/kinds.h"
 #include "core/macro/macro_priv.h"
 #include "core/macro/muscl.h"
 #include "core/macro/tracers.h"
@@ -323,7 +324,8 @@ bf_status macro_create(const macro_def *def, macro_solver **ret_solver, bf_error
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
     lay_out(s, def);
-    if (init_arrays(s, def) != BF_OK || copy_off(s, def) != BF_OK) {
+    if (init_arrays(s, def) != BF_OK || copy_off(s, def) != BF_OK ||
+        (def->n_kinds > 0 && kinds_create(s, def->n_kinds, &s->kinds) != BF_OK)) {
         macro_destroy(s);
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for a grid of %zu x %zu cells",
                        def->grid.n1, def->grid.n2);
@@ -349,6 +351,7 @@ macro_solver *macro_destroy(macro_solver *s)
     memory_free(s->bands);
     congested_destroy(s->congested);
     tracers_destroy(s->tracers);
+    kinds_destroy(s->kinds);
     macro__faces_fini(s);
     fini_state(&s->now);
     fini_state(&s->next);
@@ -389,6 +392,8 @@ static void drop_row(macro_solver *s, ptrdiff_t j)
     for (ptrdiff_t i = first; i < end; i++) {
         if (off[i] == 0)
             continue;
+        if (s->kinds != NULL)
+            kinds_drop(s, (size_t)(j * s->n1 + i), row[i]);
         fallen[i] += row[i];
         row[i] = 0.0;
     }
@@ -404,6 +409,8 @@ void macro_step(macro_solver *s)
             congested_update(s);
         congested_step(s);
         swap_states(s);
+        if (s->kinds != NULL)
+            kinds_follow(s);
     } else {
         for (s->stage = 0; s->stage < s->n_stages; s->stage++) {
             s->records = s->tracers != NULL && s->stage == 0;

@@ -71,6 +71,8 @@ typedef struct macro_def {
     const uint8_t *off; ///< nonzero: what is in this cell after a step falls (default NULL: none)
     double
         tracer_portion; ///< that a tracer stands for, in densities of a cell; 0: none (tracers.h; default 0)
+    size_t
+        n_kinds; ///< of cargo that are told apart, with SCENE_CONGESTED and SCENE_SCHEME_ROE alone (kinds.h); default 0: none
     bool mirror[4]; ///< west, east, south, north: the convolution sees the density mirrored at
                     ///< this edge instead of zero outside (default false)
     int n_threads;  ///< threads to use, >= 1 (default 1)
@@ -118,8 +120,19 @@ macro_solver *macro_destroy(macro_solver *s);
 BF_MUST_CHECK bf_status macro_set_density(macro_solver *s, const double *rho, size_t n,
                                           bf_error *err);
 
-/// Add a density to a cell, layout of grid.h, between two steps; one below 0 takes some of what there is.
-void macro_add(macro_solver *s, size_t cell, double density);
+/// Add a density to a cell, layout of grid.h, between two steps; one below 0 takes some of what there is. Of kinds it has the
+/// given fractions, n_kinds of the sum 1; NULL: those of the cell.
+void macro_add(macro_solver *s, size_t cell, double density, const double *fractions);
+
+/// Let the cargo of a cell have these fractions of kinds, n_kinds of the sum 1.
+void macro_set_fractions(macro_solver *s, size_t cell, const double *fractions);
+
+/// Take a density of one kind, at most what there is of it, from a cell.
+void macro_take_kind(macro_solver *s, size_t cell, size_t kind, double density);
+
+/// The fractions of the kinds in a cell, n_kinds of the sum 1, also where there is no cargo. Borrowed until the next non-const call. NULL:
+/// kinds are not told apart.
+const double *macro_fractions(const macro_solver *s, size_t cell);
 
 /// A density, in that of a cell, which was added enters now at a place, m: tracers are placed there for it. Without tracers
 /// no effect.
@@ -176,13 +189,19 @@ double macro_mass_in(const macro_solver *s, size_t i_min, size_t i_max, size_t j
 double macro_fallen_in(const macro_solver *s, size_t i_min, size_t i_max, size_t j_min,
                        size_t j_max);
 
+/// The same of one kind.
+double macro_kind_mass_in(const macro_solver *s, size_t kind, size_t i_min, size_t i_max,
+                          size_t j_min, size_t j_max);
+double macro_kind_fallen_in(const macro_solver *s, size_t kind, size_t i_min, size_t i_max,
+                            size_t j_min, size_t j_max);
+
 /// Steps made since rho was set at t = 0.
 uint64_t macro_steps(const macro_solver *s);
 
 /// Simulated time, s: steps times dt.
 double macro_time(const macro_solver *s);
 
-/// Digest of step count and density bits.
+/// Digest of step count and the bits of the density and fractions of kinds.
 uint64_t macro_digest(const macro_solver *s);
 
 /// Append the state to *out, so that macro_load() into a solver of the same def goes on with the

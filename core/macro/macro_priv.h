@@ -153,8 +153,9 @@ struct macro_solver {
     macro_band *bands; ///< n_bands of them
     uint8_t *off;      ///< of the definition, or NULL
     double *fallen; ///< of each cell: sum of the densities that fell since t = 0; NULL without off
-    uint64_t steps; ///< made since t = 0
-    uint64_t n_fields; ///< given by macro_set_field()
+    struct kinds *kinds; ///< NULL: kinds are not told apart
+    uint64_t steps;      ///< made since t = 0
+    uint64_t n_fields;   ///< given by macro_set_field()
 };
 
 /// Cell 0 of row j of rows.

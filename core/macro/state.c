@@ -4,6 +4,7 @@
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/macro/congested.h"
+#include "core/macro/kinds.h"
 #include "core/macro/macro_priv.h"
 #include "core/macro/tracers.h"
 
@@ -88,13 +89,15 @@ bf_status macro_set_density(macro_solver *s, const double *rho, size_t n, bf_err
     return BF_OK;
 }
 
-void macro_add(macro_solver *s, size_t cell, double density)
+void macro_add(macro_solver *s, size_t cell, double density, const double *fractions)
 {
     const ptrdiff_t j = (ptrdiff_t)cell / s->n1, i = (ptrdiff_t)cell % s->n1, b = i / BLOCK_CELLS;
     double *row = macro__row(s, s->now.rho, j);
 
     if (density == 0.0)
         return;
+    if (s->kinds != NULL && fractions != NULL)
+        kinds_mix(s, cell, density, fractions);
     row[i] += density;
     s->now.span[j] = block_span_hull(s->now.span[j], (block_span){ b, b + 1 });
     if (row[i] >= active_from(s))
@@ -253,13 +256,16 @@ uint64_t macro_digest(const macro_solver *s)
 
     for (size_t j = 0; j < s->def.grid.n2; j++)
         digest = digest_add(digest, macro_row(s, j), s->def.grid.n1 * sizeof(double));
+    if (s->kinds != NULL)
+        digest = digest_add(digest, macro_fractions(s, 0),
+                            grid_cells(&s->def.grid) * s->def.n_kinds * sizeof(double));
     return digest;
 }
 
 bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
 {
     enum { SMALL_STATE_BYTES = 65536 }; // of all else
-    const size_t n_arrays = grid_cells(&s->def.grid) * sizeof(double) +
+    const size_t n_arrays = grid_cells(&s->def.grid) * sizeof(double) * (1 + s->def.n_kinds) +
                             (s->fallen != NULL ? grid_cells(&s->def.grid) * sizeof(double) : 0) +
                             (s->congested != NULL ? congested_state_size(s) : 0);
     checkpoint_writer w;
@@ -275,6 +281,8 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
         checkpoint_write(&w, s->fallen, grid_cells(&s->def.grid) * sizeof *s->fallen);
     if (s->tracers != NULL)
         tracers_save(s, &w);
+    if (s->kinds != NULL)
+        kinds_save(s, &w);
     if (s->congested != NULL)
         congested_save(s, &w);
     return checkpoint_end(&w, err);
@@ -294,7 +302,7 @@ bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err
     if (rho != NULL)
         take_density(s, rho);
     if (rho == NULL || (s->fallen != NULL && !checkpoint_read(&r, s->fallen, n_bytes)) ||
-        (s->tracers != NULL && !tracers_load(s, &r)) ||
+        (s->tracers != NULL && !tracers_load(s, &r)) || (s->kinds != NULL && !kinds_load(s, &r)) ||
         (s->congested != NULL && !congested_load(s, &r)) || r.n_left != 0)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
     return BF_OK;

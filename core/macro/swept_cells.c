@@ -266,7 +266,7 @@ static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, dou
                 continue;
             const double taken = fmin(density, fmax(0.0, x->full - density_of(x, to)));
             if (taken > 0.0)
-                macro_add(x->solver, to, taken);
+                macro_add(x->solver, to, taken, macro_fractions(x->solver, start));
             density -= taken;
             if (density <= 0.0)
                 return 0.0;
@@ -285,7 +285,8 @@ static bool spread(const hand_on_context *x, double density)
         n += !is_swept(c, c->queue[k]);
     for (size_t k = 0; k < c->n_queue; k++)
         if (!is_swept(c, c->queue[k]))
-            macro_add(x->solver, c->queue[k], density / (double)n);
+            macro_add(x->solver, c->queue[k], density / (double)n,
+                      macro_fractions(x->solver, c->queue[0]));
     return n > 0;
 }
 
@@ -310,7 +311,7 @@ static void hand_on_cell(void *context, size_t cell, vec2 ahead)
         return;
     const double left = fill_cells(x, cell, ahead, density);
     const bool is_done = left == 0.0 || spread(x, left);
-    macro_add(x->solver, cell, is_done ? -density : left - density);
+    macro_add(x->solver, cell, is_done ? -density : left - density, NULL);
     hand_on_tracers(x, cell);
 }
 

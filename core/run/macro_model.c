@@ -354,7 +354,7 @@ static void add_to_cell(void *context, size_t cell, double density, vec2 at)
 {
     const macro_run *run = context;
 
-    macro_add(run->solver, cell, density);
+    macro_add(run->solver, cell, density, NULL);
     macro_trace(run->solver, at, density);
     macro_flows_add(run->flows, cell, parts_of(run, density));
 }

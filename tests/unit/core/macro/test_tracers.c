@@ -50,7 +50,7 @@ static void make_scene(scene *s, int kind, bool has_plate)
 static void feed_and_step(const scene *s, macro_solver *solver, const bf_grid *g)
 {
     for (size_t j = 0; j < g->n2; j++) {
-        macro_add(solver, j * g->n1, added_to(s));
+        macro_add(solver, j * g->n1, added_to(s), NULL);
         macro_trace(solver, (vec2){ 0.0, grid_x2(g, j) }, added_to(s));
     }
     macro_step(solver);
@@ -104,7 +104,7 @@ static void each_lane_has_its_own_time(void **state)
         while (macro_time(solver) < 8.0) {
             const bool is_time = macro_time(solver) < 1.0;
             for (size_t j = 0; is_time && j < g.n2; j++) {
-                macro_add(solver, j * g.n1, 0.2 * added_to(&s));
+                macro_add(solver, j * g.n1, 0.2 * added_to(&s), NULL);
                 macro_trace(solver, (vec2){ 0.0, grid_x2(&g, j) }, 0.2 * added_to(&s));
             }
             macro_step(solver);
