@@ -11,6 +11,7 @@
 #include "api/event.h"
 #include "api/grants.h"
 #include "api/leases.h"
+#include "api/lines.h"
 #include "api/measurements.h"
 #include "api/quotas.h"
 #include "api/run.h"
@@ -130,6 +131,8 @@ typedef struct api_services {
     bool (*holds)(api_service *service, const char *id);
     bf_status (*list)(api_service *service, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err);
+    bf_status (*list_lines)(api_store *store, const api_line_query *query, api_line_list *ret_list,
+                            bf_error *err);
     /// Ask a run to stop and keep what it has. A queued run is cancelled when this returns, a running
     /// one soon after. revision is the one that it must have in the transaction that decides, or
     /// API_ANY_REVISION. BF_EINPUT: it has another one; BF_ECONFLICT: it has ended.

@@ -2,6 +2,7 @@
 
 #include "api/http/http_priv.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -120,6 +121,19 @@ const char *access_list_owner(const exchange *x)
                     api_access_includes(x->who.scopes, API_SCOPE_ADMIN);
 
     return sees_all ? "" : x->who.owner;
+}
+
+bf_status access_list_owner_asked(exchange *x, char *ret_owner, bf_error *err)
+{
+    const char *only = access_list_owner(x), *asked = exchange__text(x, "owner");
+
+    if (asked == NULL)
+        asked = only;
+    if (only[0] != '\0' && strcmp(asked, only) != 0)
+        return exchange__refuse(
+            x, 403, "", err, "query parameter 'owner': this token lists only what is %s's", only);
+    snprintf(ret_owner, API_OWNER_SIZE, "%s", asked);
+    return BF_OK;
 }
 
 // Whether the sender may see what somebody owns.

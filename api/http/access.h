@@ -27,6 +27,10 @@ BF_MUST_CHECK bf_status access_check_priority(exchange *x, int priority, bf_erro
 /// What a list that the sender asks for is narrowed to: the sender's name; "": everybody's.
 const char *access_list_owner(const exchange *x);
 
+/// The same into ret_owner (API_OWNER_SIZE bytes), or whom the parameter `owner` names. BF_EINPUT as a 403: somebody whose lists
+/// the sender does not see.
+BF_MUST_CHECK bf_status access_list_owner_asked(exchange *x, char *ret_owner, bf_error *err);
+
 /// Find a run, a study or a measurement that the sender may see: without tokens all, with the scope admin all, with a granted
 /// token its run, or its study with the runs of that, else those of the same owner. BF_ENOTFOUND: there is none of this id, or it is somebody else's, which looks the same.
 BF_MUST_CHECK bf_status access_find_run(const exchange *x, const char *id, api_run *ret_run,

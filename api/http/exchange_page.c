@@ -16,7 +16,8 @@ exchange_page exchange__page(const exchange *x)
     return page;
 }
 
-void exchange__encode(const char *value, char *text)
+// Into three bytes per byte of it at most; the end of what was written.
+static char *encode(const char *value, char *text)
 {
     static const char plain[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
@@ -27,16 +28,21 @@ void exchange__encode(const char *value, char *text)
         else
             text += sprintf(text, "%%%02X", (unsigned char)*value);
     }
-    *text = '\0';
+    return text;
 }
 
-void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
-                         const char *cursor)
+void exchange__link_next(exchange *x, const exchange_page *page, const char *cursor)
 {
-    char label[API_LABEL_SIZE * 3];
+    char filters[3 * QUERY_SIZE], *end = filters;
 
-    exchange__encode(page->label, label);
-    api_response_header(x->response, "Link", "<%s?limit=%zu%s%s%s&cursor=%s>; rel=\"next\"",
-                        x->route->path, page->limit, filters,
-                        label[0] == '\0' ? "" : "&label=", label, cursor);
+    for (size_t k = 0; k < x->query.n; k++) {
+        const char *name = x->query.text + x->query.params[k].name;
+        if (strcmp(name, "limit") == 0 || strcmp(name, "cursor") == 0)
+            continue;
+        end += sprintf(end, "&%s=", name);
+        end = encode(x->query.text + x->query.params[k].value, end);
+    }
+    *end = '\0';
+    api_response_header(x->response, "Link", "<%s?limit=%zu%s&cursor=%s>; rel=\"next\"",
+                        x->route->path, page->limit, filters, cursor);
 }

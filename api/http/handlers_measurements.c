@@ -89,7 +89,7 @@ bf_status handlers_measurements_list(exchange *x, bf_error *err)
     bf_status status = x->services->list_measurements(x->services->store, &wanted, list, err);
     if (status == BF_OK && list->has_more && list->n > 0) {
         memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);
-        exchange__link_next(x, &page, "", list->next_cursor);
+        exchange__link_next(x, &page, list->next_cursor);
     }
     exchange__cache_revalidate(x);
     if (status == BF_OK)

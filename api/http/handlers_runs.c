@@ -19,12 +19,6 @@
 #include <stdio.h>
 #include <string.h>
 
-// Of the parameters of a list but for label, limit and cursor.
-enum {
-    FILTERS_SIZE =
-        2 * 3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 2 * 3 * MOMENT_SIZE + 200
-};
-
 static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
 {
     json_in_texts texts = handlers__texts(x, SUBMISSION_TEXTS_MAX);
@@ -159,7 +153,6 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
         .is_starred = exchange__whole(x, "starred") == 1,
     };
 
-    snprintf(list.owner, sizeof list.owner, "%s", access_list_owner(x));
     memcpy(list.label, page->label, sizeof list.label);
     snprintf(list.line, sizeof list.line, "%s", line == NULL ? "" : line);
     snprintf(list.search, sizeof list.search, "%s", search == NULL ? "" : search);
@@ -182,30 +175,19 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
     const exchange_page page = exchange__page(x);
     api_list_query list_query = read_list_query(x, &page);
 
+    bf_status status = access_list_owner_asked(x, list_query.owner, err);
+    if (status != BF_OK)
+        return status;
     if (page.cursor[0] != '\0' && !run_sort_read_cursor(page.cursor, &list_query))
         return exchange__refuse(x, 400, "", err,
                                 "query parameter 'cursor' is of a list in another order");
     api_run_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail_memory(err);
-    bf_status status = x->services->list(x->services->service, &list_query, list, err);
+    status = x->services->list(x->services->service, &list_query, list, err);
     if (status == BF_OK && list->has_more) {
-        static const char *const texts[] = { "status", "model", "line",         "study",
-                                             "search", "sort",  "created_from", "created_before" };
-        char filters[FILTERS_SIZE], *end = filters;
-        for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
-            const char *value = exchange__text(x, texts[k]);
-            if (value == NULL)
-                continue;
-            end += sprintf(end, "&%s=", texts[k]);
-            exchange__encode(value, end);
-            end += strlen(end);
-        }
-        end += sprintf(end, "%s%s", list_query.is_starred ? "&starred=1" : "",
-                       list_query.counts ? "&count=1" : "");
-        BF_CHECK(end < filters + sizeof filters);
         run_sort_write_cursor(list->last_id, list->last_key, list->next_cursor);
-        exchange__link_next(x, &page, filters, list->next_cursor);
+        exchange__link_next(x, &page, list->next_cursor);
     }
     exchange__cache_revalidate(x);
     if (status == BF_OK)

@@ -67,26 +67,22 @@ bf_status handlers_studies_list(exchange *x, bf_error *err)
     const exchange_page page = exchange__page(x);
     const char *state = exchange__text(x, "status"), *line = exchange__text(x, "line");
     api_study_query wanted = { .state = -1, .limit = page.limit };
-    char filter[64 + 3 * API_LABEL_SIZE] = "";
 
-    snprintf(wanted.owner, sizeof wanted.owner, "%s", access_list_owner(x));
+    bf_status status = access_list_owner_asked(x, wanted.owner, err);
+    if (status != BF_OK)
+        return status;
     snprintf(wanted.before, sizeof wanted.before, "%s", page.cursor);
-    if (state != NULL) {
+    if (state != NULL)
         wanted.state = (int)api_study_state_find(state);
-        snprintf(filter, sizeof filter, "&status=%s", state);
-    }
-    if (line != NULL) {
+    if (line != NULL)
         snprintf(wanted.line, sizeof wanted.line, "%s", line);
-        strcat(filter, "&line=");
-        exchange__encode(line, filter + strlen(filter));
-    }
     api_study_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail_memory(err);
-    bf_status status = x->services->list_studies(x->services->store, &wanted, list, err);
+    status = x->services->list_studies(x->services->store, &wanted, list, err);
     if (status == BF_OK && list->has_more && list->n > 0) {
         memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);
-        exchange__link_next(x, &page, filter, list->next_cursor);
+        exchange__link_next(x, &page, list->next_cursor);
     }
     exchange__cache_revalidate(x);
     if (status == BF_OK)

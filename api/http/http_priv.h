@@ -116,12 +116,8 @@ typedef struct exchange_page {
 /// The requested page.
 exchange_page exchange__page(const exchange *x);
 
-/// Write a value for a query, into three bytes per byte of it and a terminator.
-void exchange__encode(const char *value, char *text);
-
-/// Add the Link to the page behind a cursor. filters stands for further parameters: "&status=failed".
-void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
-                         const char *cursor);
+/// Add the Link to the page behind a cursor, with the other parameters of the request.
+void exchange__link_next(exchange *x, const exchange_page *page, const char *cursor);
 
 /// Set ETag to the tag of the resource's present state, given without quotes. True: the handler is done,
 /// as If-None-Match names the state (304), or If-Match does not (412, exchange__check_state()).
@@ -224,6 +220,7 @@ route_handler_fn handlers_results_figures;
 /// Measured curves.
 route_handler_fn handlers_measurements_add;
 route_handler_fn handlers_measurements_list;
+route_handler_fn handlers_lines_list;
 route_handler_fn handlers_measurements_show;
 route_handler_fn handlers_measurements_remove;
 

@@ -108,6 +108,11 @@ const param routes__run_label =
 const param routes__of_line =
     QUERY("line", text, .most = API_LABEL_SIZE - 1, .help = "Only those that belong to this line");
 
+const param routes__of_owner =
+    QUERY("owner", text, .most = API_OWNER_SIZE - 1,
+          .help = "Only what is this owner's; of another one than the sender it needs the scope "
+                  "admin");
+
 const param routes__run_search = QUERY(
     "search", text, .most = API_LABEL_SIZE - 1,
     .help = "Only runs whose name, label or line contains this, A to Z being the same as a to z");

@@ -28,6 +28,7 @@ extern const param routes__run_status;
 extern const param routes__run_model_word;
 extern const param routes__run_label;
 extern const param routes__of_line;
+extern const param routes__of_owner;
 extern const param routes__run_search;
 extern const param routes__run_sort;
 extern const param routes__run_created_from;

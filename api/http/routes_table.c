@@ -76,11 +76,11 @@ static const route table[] = {
                        "Location ETag Cache-Control Preference-Applied Idempotent-Replayed",
                        "The run was accepted, or the study of its replications" } }),
     READS("/v1/runs", handlers_runs_list, "Runs", "listRuns", .formats = "json",
-          .params =
-              PARAMS(&routes__run_status, &routes__run_model_word, &routes__run_label,
-                     &routes__of_line, &routes__run_study, &routes__run_search, &routes__run_sort,
-                     &routes__run_created_from, &routes__run_created_before, &routes__run_starred,
-                     &routes__run_count, &routes__page_limit, &routes__run_cursor, CONDITIONS),
+          .params = PARAMS(&routes__run_status, &routes__run_model_word, &routes__run_label,
+                           &routes__of_line, &routes__of_owner, &routes__run_study,
+                           &routes__run_search, &routes__run_sort, &routes__run_created_from,
+                           &routes__run_created_before, &routes__run_starred, &routes__run_count,
+                           &routes__page_limit, &routes__run_cursor, CONDITIONS),
           .summary = "List runs, newest first or in another order",
           .help = "Filters narrow the list; the `next` link, where there is one, leads to the next "
                   "page. `search`, `line`, `starred`, another `sort` and `count` look at the "
@@ -220,6 +220,13 @@ static const route table[] = {
           .answers = { { 200, NULL, "Cache-Control X-Accel-Buffering", "The stream" },
                        { 204, NULL, "Cache-Control",
                          "All events were sent before; do not reconnect" } }),
+    READS("/v1/lines", handlers_lines_list, "Runs", "listLines", .formats = "json",
+          .params =
+              PARAMS(&routes__of_owner, &routes__page_limit, &routes__page_cursor, CONDITIONS),
+          .summary = "List the lines that runs and studies belong to, the last used one first",
+          .help = "A line is there as long as a run or a study has its name as `line`. Lines of "
+                  "one name of several owners are several lines.",
+          .answers = { { 200, "LineList", CACHED " Link", "A page of lines" }, UNCHANGED }),
     ANSWERS(
         "POST", "/v1/studies", handlers_studies_submit, "Studies", "submitStudy", CHECK, SUBMIT,
         .formats = "json", .params = PARAMS(&routes__idempotency_key),
@@ -233,8 +240,8 @@ static const route table[] = {
         .answers = { { 201, "Study", "Location ETag Cache-Control Idempotent-Replayed",
                        "The study was accepted" } }),
     READS("/v1/studies", handlers_studies_list, "Studies", "listStudies", .formats = "json",
-          .params = PARAMS(&routes__study_status, &routes__of_line, &routes__page_limit,
-                           &routes__page_cursor, CONDITIONS),
+          .params = PARAMS(&routes__study_status, &routes__of_line, &routes__of_owner,
+                           &routes__page_limit, &routes__page_cursor, CONDITIONS),
           .summary = "List studies, newest first",
           .help = "The `next` link, where there is one, leads to older studies.",
           .answers = { { 200, "StudyList", CACHED " Link", "A page of studies" }, UNCHANGED }),

@@ -10,6 +10,7 @@
 #include "api/results/events.h"
 #include "api/results/grant_json.h"
 #include "api/results/lease_json.h"
+#include "api/results/line_json.h"
 #include "api/results/measurement.h"
 #include "api/results/results.h"
 #include "api/results/run_json.h"
@@ -368,6 +369,8 @@ static const openapi_schema table[] = {
       .help = "Summary of a microscopic run",
       .table = &results_summary_members,
       .tag = RUN_MICRO },
+    OBJECT(line_json_item, "A line"),
+    OBJECT(line_json_list, "A page of the list of lines"),
     OBJECT(measurement_links, "The resource itself"),
     OBJECT(measurement_item, "A measurement without its samples or text"),
     OBJECT(measurement_list, "A page of the list of measurements"),

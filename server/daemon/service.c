@@ -223,6 +223,7 @@ api_services service_table(service *s)
                            .find = find,
                            .holds = holds,
                            .list = list,
+                           .list_lines = store_list_lines,
                            .cancel = store_cancel,
                            .annotate = store_annotate,
                            .remove = remove_run,

@@ -142,6 +142,10 @@ BF_MUST_CHECK bf_status store_annotate(store *s, const char *id, uint64_t revisi
 /// BF_ECONFLICT: it is running, and was requested to stop at once: to be removed when it has.
 BF_MUST_CHECK bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *err);
 
+/// Lines; see api_services.
+BF_MUST_CHECK bf_status store_list_lines(store *s, const api_line_query *query,
+                                         api_line_list *ret_list, bf_error *err);
+
 /// Measurements; see api_services. store_add_measurement() gives a new id; BF_ECONFLICT when I13 allows no further one.
 BF_MUST_CHECK bf_status store_add_measurement(store *s, const api_measurement *measurement,
                                               const api_curve *curve, const bf_buffer *csv,

@@ -341,6 +341,23 @@ test("lists show what is one's own, and an administrator everything", async (t) 
   assert.deepEqual([run.owner, own.owner, measurement.owner], ["alice", "bob", "alice"]);
 });
 
+test("lines of one name of several owners are several lines", async (t) => {
+  const { d, alice, bob, root } = await neighbours(t);
+  const runs = await Promise.all([alice, bob].map((who) => d.post("/v1/runs", { scenario: tiny(), line: "hall" }, who)));
+  const lines = async (who, query = "") => (await d.get(`/v1/lines${query}`, who)).json.lines.map(({ owner, newest_run: run }) => [owner, run]);
+  const [ofAlice, ofBob] = runs.map(({ json }) => [json.owner, json.id]);
+  assert.deepEqual([await lines(alice), await lines(bob)], [[ofAlice], [ofBob]]);
+  assert.deepEqual((await lines(root)).sort(), [ofAlice, ofBob]);
+  assert.deepEqual([await lines(root, "?owner=bob"), await lines(bob, "?owner=bob")], [[ofBob], [ofBob]]);
+  const listed = async (target) => (await d.get(`${target}?line=hall&owner=alice`, root)).json;
+  assert.deepEqual((await listed("/v1/runs")).runs.map(({ id }) => id), [ofAlice[1]]);
+  assert.deepEqual((await listed("/v1/studies")).studies, []);
+  for (const target of ["/v1/lines", "/v1/runs", "/v1/studies"]) {
+    const refused = await d.get(`${target}?owner=alice`, bob);
+    assert.deepEqual([refused.status, refused.json.detail], [403, "query parameter 'owner': this token lists only what is bob's"]);
+  }
+});
+
 test("a key is its owner's, and results that were known do not tell whose they are", async (t) => {
   const { d, bob, submit, run, alice } = await neighbours(t);
   const own = await submit(bob, { "idempotency-key": '"same"' });

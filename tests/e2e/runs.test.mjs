@@ -322,6 +322,17 @@ test("runs and studies belong to lines, whose scenarios are their versions", asy
   assert.deepEqual(await studies(), [other.json.id, study.json.id]);
   const pages = await d.get("/v1/studies?line=hall%202&limit=1");
   assert.match(pages.headers.link, /&line=hall%202&/);
+
+  const newer = await d.submit(tiny(), { line: "hall 3" });
+  const { lines } = await listed("/v1/lines");
+  assert.deepEqual(lines.map(({ used_at: at, ...line }) => line), [
+    { line: "hall 3", versions: 1, runs: 1, studies: 0, newest_run: newer.id },
+    { line: "hall 2", versions: 2, runs: 3, studies: 2, newest_run: again.id }]);
+  assert.deepEqual(lines.map(({ used_at: at }) => at), [newer.created_at, other.json.created_at]);
+  const first = await d.get("/v1/lines?limit=1");
+  assert.deepEqual(first.json.lines.map(({ line }) => line), ["hall 3"]);
+  const next = await listed(/<([^>]+)>; rel="next"/.exec(first.headers.link)[1]);
+  assert.deepEqual([next.lines.map(({ line }) => line), next.has_more], [["hall 2"], false]);
 });
 
 test("a removed run is gone with all it had", async (t) => {

@@ -236,6 +236,7 @@ static void read_lists(store *s)
 {
     static api_run_list list;
     static api_measurement_list measured;
+    static api_line_list lines;
     const api_list_query query = { .state = -1, .model = -1, .limit = 10 };
     const api_measurement_query all = { .limit = 10 };
 
@@ -246,6 +247,7 @@ static void read_lists(store *s)
                          (unsigned)list.runs[k].model < RUN_MODEL_COUNT,
                      "runs have a state and a model");
     require_answer(store_list_measurements(s, &all, &measured, NULL));
+    require_answer(store_list_lines(s, &(api_line_query){ .limit = 10 }, &lines, NULL));
 }
 
 static void read_snapshots(store *s, const char *id)

@@ -93,7 +93,7 @@ export const paths = {
   of: (id, what) => `v1/runs/${id}/${what}`,
 };
 
-// One page of a list: { runs, total, cursor } or { studies, cursor }, with the cursor of the next one, or null. What is "" is not
+// One page of a list: { runs, total, cursor }, { studies, cursor } or { lines, cursor }, with the cursor of the next one, or null. What is "" is not
 // asked for.
 async function listOf(path, query, options) {
   const said = Object.entries(query).filter(([, value]) => value !== "");
@@ -105,6 +105,7 @@ async function listOf(path, query, options) {
 
 export const listRuns = (query, options) => listOf("v1/runs", query, options);
 export const listStudies = (query, options) => listOf("v1/studies", query, options);
+export const listLines = (query, options) => listOf("v1/lines", query, options);
 
 export function cancelRun(id) {
   return ask(paths.of(id, "cancel"), { method: "POST" });

@@ -110,8 +110,8 @@ async function groupOf(study, isOpen, options) {
 
 // A page of the runs of a line by its versions, the greatest first, [{ version }, { run } ...]; before the first page the line's
 // studies. open: as of grouped().
-export async function byVersion(runs, { line, after, open }, options) {
-  const { studies } = after ? { studies: [] } : await listStudies({ line, limit: LIMIT }, options);
+export async function byVersion(runs, { line, owner, after, open }, options) {
+  const { studies } = after ? { studies: [] } : await listStudies({ line, owner, limit: LIMIT }, options);
   const groups = await Promise.all(studies.map((study) => groupOf(study, open.includes(study.id), options)));
   const numbers = [...new Set(runs.map((run) => run.line_version))].sort((a, b) => b - a);
   const versions = numbers.flatMap((number) => {

@@ -19,7 +19,7 @@ import { Variants } from "./variants.js";
 
 const PERIOD_MS = 2000;
 const LIMIT = 50;
-const FILTERS = ["study", "status", "model", "label", "line", "starred", "from", "to"]; // of the address, but for the search
+const FILTERS = ["study", "status", "model", "label", "line", "owner", "starred", "from", "to"]; // of the address, but for the search
 
 // The beginning of a day, or of the one so many days later, as the API takes it; "" without a day.
 function midnight(day, daysLater = 0) {
@@ -60,9 +60,9 @@ export class RunsView {
 
   head() {
     this.total = h("span", { class: "total", role: "status" });
-    const line = this.query.get("line");
+    const [line, owner] = [this.query.get("line"), this.query.get("owner")];
     return h("div", { class: "view-head" }, h("div", { class: "heading" }, h("h1", {}, line ? `${line} ` : "Runs ", this.total),
-      line ? h("p", { class: "meta" }, "A line and its versions. ", link("#/lines", "All lines"), link("#/", "All runs")) : null),
+      line ? h("p", { class: "meta" }, `A line${owner ? ` of ${owner}` : ""} and its versions. `, link("#/lines", "All lines"), link("#/", "All runs")) : null),
     link(address("new"), "New run", { class: "button primary" }));
   }
 
@@ -202,7 +202,7 @@ export class RunsView {
     const order = parameterOf(sort) === null ? sort : "";
     const page = await listRuns({ limit: LIMIT, count: 1, ...query, search, sort: order, cursor }, options);
     const isGrouped = ![...FILTERS, "sort"].some((name) => this.query.get(name));
-    if (rest.line && !sort) return { ...page, entries: await byVersion(page.runs, { line: rest.line, after: cursor, open: open.split(",") }, options) };
+    if (rest.line && !sort) return { ...page, entries: await byVersion(page.runs, { line: rest.line, owner: rest.owner ?? "", after: cursor, open: open.split(",") }, options) };
     const entries = isGrouped ? await grouped(page, { after: cursor, open: open.split(","), search }, options)
       : page.runs.map((run) => ({ run }));
     return { ...page, entries };

@@ -107,6 +107,32 @@ static bf_status do_list(api_service *service, const api_list_query *query, api_
     return BF_OK;
 }
 
+// A line for each run that has one.
+static bf_status do_list_lines(api_store *store, const api_line_query *query,
+                               api_line_list *ret_list, bf_error *err)
+{
+    const helper_daemon *d = (const void *)store;
+
+    (void)err;
+    ret_list->n = 0;
+    ret_list->has_more = false;
+    for (size_t i = d->n_runs; i-- > 0 && !ret_list->has_more;) {
+        const api_run *record = &d->runs[i].record;
+        const bool is_behind = query->before[0] == '\0' || strcmp(record->id, query->before) < 0;
+        if (record->line[0] == '\0' || !is_behind)
+            continue;
+        ret_list->has_more = ret_list->n == query->limit;
+        if (ret_list->has_more)
+            break;
+        api_line *line = &ret_list->items[ret_list->n++];
+        *line = (api_line){ .n_versions = 1, .n_runs = 1, .used_ms = record->created_ms };
+        memcpy(line->line, record->line, sizeof line->line);
+        memcpy(line->newest_run, record->id, sizeof line->newest_run);
+        memcpy(line->newest, record->id, sizeof line->newest);
+    }
+    return BF_OK;
+}
+
 // Another client is faster, if the test wants that: the run changes before its revision is compared.
 static bf_status check_revision(helper_daemon *d, helper_run *item, uint64_t expected,
                                 bf_error *err)
@@ -402,6 +428,7 @@ api_services helper_services(helper_daemon *d)
                               .read_quotas = do_read_quotas,
                               .find = do_find,
                               .list = do_list,
+                              .list_lines = do_list_lines,
                               .cancel = do_cancel,
                               .annotate = do_annotate,
                               .remove = do_remove,

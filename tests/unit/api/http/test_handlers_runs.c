@@ -202,6 +202,19 @@ static void a_list_has_the_newest_first_and_a_link_to_the_next(void **state)
     assert_true(ask_body_has(ID_1) && !ask_body_has(ID_2));
 }
 
+static void lines_are_listed_with_a_link_to_the_next(void **state)
+{
+    (void)state;
+    memcpy(ask_add_run(RUN_QUEUED)->record.line, "hall 2", 7);
+    memcpy(ask_add_run(RUN_QUEUED)->record.line, "hall 3", 7);
+    ask_get("/v1/lines", "limit=1", NULL, 200);
+    ask_assert_header("Link", "</v1/lines?limit=1&cursor=" ID_2 ">; rel=\"next\"");
+    assert_true(ask_body_has("\"line\":\"hall 3\"") && !ask_body_has("hall 2"));
+    ask_get("/v1/lines", "cursor=" ID_2, NULL, 200);
+    assert_null(helper_header(&ask_response, "Link"));
+    assert_true(ask_body_has("\"line\":\"hall 2\"") && ask_body_has("\"newest_run\":\"" ID_1 "\""));
+}
+
 static void filters_reach_the_store_and_the_next_link(void **state)
 {
     (void)state;
@@ -462,6 +475,7 @@ int main(void)
         ASK_TEST(validate_says_the_same_and_stores_nothing),
         ASK_TEST(a_run_is_shown_with_a_tag_of_its_revision),
         ASK_TEST(a_list_has_the_newest_first_and_a_link_to_the_next),
+        ASK_TEST(lines_are_listed_with_a_link_to_the_next),
         ASK_TEST(filters_reach_the_store_and_the_next_link),
         ASK_TEST(search_order_and_count_reach_the_store),
         ASK_TEST(times_of_acceptance_reach_the_store_and_the_next_page),

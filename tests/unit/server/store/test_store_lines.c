@@ -117,6 +117,49 @@ static void runs_are_listed_and_found_by_their_line(void **state)
         sorted, 2);
 }
 
+static void assert_line(const api_line *line, const char *owner, const char *name,
+                        size_t n_versions, size_t n_runs)
+{
+    assert_string_equal(line->owner, owner);
+    assert_string_equal(line->line, name);
+    assert_int_equal(line->n_versions, n_versions);
+    assert_int_equal(line->n_runs, n_runs);
+    assert_int_equal(line->n_studies, 0);
+    assert_string_equal(line->newest, line->newest_run);
+}
+
+static void lines_are_listed_by_their_newest_run(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_line_list *list = calloc(1, sizeof *list);
+    api_line_query query = { .limit = 2 };
+
+    assert_non_null(list);
+    (void)submit(s, "", "hall 2", "a", "6", "macro");
+    (void)submit(s, "", "", "of none", "6", "macro");
+    (void)submit(s, "ada", "hall 2", "hers", "6", "macro");
+    (void)submit(s, "", "hall 3", "b", "6", "macro");
+    const api_run newest = submit(s, "", "hall 2", "c", "7", "micro");
+    assert_int_equal(store_list_lines(s, &query, list, NULL), BF_OK);
+    assert_int_equal(list->n, 2);
+    assert_true(list->has_more);
+    assert_line(&list->items[0], "", "hall 2", 2, 2);
+    assert_string_equal(list->items[0].newest_run, newest.id);
+    assert_int_equal(list->items[0].used_ms, newest.created_ms);
+    assert_line(&list->items[1], "", "hall 3", 1, 1);
+    memcpy(query.before, list->items[1].newest, sizeof query.before);
+    assert_int_equal(store_list_lines(s, &query, list, NULL), BF_OK);
+    assert_int_equal(list->n, 1);
+    assert_false(list->has_more);
+    assert_line(&list->items[0], "ada", "hall 2", 1, 1);
+
+    query = (api_line_query){ .owner = "ada", .limit = 2 };
+    assert_int_equal(store_list_lines(s, &query, list, NULL), BF_OK);
+    assert_int_equal(list->n, 1);
+    assert_line(&list->items[0], "ada", "hall 2", 1, 1);
+    free(list);
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -127,6 +170,7 @@ int main(void)
         STORE_TEST(the_number_of_a_scenario_is_kept_while_a_run_has_it),
         STORE_TEST(a_run_that_changes_its_line_is_numbered_there),
         STORE_TEST(runs_are_listed_and_found_by_their_line),
+        STORE_TEST(lines_are_listed_by_their_newest_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

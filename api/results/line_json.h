@@ -1,0 +1,9 @@
+/// Lines as JSON: a page of them.
+
+#pragma once
+
+#include "api/json/members.h"
+#include "api/lines.h"
+
+extern const member_table line_json_item; ///< of an api_line
+extern const member_table line_json_list; ///< of an api_line_list
