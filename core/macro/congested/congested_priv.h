@@ -106,8 +106,8 @@ typedef struct congested_kernels {
     /// Relax red cells of rows first <= row < last, black ones of rows between, or black ones of one: largest change.
     float (*relax)(const congested *c, ptrdiff_t first, ptrdiff_t last);
     float (*relax_black)(const congested *c, ptrdiff_t row);
-    /// Fill the fluxes of the faces of a row's red cells.
-    void (*make_flux)(const congested *c, ptrdiff_t row);
+    /// Fill the fluxes of the faces of a row's red cells, and of its black ones on the sides of the grid.
+    void (*make_flux)(const macro_solver *s, const congested *c, ptrdiff_t row);
     /// Transport of a row's cells i_min <= i < i_max by v_stat: rho* = rho - dt div(rho v_stat), upwind.
     void (*transport)(const macro_solver *s, ptrdiff_t row, ptrdiff_t i_min, ptrdiff_t i_max,
                       double *ret_rho);
@@ -128,8 +128,8 @@ typedef struct congested_kernels {
     /// True if G takes more out of one of these cells than the part CONGESTED_MOST_LOST of what it holds in `next`.
     bool (*is_overdrawn)(const macro_solver *s, const congested *c, ptrdiff_t row,
                          congested_range cells);
-    /// Bring the thresholds of a row's red cells to the slip of this step; forward solvers only.
-    void (*make_thresholds)(const congested *c, ptrdiff_t row);
+    /// Bring the thresholds inside the grid of a row's red cells to the slip of this step; forward solvers only.
+    void (*make_thresholds)(const macro_solver *s, const congested *c, ptrdiff_t row);
     /// Bring thresholds and crosswise gradients of the west and south faces of a row's cells to this step, but for those on the
     /// sides of the grid; for solvers that are not forward.
     void (*make_coupling)(const macro_solver *s, const congested *c, ptrdiff_t row);

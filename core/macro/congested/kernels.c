@@ -213,35 +213,55 @@ static float relax_black(const congested *c, ptrdiff_t row)
                               0.0F);
 }
 
-static inline __attribute__((always_inline)) void make_flux_row(const congested *c, ptrdiff_t row,
-                                                                loop_kind kind)
+// The fluxes through the faces on a side of red cells first <= k < last of a row, in whole registers.
+static inline __attribute__((always_inline)) void make_side_flux(const congested *c, ptrdiff_t row,
+                                                                 congested_side side,
+                                                                 congested_range cells,
+                                                                 loop_kind kind)
 {
-    const congested_row_faces faces = congested__faces(c, row, 0);
+    const congested_side_faces f = congested__faces(c, row, 0).side[side];
     const row_pressures p = pressures_of(c, row, 0);
     const float *beside[CONGESTED_SIDES] = { p.west, p.east, p.south, p.north };
+    // Fluxes are taken towards rising x: into the cell on its west and south sides.
+    const float sign = side == CONGESTED_WEST || side == CONGESTED_SOUTH ? 1.0F : -1.0F;
+    const bool is_x1 = side == CONGESTED_WEST || side == CONGESTED_EAST;
+    const float scale = is_x1 ? sign : sign * c->steepness;
 
-    for (int side = 0; side < CONGESTED_SIDES; side++) {
-        const congested_side_faces f = faces.side[side];
-        // Fluxes are taken towards rising x: into the cell on its west and south sides.
-        const float sign = side == CONGESTED_WEST || side == CONGESTED_SOUTH ? 1.0F : -1.0F;
-        const bool is_x1 = side == CONGESTED_WEST || side == CONGESTED_EAST;
-        const float scale = is_x1 ? sign : sign * c->steepness;
-        for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_FLOAT_LANES) {
-            const simd_float drop = simd_float_load(beside[side] + k) - simd_float_load(p.own + k);
-            simd_float_store(f.law->flux + f.at + k,
-                             law(&c->uniform, f.law, f.at + k, scale * drop, kind, is_x1));
-        }
+    for (ptrdiff_t k = cells.first; k < cells.last; k += SIMD_FLOAT_LANES) {
+        const simd_float drop = simd_float_load(beside[side] + k) - simd_float_load(p.own + k);
+        simd_float_store(f.law->flux + f.at + k,
+                         law(&c->uniform, f.law, f.at + k, scale * drop, kind, is_x1));
     }
 }
 
-static void make_flux(const congested *c, ptrdiff_t row)
+// Where the cell at a side of the grid is black, the face there is that of a red cell beyond it.
+static inline __attribute__((always_inline)) void make_flux_row(const macro_solver *s,
+                                                                const congested *c, ptrdiff_t row,
+                                                                loop_kind kind)
+{
+    const congested_range cells = c->range[row];
+
+    for (int side = 0; side < CONGESTED_SIDES; side++)
+        make_side_flux(c, row, side, cells, kind);
+    if (cells.first == 0 && cells.last > 0)
+        make_side_flux(c, row, CONGESTED_EAST, (congested_range){ -SIMD_FLOAT_LANES, 0 }, kind);
+    if (2 * cells.last == s->n1)
+        make_side_flux(c, row, CONGESTED_WEST,
+                       (congested_range){ cells.last, cells.last + SIMD_FLOAT_LANES }, kind);
+    if (row == 0)
+        make_side_flux(c, -1, CONGESTED_NORTH, cells, kind);
+    if (row == s->n2 - 1)
+        make_side_flux(c, s->n2, CONGESTED_SOUTH, cells, kind);
+}
+
+static void make_flux(const macro_solver *s, const congested *c, ptrdiff_t row)
 {
     if (c->is_forward)
-        make_flux_row(c, row, LOOP_FORWARD);
+        make_flux_row(s, c, row, LOOP_FORWARD);
     else if (c->has_drives)
-        make_flux_row(c, row, LOOP_DRIVES);
+        make_flux_row(s, c, row, LOOP_DRIVES);
     else
-        make_flux_row(c, row, LOOP_OBLIQUE);
+        make_flux_row(s, c, row, LOOP_OBLIQUE);
 }
 
 // Slip of cargo against the belt at x1-faces: by how much the correction holds it back.
@@ -255,11 +275,13 @@ static inline simd_float slip(congested_side_faces f, ptrdiff_t k, simd_float fu
 
 static const float huge_factor = 1e30F; // times the slowest belt's speed is more than any threshold
 
-static void make_thresholds(const congested *c, ptrdiff_t row)
+static void make_thresholds(const macro_solver *s, const congested *c, ptrdiff_t row)
 {
     const congested_row_faces faces = congested__faces(c, row, 0);
 
     for (int side = CONGESTED_SOUTH; side <= CONGESTED_NORTH; side++) {
+        if (row == (side == CONGESTED_SOUTH ? 0 : s->n2 - 1))
+            continue; // there is nothing beyond that it could rub against
         // The cells beyond the face are black.
         const congested_row_faces beyond =
             congested__faces(c, side == CONGESTED_SOUTH ? row - 1 : row + 1, 1);

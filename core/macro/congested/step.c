@@ -128,8 +128,10 @@ static congested_range dilated(const macro_solver *s, const congested_range *fou
     return all;
 }
 
-// Clears the pressures, thresholds and fluxes of half cells first <= k < last.
-static void clear_cells(congested *c, ptrdiff_t row, ptrdiff_t first, ptrdiff_t last)
+// Clears the pressures, thresholds and fluxes of half cells first <= k < last, and the fluxes of black ones through the sides of
+// the grid.
+static void clear_cells(const macro_solver *s, congested *c, ptrdiff_t row, ptrdiff_t first,
+                        ptrdiff_t last)
 {
     if (first >= last)
         return;
@@ -143,6 +145,14 @@ static void clear_cells(congested *c, ptrdiff_t row, ptrdiff_t first, ptrdiff_t 
         if (!c->is_forward)
             memset(congested__row(c, l->crosswise, row) + first, 0, n_bytes);
     }
+    if (first == 0)
+        congested__row(c, c->law[CONGESTED_EAST].flux, row)[-1] = 0.0F;
+    if (2 * last == s->n1)
+        congested__row(c, c->law[CONGESTED_WEST].flux, row)[last] = 0.0F;
+    if (row == 0)
+        memset(congested__row(c, c->law[CONGESTED_NORTH].flux, -1) + first, 0, n_bytes);
+    if (row == s->n2 - 1)
+        memset(congested__row(c, c->law[CONGESTED_SOUTH].flux, s->n2) + first, 0, n_bytes);
 }
 
 // Makes a row's active cells those of this step. Cells that are not active any more have no pressure. While no belt moves the
@@ -153,10 +163,10 @@ static void set_active(const macro_solver *s, congested *c, ptrdiff_t row)
     const congested_range now = c->has_moving ? dilated(s, c->found, row) : before;
 
     if (now.first >= now.last) {
-        clear_cells(c, row, before.first, before.last);
+        clear_cells(s, c, row, before.first, before.last);
     } else {
-        clear_cells(c, row, before.first, before.last < now.first ? before.last : now.first);
-        clear_cells(c, row, before.first > now.last ? before.first : now.last, before.last);
+        clear_cells(s, c, row, before.first, before.last < now.first ? before.last : now.first);
+        clear_cells(s, c, row, before.first > now.last ? before.first : now.last, before.last);
     }
     c->range[row] = now;
     c->kernels.set_excess(s, c, row);
@@ -371,14 +381,14 @@ static void step_member(void *context, int member, int n_members, team_barrier *
     if (member == 0)
         c->relaxed += n_sweeps * count_active(c);
     for (ptrdiff_t row = active.first; row < active.last; row++)
-        c->kernels.make_flux(c, row);
+        c->kernels.make_flux(s, c, row);
     team_barrier_wait(barrier);
     limit(x, all, member, n_members, barrier);
     for (ptrdiff_t row = all.first; row < all.last; row++)
         correct_row(s, c, row);
     for (ptrdiff_t row = active.first; row < active.last; row++)
         if (c->is_forward)
-            c->kernels.make_thresholds(c, row);
+            c->kernels.make_thresholds(s, c, row);
         else
             c->kernels.make_coupling(s, c, row);
     subnormals_restore(arithmetic);

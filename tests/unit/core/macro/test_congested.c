@@ -391,6 +391,46 @@ static void what_comes_onto_another_belt_is_braked_less_than_slip_by_slip(void *
     check_transfer(NULL, 0);
 }
 
+// A full belt of n x n cells that runs against a closed end, both of its sides open.
+static void check_open_sides(vec2 velocity, size_t n)
+{
+    static const double left = 0.012; // above rho_j: the iteration leaves 0.006 a step
+    const bool is_along_x = velocity.x != 0.0;
+    const double edge = 0.01 * (double)n;
+    scene s;
+
+    helper_scene_belt(&s, edge, edge, 0.01, &somewhere, 1);
+    s.macro.closure = SCENE_CONGESTED;
+    s.edges[SCENE_WEST] = s.edges[SCENE_EAST] = is_along_x ? SCENE_EDGE_WALL : SCENE_EDGE_OUTFLOW;
+    s.edges[SCENE_SOUTH] = s.edges[SCENE_NORTH] = is_along_x ? SCENE_EDGE_OUTFLOW : SCENE_EDGE_WALL;
+    helper_scene_add_belt(&s, velocity, NULL, 0);
+    helper_scene_resolve(&s);
+    macro_solver *solver = helper_macro_create(&s, 1);
+    helper_congested_fill(&s, everywhere, 0.93, solver);
+    while (macro_time(solver) < 0.5) {
+        const double before = macro_measure(solver).mass;
+        macro_step(solver);
+        assert_true(macro_measure(solver).mass < before);
+        // The pressures of a whole heap that comes to stop take more than one step.
+        assert_true(macro_time(solver) < 0.1 || macro_measure(solver).peak <= 0.93 + left);
+    }
+    assert_nowhere_negative(solver);
+    macro_destroy(solver);
+    scene_fini(&s);
+}
+
+// Of the cells at the sides of the grid every second one is black, with a face of a cell beyond the grid.
+static void what_is_pushed_against_a_closed_end_leaves_over_every_cell_of_open_sides(void **state)
+{
+    const vec2 directions[] = { { 0.4, 0.0 }, { -0.4, 0.0 }, { 0.0, 0.4 }, { 0.0, -0.4 } };
+    const size_t n[] = { 31, 32, 33 }; // cells 31 and 32 of a row are in different units
+
+    (void)state;
+    for (size_t k = 0; k < 4; k++)
+        for (size_t m = 0; m < 3; m++)
+            check_open_sides(directions[k], n[m]);
+}
+
 // Plates from wall to wall; the belt moves straight or obliquely.
 static void nothing_leaks_through_a_plate_that_closes_the_belt(void **state)
 {
@@ -577,6 +617,7 @@ int main(void)
         cmocka_unit_test(what_is_not_on_the_belt_has_left_over_its_end),
         cmocka_unit_test(a_thin_stream_lies_against_a_plate),
         cmocka_unit_test(what_comes_onto_another_belt_is_braked_less_than_slip_by_slip),
+        cmocka_unit_test(what_is_pushed_against_a_closed_end_leaves_over_every_cell_of_open_sides),
         cmocka_unit_test(nothing_leaks_through_a_plate_that_closes_the_belt),
         cmocka_unit_test(a_mirrored_scene_gives_the_mirrored_density),
         cmocka_unit_test(a_belt_along_the_other_axis_gives_the_transposed_density),
