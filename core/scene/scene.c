@@ -532,19 +532,29 @@ typedef struct speeds {
     double dispersion; // m/s
 } speeds;
 
+// Belts that run apart, or come to, empty a cell between them through all its faces, where a plate turns cargo aside.
+static bool may_part(const scene *s)
+{
+    bool may = s->n_belts > 1 && belt_speeds_may_reverse_any(s->n_belts, s->belts);
+
+    for (size_t k = 0; s->n_obstacles > 0 && k < s->n_belts; k++)
+        for (size_t m = 0; m < k; m++)
+            may = may || vec2_dot(s->belts[k].velocity, s->belts[m].velocity) < 0.0;
+    return may;
+}
+
 // No component of v_stat exceeds the speed of the fastest belt in any other region. The dispersion speed has the
 // factor of the belt under it, and 1 off every belt.
 static speeds speeds_of(const scene *s)
 {
     const double edge = scene_cell_edge(s);
     speeds of = { .face = 0.0 };
-    // Belts that come to run apart empty a cell between them through all its faces, where a plate turns cargo aside.
-    const bool may_part = s->n_belts > 1 && belt_speeds_may_reverse_any(s->n_belts, s->belts);
+    const bool is_parting = may_part(s);
     double factor = 1.0;
 
     for (size_t k = 0; k < s->n_belts; k++) {
         const scene_belt *belt = &s->belts[k];
-        const double faces = may_part ? 4.0 : belt->arc.is_given ? M_SQRT2 : 2.0;
+        const double faces = is_parting ? 4.0 : belt->arc.is_given ? M_SQRT2 : 2.0;
         const double largest = belt_speeds_largest(belt);
         const double speedup = belt->arc.is_given ? arc_lanes_speedup(s, belt, edge) : 1.0;
         const double face = speedup * belt_largest_speed(belt) * largest;

@@ -184,25 +184,32 @@ static void a_fed_side_is_a_wall_and_takes_no_density_backwards(void **state)
     }
 }
 
-// The density between them leaves to both sides and, along a plate, across the belts in one step.
-static void belts_run_apart_with_a_plate_across_their_border(void **state)
+// The density between them leaves to both sides and, along a plate, across the belts in one step. The first one runs backwards by
+// its velocity, or comes to.
+static void check_parting(double first_speed, double factor)
 {
     static const vec2 first[] = { { 0.0, 0.0 }, { 0.4, 0.0 }, { 0.4, 0.2 }, { 0.0, 0.2 } };
     static const vec2 second[] = { { 0.4, 0.0 }, { 0.8, 0.0 }, { 0.8, 0.2 }, { 0.4, 0.2 } };
     scene s;
 
-    (void)state;
     make_belt(&s, 1);
     s.n_belts = 0;
-    helper_scene_add_belt(&s, (vec2){ SPEED, 0.0 }, first, 4);
+    helper_scene_add_belt(&s, (vec2){ first_speed, 0.0 }, first, 4);
     helper_scene_add_belt(&s, (vec2){ SPEED, 0.0 }, second, 4);
-    helper_scene_schedule(&s.belts[0], 1, (double[]){ 0.0 }, (double[]){ -1.0 });
+    helper_scene_schedule(&s.belts[0], 1, (double[]){ 0.0 }, (double[]){ factor });
     helper_scene_add_obstacle(&s, (vec2[]){ { 0.31, 0.0 }, { 0.41, 0.1 } }, 2, SCENE_SEALED);
     helper_scene_resolve(&s);
     helper_run_log *log = run_with(&s, 1, 1);
     assert_true(left_at(log, s.duration) > 0.0);
     scene_fini(&s);
     helper_run_free(log);
+}
+
+static void belts_run_apart_with_a_plate_across_their_border(void **state)
+{
+    (void)state;
+    check_parting(SPEED, -1.0);
+    check_parting(-SPEED, 1.0);
 }
 
 int main(void)
