@@ -59,7 +59,7 @@ STANDARD = {
 
 # Beyond that: instruction sets, threads, and the calendar (not the clock).
 ALSO = {
-    "core/base/simd.h": {"immintrin.h"},
+    "core/base/simd.h": {"emmintrin.h", "immintrin.h"},
     "core/base/team.c": {"linux/futex.h", "pthread.h", "sched.h", "signal.h", "sys/syscall.h", "unistd.h"},
     "api/json/moment.c": {"time.h"},
     "api/results/png.c": {"setjmp.h"},
