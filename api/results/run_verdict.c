@@ -146,7 +146,7 @@ static bf_status say_limited(const run_verdict_subject *of, size_t k, double off
     if (status != BF_OK)
         return status;
     // Only parts have a queue with an end, and it is measured along its belt.
-    const bool is_measured = isfinite(queue) && s->n_belts == 1;
+    const bool is_measured = isfinite(queue) && s->n_sections == 1;
     const bool is_queue =
         s->n_obstacles > 0 && (is_measured ? queue >= queue_at_line * room : !is_over);
     const double missing =

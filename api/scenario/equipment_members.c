@@ -151,9 +151,15 @@ static const member_table break_table = { MEMBER_TABLE("break", break_members),
 #undef AT
 
 #define AT(place) offsetof(scene_belt, place)
+static bool has_no_path(const void *item)
+{
+    return ((const scene_belt *)item)->path.n_points == 0;
+}
+
+// The arcs of a path follow from it.
 static bool has_no_arc(const void *item)
 {
-    return !((const scene_belt *)item)->arc.is_given;
+    return !((const scene_belt *)item)->arc.is_given || !has_no_path(item);
 }
 
 static bool has_no_friction(const void *item)
@@ -165,7 +171,7 @@ static bool has_no_polygon(const void *item)
 {
     const scene_belt *belt = item;
 
-    return belt->arc.is_given || belt->n_points == 0;
+    return belt->arc.is_given || belt->n_points == 0 || !has_no_path(item);
 }
 
 static void note_arc(json_in *in, const struct json_t *object, void *item)
@@ -175,16 +181,24 @@ static void note_arc(json_in *in, const struct json_t *object, void *item)
     ((scene_belt *)item)->arc.is_given = true;
 }
 
-// The outline of an arc is that of its own members.
+static void check_no_other(json_in *in, const char *name, bool is_given, const char *other)
+{
+    const size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
+
+    if (is_given && other != NULL)
+        json_in_fault(in, "is another outline beside %s", other);
+    json_pointer_leave(&in->pointer, mark);
+}
+
+// The outline of an arc, or of a path, is that of its own members.
 static void check_outline(json_in *in, const struct json_t *object, void *item)
 {
     const scene_belt *belt = item;
-    const size_t mark = json_pointer_enter(&in->pointer, "arc", sizeof "arc" - 1);
+    const char *polygon = belt->n_points > 0 ? "polygon_m" : NULL;
 
     (void)object;
-    if (belt->arc.is_given && belt->n_points > 0)
-        json_in_fault(in, "is another outline beside polygon_m");
-    json_pointer_leave(&in->pointer, mark);
+    check_no_other(in, "arc", belt->arc.is_given, polygon);
+    check_no_other(in, "path", belt->path.n_points > 0, belt->arc.is_given ? "arc" : polygon);
 }
 
 static const member arc_members[] = {
@@ -206,11 +220,26 @@ static const member_table arc_table = { MEMBER_TABLE("arc", arc_members),
                                         .size = sizeof(scene_belt), .init = init_belt,
                                         .post_read = note_arc };
 
+static const member path_members[] = {
+    MEMBER("points_m", points, AT(path.points),
+           "corners of its centre line, in the direction in which it moves", .unit = "m",
+           .offset_n = AT(path.n_points), .least = 2, .limit = SCENE_PATH_MAX),
+    MEMBER("radius_m", numbers, AT(path.radii),
+           "of the centre line at each corner between the first and the last one", .unit = "m",
+           .offset_n = AT(path.n_radii), .range = &scene_range_length, .limit = SCENE_PATH_MAX,
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "none, where there are two points"),
+    MEMBER("width_m", number, AT(path.width), "of the belt", .unit = "m",
+           .range = &scene_range_length),
+};
+static const member_table path_table = { MEMBER_TABLE("path", path_members),
+                                         .size = sizeof(scene_belt), .init = init_belt };
+
 static const member belt_members[] = {
     MEMBER("id", text, AT(id), "its name", .default_text = "main, belt-2, ...", .least = 1,
            .limit = SCENE_ID_SIZE),
-    MEMBER("velocity_m_s", point, AT(velocity), "of the surface; of an arc only its size counts",
-           .unit = "m/s", .flags = MEMBER_INIT),
+    MEMBER("velocity_m_s", point, AT(velocity),
+           "of the surface; of an arc or a path only its size counts", .unit = "m/s",
+           .flags = MEMBER_INIT),
     MEMBER("friction", step, AT(friction), "of cargo on it, mu",
            .range = &scene_range_belt_friction, .flags = MEMBER_OMIT_EMPTY,
            .is_empty = has_no_friction, .default_text = "auto"),
@@ -239,6 +268,9 @@ static const member belt_members[] = {
     MEMBER("arc", object, 0,
            "a curve: its outline, a sector of a ring, which turns about its centre",
            .table = &arc_table, .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_arc,
+           .default_text = "the belt is straight"),
+    MEMBER("path", object, 0, "a line of straights and arcs: its outline, along which it moves",
+           .table = &path_table, .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_path,
            .default_text = "the belt is straight"),
 };
 const member_table scenario__belt_members = { MEMBER_TABLE("belt", belt_members),

@@ -1,5 +1,6 @@
 #include "core/figures/figure.h"
 
+#include "core/scene/belt_path.h"
 #include "core/scene/belt_speeds.h"
 
 #define OF(scope_, models_) .scope = FIGURE_OF_##scope_, .models = FIGURE_BY_##models_
@@ -232,11 +233,12 @@ size_t figure_failure(const scene *s, size_t k, size_t *ret_failure)
 
 size_t figure_outlet(const scene *s, size_t belt)
 {
+    const size_t of = belt < s->n_sections ? scene_belt_of(s, belt) : belt;
     size_t n = 0;
 
-    if (belt >= s->n_belts || !s->belts[belt].is_outlet)
+    if (of >= s->n_belts || !s->belts[of].is_outlet)
         return SIZE_MAX;
-    for (size_t k = 0; k < belt; k++)
+    for (size_t k = 0; k < of; k++)
         n += s->belts[k].is_outlet;
     return n;
 }

@@ -115,7 +115,7 @@ size_t figure_items(const scene *s, figure_scope scope);
 /// Which belt of the scene the k-th one of FIGURE_OF_BELT, or of FIGURE_OF_OUTLET, is.
 size_t figure_belt(const scene *s, figure_scope scope, size_t k);
 
-/// Which outlet a belt is; figure_items() of FIGURE_OF_OUTLET or more: none.
+/// Which outlet a belt, or the belt of a section, is; figure_items() of FIGURE_OF_OUTLET or more: none.
 size_t figure_outlet(const scene *s, size_t belt);
 
 /// Which belt of the scene the k-th kind of failure is of, and which of its failures it is.

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/// What the velocities of an arc follow from.
+/// What the velocities of an arc, or of another belt with lanes, follow from.
 typedef struct arc_grid {
     const velocity_field *f;
     const scene *s;
@@ -16,27 +16,25 @@ typedef struct arc_grid {
     double edge; ///< the longer one of a cell, m
 } arc_grid;
 
-/// The way from the centre of the arc to a corner of the grid, plus parts of a cell.
-static vec2 way_to(const arc_grid *a, size_t i, size_t j, double part1, double part2)
+/// A corner of the grid, plus parts of a cell.
+static vec2 place_of(const bf_grid *g, size_t i, size_t j, double part1, double part2)
 {
-    const bf_grid *g = &a->f->grid;
-
-    return (vec2){ g->lower1 + ((double)i + part1) * g->d1 - a->belt->centre.x,
-                   g->lower2 + ((double)j + part2) * g->d2 - a->belt->centre.y };
+    return (vec2){ g->lower1 + ((double)i + part1) * g->d1,
+                   g->lower2 + ((double)j + part2) * g->d2 };
 }
 
-/// The radius that counts for psi: between both borders, and that of a border which is nearer than a cell.
-static double border_radius(const arc_grid *a, double radius)
+/// The q that counts for psi: between both borders, and that of a border which is nearer than a cell.
+static double border_lane(const arc_grid *a, double q)
 {
-    const scene_arc *arc = &a->belt->arc;
+    const double low = belt_lane_low(a->belt), high = belt_lane_high(a->belt);
 
-    if (radius < arc->inner_radius + a->edge)
-        return arc->inner_radius;
-    return radius > arc->outer_radius - a->edge ? arc->outer_radius : radius;
+    if (q < low + a->edge)
+        return low;
+    return q > high - a->edge ? high : q;
 }
 
-/// The radius of the nearest guide on the arc to a place, and how far that is, m; 0: the nearest piece of a plate is none.
-static double guide_radius(const arc_grid *a, vec2 at, double *ret_distance)
+/// q of the nearest guide on the arc to a place, and how far that is, m; NAN: the nearest piece of a plate is none.
+static double guide_lane(const arc_grid *a, vec2 at, double *ret_distance)
 {
     const scene_obstacle *nearest = NULL;
     size_t piece_of_nearest = 0;
@@ -54,12 +52,12 @@ static double guide_radius(const arc_grid *a, vec2 at, double *ret_distance)
         }
     }
     if (nearest == NULL)
-        return 0.0;
+        return (double)NAN;
     const surroundings_piece piece = surroundings_piece_of(a->around, nearest, piece_of_nearest);
     const vec2 middle = vec2_scale(vec2_add(piece.start, piece.end), 0.5);
     return surroundings_is_guide(piece.along, belt_velocity(a->belt, middle))
-               ? vec2_length(vec2_sub(piece.start, a->belt->centre))
-               : 0.0;
+               ? belt_lane_at(a->belt, piece.start)
+               : (double)NAN;
 }
 
 /// True if a guide on the arc may have closed one of the faces that meet in a corner inside the grid.
@@ -73,38 +71,39 @@ static bool meets_closed(const velocity_field *f, size_t i, size_t j)
            f->closed2[j * n1 + i - 1] || f->closed2[j * n1 + i];
 }
 
-/// True if a cell, seen from the centre of the arc, is beyond one of its circles, between its ends.
-static bool is_beyond(const scene_arc *arc, vec2 cell)
+/// True if the centre of a cell is beyond a border of the arc, between its ends.
+static bool is_beyond(const arc_grid *a, vec2 cell)
 {
-    const double radius = vec2_length(cell);
+    const double q = belt_lane_at(a->belt, cell);
 
-    return (radius < arc->inner_radius || radius > arc->outer_radius) && belt_arc_spans(arc, cell);
+    return (q < belt_lane_low(a->belt) || q > belt_lane_high(a->belt)) &&
+           belt_lanes_span(a->belt, cell, a->edge);
 }
 
-/// The corner's own radius, between both borders.
-static double own_radius(const arc_grid *a, size_t i, size_t j)
+/// The corner's own q, between both borders.
+static double own_lane(const arc_grid *a, size_t i, size_t j)
 {
-    const scene_arc *arc = &a->belt->arc;
+    const double q = belt_lane_at(a->belt, place_of(&a->f->grid, i, j, 0.0, 0.0));
 
-    return fmin(fmax(vec2_length(way_to(a, i, j, 0.0, 0.0)), arc->inner_radius), arc->outer_radius);
+    return fmin(fmax(q, belt_lane_low(a->belt)), belt_lane_high(a->belt));
 }
 
-/// The radius of the border or guide beside a corner; 0: there is none.
-static double line_radius(const arc_grid *a, size_t i, size_t j)
+/// q of the border or guide beside a corner; NAN: there is none.
+static double line_lane(const arc_grid *a, size_t i, size_t j)
 {
-    const scene_arc *arc = &a->belt->arc;
+    const bf_grid *g = &a->f->grid;
+    const double low = belt_lane_low(a->belt), high = belt_lane_high(a->belt);
     double distance;
 
     for (int k = 0; k < 4; k++) {
-        const vec2 cell = way_to(a, i, j, (k & 1) - 0.5, (k >> 1) - 0.5);
-        if (is_beyond(arc, cell))
-            return vec2_length(cell) < arc->inner_radius ? arc->inner_radius : arc->outer_radius;
+        const vec2 cell = place_of(g, i, j, (k & 1) - 0.5, (k >> 1) - 0.5);
+        if (is_beyond(a, cell))
+            return belt_lane_at(a->belt, cell) < low ? low : high;
     }
     if (!meets_closed(a->f, i, j))
-        return 0.0;
-    const vec2 at = vec2_add(a->belt->centre, way_to(a, i, j, 0.0, 0.0));
-    const double radius = guide_radius(a, at, &distance);
-    return radius > 0.0 ? border_radius(a, radius) : 0.0;
+        return (double)NAN;
+    const double q = guide_lane(a, place_of(g, i, j, 0.0, 0.0), &distance);
+    return isnan(q) ? q : border_lane(a, q);
 }
 
 /// A range of corners along an axis: those from low to high, m, and two more on either side.
@@ -128,18 +127,18 @@ static bf_status init_corners(arc_corners *c, const scene_belt *belt, const bf_g
     }
     find_range(low.x, high.x, g->lower1, g->d1, g->n1, &c->i_first, &c->n1);
     find_range(low.y, high.y, g->lower2, g->d2, g->n2, &c->j_first, &c->n2);
-    c->radius = memory_alloc(c->n1 * c->n2, sizeof *c->radius);
+    c->lane = memory_alloc(c->n1 * c->n2, sizeof *c->lane);
     c->line = memory_alloc(c->n1 * c->n2, sizeof *c->line);
-    return c->radius != NULL && c->line != NULL ? BF_OK : BF_ENOMEM;
+    return c->lane != NULL && c->line != NULL ? BF_OK : BF_ENOMEM;
 }
 
 bf_status arc_faces_init(arc_faces *ret_faces, const scene *s, const bf_grid *g)
 {
-    arc_faces faces = { .arcs = memory_alloc(s->n_belts, sizeof *faces.arcs) };
+    arc_faces faces = { .arcs = memory_alloc(s->n_sections, sizeof *faces.arcs) };
     bf_status status = faces.arcs != NULL ? BF_OK : BF_ENOMEM;
 
-    for (size_t k = 0; status == BF_OK && k < s->n_belts; k++) {
-        if (!s->belts[k].arc.is_given)
+    for (size_t k = 0; status == BF_OK && k < s->n_sections; k++) {
+        if (!belt_has_lanes(&s->belts[k]))
             continue;
         faces.arcs[faces.n] = (arc_corners){ .arc = k };
         status = init_corners(&faces.arcs[faces.n++], &s->belts[k], g);
@@ -153,19 +152,19 @@ bf_status arc_faces_init(arc_faces *ret_faces, const scene *s, const bf_grid *g)
 void arc_faces_fini(arc_faces *faces)
 {
     for (size_t k = 0; k < faces->n; k++) {
-        memory_free(faces->arcs[k].radius);
+        memory_free(faces->arcs[k].lane);
         memory_free(faces->arcs[k].line);
     }
     memory_free(faces->arcs);
     *faces = (arc_faces){ .n = 0 };
 }
 
-/// Let the corners around one that has the radius of a line, in column m and row n, differ from it no more than they may: those
-/// of smaller radii where it lies within its line (sign 1), those of larger ones where it lies beyond (-1).
+/// Let the corners around one that has the q of a line, in column m and row n, differ from it no more than they may: those
+/// of smaller q where it lies within its line (sign 1), those of larger ones where it lies beyond (-1).
 static void spread(arc_corners *c, const bf_grid *g, size_t m, size_t n, double excess, double sign)
 {
-    const double radius = c->radius[n * c->n1 + m];
-    // Beyond this the corner's own radius differs less, as that changes by at most the way.
+    const double q = c->lane[n * c->n1 + m];
+    // Beyond this the corner's own q differs less, as that changes by at most the way.
     const double reach = sign * excess / (ARC_LANES_SPREAD - 1.0);
     const size_t across1 = (size_t)(reach / g->d1), across2 = (size_t)(reach / g->d2);
     const size_t m_end = m + across1 < c->n1 ? m + across1 + 1 : c->n1;
@@ -177,8 +176,8 @@ static void spread(arc_corners *c, const bf_grid *g, size_t m, size_t n, double 
             const double way1 = ((double)column - (double)m) * g->d1;
             const double way2 = ((double)row - (double)n) * g->d2;
             const double most = ARC_LANES_SPREAD * sqrt(way1 * way1 + way2 * way2);
-            if (c->line[at] == 0 && sign * (radius - c->radius[at]) > most)
-                c->radius[at] = radius - sign * most;
+            if (c->line[at] == 0 && sign * (q - c->lane[at]) > most)
+                c->lane[at] = q - sign * most;
         }
 }
 
@@ -190,7 +189,8 @@ static void spread_all(arc_corners *c, const arc_grid *a, double sign)
             if (c->line[at] == 0)
                 continue;
             const double excess =
-                c->radius[at] - vec2_length(way_to(a, c->i_first + m, c->j_first + n, 0.0, 0.0));
+                c->lane[at] - belt_lane_at(a->belt, place_of(&a->f->grid, c->i_first + m,
+                                                             c->j_first + n, 0.0, 0.0));
             if (sign * excess > 0.0)
                 spread(c, &a->f->grid, m, n, excess, sign);
         }
@@ -205,9 +205,10 @@ void arc_faces_update(arc_faces *faces, const velocity_field *f, const scene *s,
         for (size_t n = 0; n < c->n2; n++)
             for (size_t m = 0; m < c->n1; m++) {
                 const size_t at = n * c->n1 + m, i = c->i_first + m, j = c->j_first + n;
-                const double radius = line_radius(&a, i, j);
-                c->line[at] = radius > 0.0;
-                c->radius[at] = radius > 0.0 ? radius : own_radius(&a, i, j);
+                const double q = line_lane(&a, i, j);
+                const bool is_line = !isnan(q);
+                c->line[at] = is_line;
+                c->lane[at] = is_line ? q : own_lane(&a, i, j);
             }
         spread_all(c, &a, 1.0);
         spread_all(c, &a, -1.0);
@@ -219,14 +220,14 @@ bool arc_faces_is_held(const velocity_field *f, const scene *s, const surroundin
 {
     const bf_grid *g = &f->grid;
     const arc_grid a = { f, s, around, &around->belts[arc], fmax(g->d1, g->d2) };
-    const vec2 after = way_to(&a, i, j, 0.5, 0.5);
-    const vec2 before = way_to(&a, i, j, axis == 0 ? -0.5 : 0.5, axis == 0 ? 0.5 : -0.5);
+    const vec2 after = place_of(g, i, j, 0.5, 0.5);
+    const vec2 before = place_of(g, i, j, axis == 0 ? -0.5 : 0.5, axis == 0 ? 0.5 : -0.5);
     double distance;
 
-    if (is_beyond(&a.belt->arc, before) == is_beyond(&a.belt->arc, after))
+    if (is_beyond(&a, before) == is_beyond(&a, after))
         return false;
     const vec2 middle = vec2_scale(vec2_add(before, after), 0.5);
-    return guide_radius(&a, vec2_add(a.belt->centre, middle), &distance) > 0.0 && distance < a.edge;
+    return !isnan(guide_lane(&a, middle, &distance)) && distance < a.edge;
 }
 
 double arc_faces_velocity(const arc_faces *faces, const bf_grid *g, const scene_belt *belts,
@@ -234,24 +235,24 @@ double arc_faces_velocity(const arc_faces *faces, const bf_grid *g, const scene_
 {
     const scene_belt *belt = &belts[arc];
     const arc_corners *c = faces->arcs;
-    double radius[2], own[2];
+    double q[2], own[2];
 
     while (c->arc != arc)
         c++;
     for (int k = 0; k < 2; k++) {
         const size_t m = i + (size_t)(k * (axis == 1)), n = j + (size_t)(k * (axis == 0));
-        const vec2 way = { g->lower1 + (double)m * g->d1 - belt->centre.x,
-                           g->lower2 + (double)n * g->d2 - belt->centre.y };
-        own[k] = vec2_length(way);
-        radius[k] =
+        own[k] = belt_lane_at(belt, place_of(g, m, n, 0.0, 0.0));
+        q[k] =
             m < c->i_first || n < c->j_first || m - c->i_first >= c->n1 || n - c->j_first >= c->n2
                 ? own[k]
-                : c->radius[(n - c->j_first) * c->n1 + m - c->i_first];
+                : c->lane[(n - c->j_first) * c->n1 + m - c->i_first];
     }
     // Where no border or guide is near, the velocity in the middle has the same value with less rounding.
-    if (radius[0] == own[0] && radius[1] == own[1])
-        return axis == 0 ? -belt->turn * (g->lower2 + ((double)j + 0.5) * g->d2 - belt->centre.y)
-                         : belt->turn * (g->lower1 + ((double)i + 0.5) * g->d1 - belt->centre.x);
-    const double rise = 0.5 * belt->turn * (radius[1] - radius[0]) * (radius[1] + radius[0]);
+    if (q[0] == own[0] && q[1] == own[1]) {
+        const vec2 middle = place_of(g, i, j, axis == 0 ? 0.0 : 0.5, axis == 0 ? 0.5 : 0.0);
+        const vec2 v = belt_velocity(belt, middle);
+        return axis == 0 ? v.x : v.y;
+    }
+    const double rise = belt_lane_rise(belt, q[0], q[1]);
     return axis == 0 ? -rise / g->d2 : rise / g->d1;
 }

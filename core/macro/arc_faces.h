@@ -1,8 +1,9 @@
-/// The velocity of an arc (core/scene/belt.h) at faces, such that what it carries stays on it and a uniform density stays uniform.
+/// The velocity of a belt with lanes (core/scene/belt.h), an arc or a straight of a path aslant, at faces, such that what it carries
+/// stays on it and a uniform density stays uniform. "Arc" stands for either below.
 ///
-/// The velocity of a belt that turns is the curl of a stream function of the distance r to its centre,
+/// The velocity is the curl of the stream function psi of the place q across the belt, of a belt that turns its distance to the centre,
 ///
-///     psi = turn r^2/2,    v1 = -(psi_north - psi_south)/d2,    v2 = (psi_east - psi_west)/d1
+///     v1 = -(psi_north - psi_south)/d2,    v2 = (psi_east - psi_west)/d1
 ///
 /// with psi at the corners of the grid: at the face centre this is v_T. Borders and guides are stairs on the grid, which v_T
 /// crosses. So psi is that of the border at each corner of a cell that lies beside it, beyond one of the circles, and that of
@@ -12,7 +13,7 @@
 /// Differences of psi sum up to 0 around a cell, whatever psi is: no flux crosses border or guide, and the field is free of
 /// divergence to rounding.
 ///
-/// The radius r' that counts for psi at any other corner is its own, as far as that differs from the radius of each of these
+/// The q' that counts for psi at any other corner is its own, as far as that differs from the q of each of these
 /// corners by at most ARC_LANES_SPREAD times their distance; else the nearest one that does. So what the stairs lack is spread over
 /// some cells, and velocities are at most those of core/scene/arc_lanes.h.
 
@@ -29,8 +30,8 @@ typedef struct arc_corners {
     size_t j_first; ///< first row
     size_t n1;      ///< columns
     size_t n2;      ///< rows
-    double *radius; ///< n2 rows of r', m
-    uint8_t *line;  ///< nonzero: the corner has the radius of a border or guide
+    double *lane;   ///< n2 rows of q', m
+    uint8_t *line;  ///< nonzero: the corner has the q of a border or guide
 } arc_corners;
 
 /// The arcs of a scene; zero-initialise.

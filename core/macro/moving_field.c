@@ -106,7 +106,7 @@ static void set_places(moving_field *p, const place *places)
 // Lets the belts of `now` have their directions.
 static void set_directions(moving_field *p)
 {
-    for (size_t k = 0; k < p->scene->n_belts; k++) {
+    for (size_t k = 0; k < p->scene->n_sections; k++) {
         const scene_belt *belt = &p->scene->belts[k];
         p->belts[k].velocity = vec2_scale(belt->velocity, p->directions[k]);
         p->belts[k].turn = p->directions[k] * belt->turn;
@@ -119,7 +119,7 @@ static bool find_directions(moving_field *p, uint64_t step)
 {
     bool have_changed = false;
 
-    for (size_t k = 0; p->speeds != NULL && k < p->scene->n_belts; k++) {
+    for (size_t k = 0; p->speeds != NULL && k < p->scene->n_sections; k++) {
         const double factor =
             belt_speeds_mean(p->speeds, k, (double)step * p->dt, (double)(step + 1) * p->dt);
         const int8_t direction = factor < 0.0 ? -1 : factor > 0.0 ? 1 : p->directions[k];
@@ -135,15 +135,15 @@ static bf_status init_belts(moving_field *p, const bf_world *w, bf_error *err)
 {
     const scene *s = p->scene;
 
-    if (!belt_speeds_may_reverse_any(s->n_belts, s->belts))
+    if (!belt_speeds_may_reverse_any(s->n_sections, s->belts))
         return BF_OK;
     p->speeds = &w->belts;
-    p->belts = memory_alloc(s->n_belts, sizeof *p->belts);
-    p->directions = memory_alloc(s->n_belts, sizeof *p->directions);
+    p->belts = memory_alloc(s->n_sections, sizeof *p->belts);
+    p->directions = memory_alloc(s->n_sections, sizeof *p->directions);
     if (p->belts == NULL || p->directions == NULL)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for belts");
-    memcpy(p->belts, s->belts, s->n_belts * sizeof *p->belts);
-    memset(p->directions, 1, s->n_belts);
+    memcpy(p->belts, s->belts, s->n_sections * sizeof *p->belts);
+    memset(p->directions, 1, s->n_sections);
     p->now.belts = p->belts;
     return BF_OK;
 }
@@ -344,7 +344,7 @@ void moving_field_save(const moving_field *p, checkpoint_writer *w)
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
         checkpoint_write(w, &p->plates[k].place, sizeof p->plates[k].place);
     if (p->directions != NULL)
-        checkpoint_write(w, p->directions, p->scene->n_belts);
+        checkpoint_write(w, p->directions, p->scene->n_sections);
 }
 
 bool moving_field_load(moving_field *p, macro_solver *s, checkpoint_reader *r)
@@ -355,9 +355,9 @@ bool moving_field_load(moving_field *p, macro_solver *s, checkpoint_reader *r)
             !isfinite(p->after[k].at.shift.y) ||
             (p->after[k].presence != 0.0 && p->after[k].presence != 1.0))
             return false;
-    if (p->directions != NULL && !checkpoint_read(r, p->directions, p->scene->n_belts))
+    if (p->directions != NULL && !checkpoint_read(r, p->directions, p->scene->n_sections))
         return false;
-    for (size_t k = 0; p->directions != NULL && k < p->scene->n_belts; k++)
+    for (size_t k = 0; p->directions != NULL && k < p->scene->n_sections; k++)
         if (p->directions[k] != 1 && p->directions[k] != -1)
             return false;
     if (p->directions != NULL)

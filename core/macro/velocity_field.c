@@ -11,6 +11,7 @@
 #include "core/macro/arc_faces.h"
 #include "core/macro/closed_lines.h"
 #include "core/macro/regions.h"
+#include "core/scene/belt.h"
 #include "core/scene/belt_speeds.h"
 
 #include <math.h>
@@ -31,8 +32,8 @@ static bool has_arcs(const scene *s)
 {
     bool has = false;
 
-    for (size_t k = 0; k < s->n_belts; k++)
-        has = has || s->belts[k].arc.is_given;
+    for (size_t k = 0; k < s->n_sections; k++)
+        has = has || belt_has_lanes(&s->belts[k]);
     return has;
 }
 
@@ -132,7 +133,7 @@ static sampler *sampler_alloc(const scene *s)
         return NULL;
     for (size_t m = 0; m < s->n_obstacles; m++)
         n_segments += s->obstacles[m].n_points - 1;
-    for (size_t m = 0; m < s->n_belts; m++)
+    for (size_t m = 0; m < s->n_sections; m++)
         n_borders += s->belts[m].n_points;
     n_borders += BORDERS_PER_SEGMENT * n_segments;
     k->segments = memory_alloc(n_segments, sizeof *k->segments);
@@ -156,7 +157,7 @@ static void sampler_prepare(sampler *k, const scene *s)
     // Beside a belt's border a gap may be bridged, and faces have the velocity of a cell's centre.
     k->margin = MARGIN + (k->may_drop ? k->around.bridge + fmax(grid.d1, grid.d2) : 0.0);
     k->n_segments = k->n_borders = 0;
-    for (size_t b = 0; b < s->n_belts; b++) {
+    for (size_t b = 0; b < s->n_sections; b++) {
         const scene_belt *belt = &s->belts[b];
         for (size_t m = 0, last = belt->n_points - 1; m < belt->n_points; last = m++)
             add_border(k, belt->polygon[last], belt->polygon[m]);
@@ -273,7 +274,7 @@ static size_t arc_of(const sampler *k, const lattice *l, vec2 at, int component,
         belt = surroundings_belt_at(around, vec2_sub(at, half));
     if (is_off(k, e) && belt == around->n_belts)
         belt = surroundings_belt_at(around, vec2_add(at, half));
-    return belt < around->n_belts && around->belts[belt].arc.is_given ? belt : around->n_belts;
+    return belt < around->n_belts && belt_has_lanes(&around->belts[belt]) ? belt : around->n_belts;
 }
 
 /// What is filled in for the faces of a lattice; see velocity_field.h.
@@ -310,8 +311,8 @@ static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int 
         for (size_t i = 0; i < l->n_columns;) {
             const vec2 at = { l->grid->lower1 + ((double)i + l->offset1) * l->grid->d1, y };
             const regions_velocity e = evaluate_any(k, l, at, component, ret->belt != NULL);
-            const size_t arc = k->arcs.n > 0 ? arc_of(k, l, at, component, &e) : s->n_belts;
-            const bool is_arc = arc < s->n_belts;
+            const size_t arc = k->arcs.n > 0 ? arc_of(k, l, at, component, &e) : s->n_sections;
+            const bool is_arc = arc < s->n_sections;
             const double v = is_arc ? arc_faces_velocity(&k->arcs, l->grid, k->around.belts, arc,
                                                          component, i, j)
                                     : component_of(&e, component);
@@ -475,7 +476,7 @@ static velocity_field *field_alloc(const scene *s)
     f->sampler = sampler_alloc(s);
     bool is_whole = f->v1 && f->v2 && f->closed1 && f->closed2 && f->sampler;
     if (is_whole &&
-        (is_congested(s) || has_arcs(s) || !belt_speeds_are_constant(s->n_belts, s->belts))) {
+        (is_congested(s) || has_arcs(s) || !belt_speeds_are_constant(s->n_sections, s->belts))) {
         f->belt1 = memory_alloc(n_faces1, sizeof *f->belt1);
         f->belt2 = memory_alloc(n_faces2, sizeof *f->belt2);
         is_whole = f->belt1 && f->belt2;

@@ -49,7 +49,7 @@ bf_status macro_flows_create(const scene *s, const macro_solver *solver, const u
     f->packing = scene_packing_density(s);
     f->dt = scene_macro_step(s);
     f->n_outlets = figure_items(s, FIGURE_OF_OUTLET);
-    for (size_t k = 0; k <= s->n_belts; k++)
+    for (size_t k = 0; k <= s->n_sections; k++)
         f->outlet_of[k] = figure_outlet(s, k);
     for (size_t k = 0; k < s->n_counters; k++) {
         const counter_cells c = counter_cells_of(&s->counters[k], &f->grid);

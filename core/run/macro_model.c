@@ -152,7 +152,7 @@ static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
     def.off = f->off;
     def.tracer_portion = tracer_portion(s, run);
     if (f->belt1 != NULL) {
-        def.n_belts = s->n_belts;
+        def.n_belts = s->n_sections;
         def.belts = run->moving != NULL && moving_field_belts(run->moving) != NULL
                         ? moving_field_belts(run->moving)
                         : s->belts;
@@ -178,7 +178,7 @@ static bf_status create_solver(const scene *s, bf_world *w, int n_threads, macro
 {
     velocity_field *f = NULL;
     const bool changes =
-        scene_has_moving_obstacles(s) || belt_speeds_may_reverse_any(s->n_belts, s->belts);
+        scene_has_moving_obstacles(s) || belt_speeds_may_reverse_any(s->n_sections, s->belts);
     bf_status status =
         changes ? moving_field_create(s, w, &run->moving, err) : velocity_field_create(s, &f, err);
 
@@ -282,7 +282,7 @@ static bf_status find_belts(const scene *s, macro_run *run, bf_error *err)
     const surroundings around = surroundings_of(s);
     const bf_grid *g = &run->grid;
 
-    run->n_belts = s->n_belts;
+    run->n_belts = s->n_sections;
     run->belts = s->belts;
     run->belt_of = memory_alloc(grid_cells(g), sizeof *run->belt_of);
     run->speeds = memory_alloc(g->n1, sizeof *run->speeds);

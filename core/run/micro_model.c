@@ -126,7 +126,7 @@ static uint64_t choose_tick(const micro_run *run, double dt)
     const scene *s = run->scene;
     double speed = 0.0;
 
-    for (size_t k = 0; k < s->n_belts; k++)
+    for (size_t k = 0; k < s->n_sections; k++)
         speed = fmax(speed, belt_largest_speed(&s->belts[k]) * belt_speeds_largest(&s->belts[k]));
     const double most = fmin(longest_tick, 0.25 * smallest_radius(run) / speed);
     return (uint64_t)fmax(floor(most / dt), 1.0);

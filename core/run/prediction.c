@@ -88,7 +88,7 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     const bool is_everywhere = s->macro.heaviside != SCENE_HEAVISIDE_SHARP;
     const double area = grid.d1 * grid.d2 * (double)grid_cells(&grid) * load->time;
     // On a single belt without plates a heap goes on as dense as it was placed.
-    const bool may_jam = s->n_obstacles > 0 || s->n_belts > 1;
+    const bool may_jam = s->n_obstacles > 0 || s->n_sections > 1;
     double *amounts = work->amounts;
 
     work->kind = s->macro.closure == SCENE_CONGESTED     ? PREDICTION_CONGESTED
@@ -98,7 +98,7 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     amounts[PREDICTION_ROW_STEPS] = (double)grid.n2 * steps;
     amounts[PREDICTION_CELL_STEPS] = (double)grid_cells(&grid) * steps;
     amounts[PREDICTION_COVERED_STEPS] = load->area * cells;
-    amounts[belt_are_forward(s->n_belts, s->belts) ? PREDICTION_RELAXED : PREDICTION_COUPLED] =
+    amounts[belt_are_forward(s->n_sections, s->belts) ? PREDICTION_RELAXED : PREDICTION_COUPLED] =
         work->kind == PREDICTION_CONGESTED ? load->relaxed : 0.0;
     amounts[PREDICTION_FIELD_CELLS] = load->fields * (double)grid_cells(&grid);
     if (s->n_feeds > 0)

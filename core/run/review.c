@@ -12,6 +12,7 @@
 #include "core/run/review_plates.h"
 #include "core/run/run.h"
 #include "core/run/run_priv.h"
+#include "core/scene/belt_path.h"
 #include "core/scene/layout.h"
 #include "core/scene/mix.h"
 #include "core/scene/surroundings.h"
@@ -152,8 +153,8 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
             const double place = (double)k / (BEAM_POINTS - 1);
             const vec2 at = vec2_add(line[0], vec2_scale(vec2_sub(line[1], line[0]), place));
             const size_t belt = surroundings_belt_at(&around, at);
-            if (belt < s->n_belts)
-                c.crosses[e][belt] = true;
+            if (belt < around.n_belts)
+                c.crosses[e][scene_belt_of(s, belt)] = true;
         }
     }
     review_beams(&c, ret_warnings);

@@ -1,6 +1,7 @@
 #include "core/run/review_belts.h"
 
 #include "core/base/polygon.h"
+#include "core/scene/belt_path.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/mix.h"
 #include "core/scene/placement.h"
@@ -34,7 +35,7 @@ static double steps_of_place(const scene *s)
 {
     double steps = 1.0;
 
-    for (size_t k = 0; k < s->n_belts; k++)
+    for (size_t k = 0; k < s->n_sections; k++)
         steps += 1.0 + (double)s->belts[k].n_points;
     for (size_t k = 0; k < s->n_obstacles; k++)
         steps += 10.0 * (double)s->obstacles[k].n_points;
@@ -52,7 +53,7 @@ static bool is_in_domain(const borders *b, vec2 at)
 
 static bool is_off(const borders *b, vec2 at)
 {
-    return surroundings_belt_at(&b->around, at) == b->s->n_belts;
+    return surroundings_belt_at(&b->around, at) == b->around.n_belts;
 }
 
 /// True if a plate stands across a way.
@@ -84,7 +85,9 @@ static void warn(const scene *s, size_t belt, vec2 at, review_warnings *ret_warn
 {
     char pointer[BF_POINTER_SIZE];
 
-    snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", belt);
+    const size_t of = scene_belt_of(s, belt);
+    snprintf(pointer, sizeof pointer, "/belts/%zu/%s", of,
+             s->belts[of].path.n_points > 0 ? "path" : "polygon_m");
     review_warning *item = review_add(ret_warnings, pointer, "Cargo leaves the belts");
     snprintf(
         item->meaning, sizeof item->meaning,
@@ -155,7 +158,7 @@ bf_status review_belts(const scene *s, review_warnings *ret_warnings, bf_error *
 
     if (!s->may_drop)
         return BF_OK;
-    for (size_t k = 0; k < s->n_belts; k++) {
+    for (size_t k = 0; k < s->n_sections; k++) {
         const scene_belt *belt = &s->belts[k];
         const double turn =
             belt->n_points > 0 ? copysign(1.0, polygon_area(belt->polygon, belt->n_points)) : 0.0;

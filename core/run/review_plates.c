@@ -30,7 +30,7 @@ static double steps_of_lookup(const scene *s)
 {
     double steps = 1.0;
 
-    for (size_t k = 0; k < s->n_belts; k++)
+    for (size_t k = 0; k < s->n_sections; k++)
         steps += 1.0 + (double)s->belts[k].n_points;
     return steps;
 }

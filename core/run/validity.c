@@ -540,6 +540,11 @@ static void note_grid(findings *f)
     note(f, VALIDITY_CELL, scene_cell_edge(f->s) / f->diameter, "/macro/cell_m");
 }
 
+static bool is_straight(const scene_belt *belt)
+{
+    return !belt->arc.is_given && belt->n_more == 0;
+}
+
 static void note_figures(findings *f, const layout *of)
 {
     size_t n_velocities = 0, n_arcs = 0;
@@ -547,11 +552,12 @@ static void note_figures(findings *f, const layout *of)
     for (size_t k = 0; k < f->s->n_belts; k++) {
         bool is_new = true;
         for (size_t i = 0; i < k && is_new; i++)
-            is_new = f->s->belts[k].arc.is_given || f->s->belts[i].arc.is_given ||
+            is_new = !is_straight(&f->s->belts[k]) || !is_straight(&f->s->belts[i]) ||
                      vec2_length(vec2_sub(f->s->belts[k].velocity, f->s->belts[i].velocity)) > 0.0;
         n_velocities += is_new;
-        n_arcs += f->s->belts[k].arc.is_given;
     }
+    for (size_t k = 0; k < f->s->n_sections; k++)
+        n_arcs += f->s->belts[k].arc.is_given;
     const bool is_free = of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 &&
                          n_velocities == 1 && n_arcs == 0 && !has_slopes(f->s) && !f->is_moving;
 
@@ -582,7 +588,7 @@ static void note_figures(findings *f, const layout *of)
             const double ratio = vec2_length(a) / vec2_length(b);
             if (vec2_length(a) == 0.0 || vec2_length(b) == 0.0)
                 continue;
-            if (turn > ROUNDING && !f->s->belts[k].arc.is_given && !f->s->belts[i].arc.is_given)
+            if (turn > ROUNDING && is_straight(&f->s->belts[k]) && is_straight(&f->s->belts[i]))
                 note(f, VALIDITY_TURN, turn, "/belts/%zu/velocity_m_s", k);
             if (fabs(ratio - 1.0) > ROUNDING)
                 note(f, VALIDITY_RATIO, fmax(ratio, 1.0 / ratio), "/belts/%zu/velocity_m_s", k);

@@ -53,7 +53,7 @@ typedef enum validity_figure {
     VALIDITY_SCHEDULES, ///< belts whose speed changes in time
     VALIDITY_COMMANDS,  ///< actions of photo eyes
     VALIDITY_BELTS,     ///< belts that differ in their velocity
-    VALIDITY_ARCS,      ///< belts that are arcs
+    VALIDITY_ARCS,      ///< arcs, those of paths too
     VALIDITY_INCLINE,   ///< of a belt that is not level, up positive, degrees
     VALIDITY_TURN,      ///< angle between the velocities of two belts, degrees
     VALIDITY_RATIO,     ///< of the speeds of two belts

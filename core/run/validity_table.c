@@ -192,7 +192,7 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                          "one alone",
                          { UP_TO(1.0, NULL), UP_TO(2.0, NULL), ANY } },
     [VALIDITY_ARCS] = { NULL,
-                        "The number of belts that are arcs is",
+                        "The number of arcs, those of paths too, is",
                         "",
                         "",
                         "straight belts alone",

@@ -38,8 +38,7 @@ static void add_guides(const scene *s, const scene_belt *belt, double cell, arc_
             const vec2 start = s->obstacles[k].path[m],
                        way = vec2_sub(s->obstacles[k].path[m + 1], start);
             const vec2 middle = vec2_add(start, vec2_scale(way, 0.5));
-            const double radius = vec2_length(vec2_sub(start, belt->centre)),
-                         length = vec2_length(way);
+            const double radius = belt_lane_at(belt, start), length = vec2_length(way);
             if (length > 0.0 && belt_holds(belt, middle) && !is_near(to, radius, cell) &&
                 surroundings_is_guide(vec2_scale(way, 1.0 / length), belt_velocity(belt, middle)))
                 add_line(to, radius);
@@ -51,8 +50,8 @@ double arc_lanes_speedup(const scene *s, const scene_belt *belt, double cell)
     arc_lines lines = { .n = 0 };
     double speedup = ARC_LANES_SPREAD;
 
-    add_line(&lines, belt->arc.inner_radius);
-    add_line(&lines, belt->arc.outer_radius);
+    add_line(&lines, belt_lane_low(belt));
+    add_line(&lines, belt_lane_high(belt));
     add_guides(s, belt, cell, &lines);
     for (size_t k = 1; k < lines.n; k++) {
         const double width = (lines.radius[k] - lines.radius[k - 1]) / cell;

@@ -26,16 +26,26 @@ bool belt_are_forward(size_t n_belts, const scene_belt *belts)
     return are;
 }
 
-bool belt_arc_spans(const scene_arc *arc, vec2 from_centre)
+bool belt_arc_spans(const scene_arc *arc, vec2 from_centre, double margin)
 {
     const double after = vec2_cross(arc->rays[0], from_centre),
                  before = vec2_cross(from_centre, arc->rays[1]);
 
     if (belt_arc_angle(arc) <= M_PI)
-        return after >= -SCENE_TOLERANCE && before >= -SCENE_TOLERANCE;
+        return after >= -margin && before >= -margin;
     // What is left out of more than half a turn is less than one.
-    return belt_arc_angle(arc) >= 2.0 * M_PI - 1e-9 || after >= -SCENE_TOLERANCE ||
-           before >= -SCENE_TOLERANCE;
+    return belt_arc_angle(arc) >= 2.0 * M_PI - 1e-9 || after >= -margin || before >= -margin;
+}
+
+bool belt_lanes_span(const scene_belt *belt, vec2 at, double margin)
+{
+    const bool is_section = belt->path.width > 0.0;
+    const double beyond = is_section ? fmax(margin, SCENE_TOLERANCE) : SCENE_TOLERANCE;
+
+    if (belt->arc.is_given)
+        return belt_arc_spans(&belt->arc, vec2_sub(at, belt->centre), beyond);
+    const double along = vec2_dot(vec2_sub(at, belt->leg.start), belt->leg.along);
+    return along >= -beyond && along <= belt->leg.length + beyond;
 }
 
 bool belt_holds(const scene_belt *belt, vec2 at)
@@ -48,7 +58,8 @@ bool belt_holds(const scene_belt *belt, vec2 at)
     const vec2 from_centre = vec2_sub(at, belt->centre);
     const double radius = vec2_length(from_centre);
     return radius >= arc->inner_radius - SCENE_TOLERANCE &&
-           radius <= arc->outer_radius + SCENE_TOLERANCE && belt_arc_spans(arc, from_centre);
+           radius <= arc->outer_radius + SCENE_TOLERANCE &&
+           belt_arc_spans(arc, from_centre, SCENE_TOLERANCE);
 }
 
 double belt_border_distance(const scene_belt *belt, vec2 at)
@@ -68,7 +79,7 @@ double belt_border_distance(const scene_belt *belt, vec2 at)
             fmin(nearest,
                  polygon_segment_distance(from_centre, vec2_scale(arc->rays[k], arc->inner_radius),
                                           vec2_scale(arc->rays[k], arc->outer_radius)));
-    if (!belt_arc_spans(arc, from_centre))
+    if (!belt_arc_spans(arc, from_centre, SCENE_TOLERANCE))
         return nearest;
     const double radius = vec2_length(from_centre);
     return fmin(nearest, fmin(fabs(radius - arc->inner_radius), fabs(radius - arc->outer_radius)));

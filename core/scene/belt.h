@@ -60,8 +60,50 @@ static inline double belt_arc_angle(const scene_arc *arc)
     return fabs(arc->to - arc->from);
 }
 
-/// True if a place, seen from the centre of a resolved arc, is between its ends, those included.
-bool belt_arc_spans(const scene_arc *arc, vec2 from_centre);
+/// True if a belt's borders are stairs on a grid that its velocity crosses: of arcs, and of straight sections of paths aslant. Such a
+/// belt is described by lanes along it, of a stream function of the place q across it,
+///
+///     arc       q the distance to the centre,                          psi = turn q^2/2
+///     straight  q to the right of the centre line, seen along it,      psi = (velocity . along) q
+static inline bool belt_has_lanes(const scene_belt *belt)
+{
+    return belt->arc.is_given ||
+           (belt->leg.is_given && belt->leg.along.x != 0.0 && belt->leg.along.y != 0.0);
+}
+
+/// q of a place, m.
+static inline double belt_lane_at(const scene_belt *belt, vec2 at)
+{
+    const scene_leg *leg = &belt->leg;
+
+    return belt->arc.is_given ? vec2_length(vec2_sub(at, belt->centre))
+                              : vec2_cross(vec2_sub(at, leg->start), leg->along);
+}
+
+/// q of the border where it is least, and where it is largest, m.
+static inline double belt_lane_low(const scene_belt *belt)
+{
+    return belt->arc.is_given ? belt->arc.inner_radius : -0.5 * belt->leg.width;
+}
+
+static inline double belt_lane_high(const scene_belt *belt)
+{
+    return belt->arc.is_given ? belt->arc.outer_radius : 0.5 * belt->leg.width;
+}
+
+/// By how much psi rises from one q to another, m2/s.
+static inline double belt_lane_rise(const scene_belt *belt, double from, double to)
+{
+    return belt->arc.is_given ? 0.5 * belt->turn * (to - from) * (to + from)
+                              : vec2_dot(belt->velocity, belt->leg.along) * (to - from);
+}
+
+/// True if a place beside a belt with lanes lies between its ends; those of sections of paths are looked for a margin further, m:
+/// their borders go on there.
+bool belt_lanes_span(const scene_belt *belt, vec2 at, double margin);
+
+/// True if a place, seen from the centre of a resolved arc, is between its ends, or beyond them by at most a margin, m.
+bool belt_arc_spans(const scene_arc *arc, vec2 from_centre, double margin);
 
 /// Derive of an arc that is sound: reference radius, angular velocity, rays, polygon. Nothing of other belts. BF_ENOMEM.
 BF_MUST_CHECK bf_status belt_resolve_arc(scene_belt *belt, bf_error *err);

@@ -106,6 +106,8 @@ static bf_status make_curve(const scene_belt *belt, belt_speeds_curve *c)
         .acceleration = belt->acceleration,
         .deceleration = belt->deceleration,
         .is_commandable = belt->is_commanded,
+        .first_section = belt->first_section,
+        .n_more = belt->n_more,
         .belt = has_stops ? belt : NULL,
         .n_segments = 1 + s->n_times + (has_stops ? belt_stops_count(&belt->stops) : 0),
         .origin = { start, is_stopped ? 0.0 : target, target, begins ? 1 : 0 }
@@ -118,7 +120,7 @@ static bf_status make_curve(const scene_belt *belt, belt_speeds_curve *c)
     return BF_OK;
 }
 
-void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double factor)
+static void command(belt_speeds *speeds, size_t belt, double t, double factor)
 {
     static const scene_belt plain = { .acceleration = INFINITY }; // without schedule and stops
     belt_speeds_curve *c = &speeds->curves[belt];
@@ -133,6 +135,15 @@ void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double fact
     at->target = factor;
     at->next = of->speed_schedule.n_times;
     fill(of, c);
+}
+
+void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double factor)
+{
+    const belt_speeds_curve *c = &speeds->curves[belt];
+
+    command(speeds, belt, t, factor);
+    for (size_t k = 0; k < c->n_more; k++)
+        command(speeds, c->first_section + k, t, factor);
 }
 
 void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w)

@@ -66,6 +66,8 @@ typedef struct belt_speeds_curve {
     double acceleration;       ///< m/s2
     double deceleration;       ///< m/s2
     bool is_commandable;       ///< scene_belt.is_commanded
+    size_t first_section;      ///< of a path, those that are commanded with it
+    size_t n_more;             ///< see scene_belt
     bool was_commanded;        ///< there was a command
 } belt_speeds_curve;
 
@@ -101,7 +103,7 @@ double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, dou
 /// n_belts + 1; the last one, for places off every belt, is 1.
 void belt_speeds_in_step(const belt_speeds *speeds, uint64_t step, double dt, double *ret_factors);
 
-/// Let a commandable belt head for a factor from a time t on, s, >= that of the last command. Times before t must not
+/// Let a commandable belt, and its sections, head for a factor from a time t on, s, >= that of the last command. Times before t must not
 /// be asked for any more.
 void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double factor);
 

@@ -2,6 +2,7 @@
 
 #include "core/base/polygon.h"
 #include "core/scene/belt.h"
+#include "core/scene/belt_path.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/plate_range.h"
 #include "core/scene/ranges.h"
@@ -74,22 +75,26 @@ static void check_arc(const scene_belt *belt, const char *pointer, bf_faults *fa
                    "is more than a whole turn from from_deg: the arc would lie on itself");
 }
 
-/// A belt that covers a place on an arc, or beside one of its curved borders, as well; SCENE_BELTS_MAX: there is none.
+/// A belt or section that covers a place on an arc or a straight of a path, or beside one of its borders, as well; SCENE_BELTS_MAX: there is none.
 static size_t find_overlapped(const scene *s, size_t belt, vec2 *ret_at)
 {
     const scene_belt *of = &s->belts[belt];
     const scene_arc *arc = &of->arc;
-    const double width = arc->outer_radius - arc->inner_radius, margin = 0.01 * width;
-    const double low = fmin(arc->from, arc->to), end = margin / arc->inner_radius;
-    const double angle = belt_arc_angle(arc) - 2.0 * end;
+    const double low = belt_lane_low(of), width = belt_lane_high(of) - low;
+    // Cargo may come over the side of a straight along an axis: no stairs are held there.
+    const double margin = 0.01 * width, aside = belt_has_lanes(of) ? margin : -margin;
+    const double end = arc->is_given ? margin / arc->inner_radius : margin;
+    const double first = arc->is_given ? fmin(arc->from, arc->to) : 0.0;
+    const double length = (arc->is_given ? belt_arc_angle(arc) : of->leg.length) - 2.0 * end;
 
-    for (int i = 0; i < ARC_SAMPLES && angle > 0.0; i++) {
-        const double phi = low + end + angle * i / (ARC_SAMPLES - 1.0);
+    for (int i = 0; i < ARC_SAMPLES && length > 0.0; i++) {
+        const double along = first + end + length * i / (ARC_SAMPLES - 1.0);
         for (int k = 0; k < ARC_SAMPLES_ACROSS; k++) {
-            const double r = arc->inner_radius - margin +
-                             (width + 2.0 * margin) * k / (ARC_SAMPLES_ACROSS - 1.0);
-            *ret_at = vec2_add(of->centre, (vec2){ r * cos(phi), r * sin(phi) });
-            for (size_t m = 0; m < s->n_belts; m++)
+            const double q = low - aside + (width + 2.0 * aside) * k / (ARC_SAMPLES_ACROSS - 1.0);
+            const vec2 start = vec2_add(of->leg.start, vec2_scale(of->leg.along, along));
+            *ret_at = arc->is_given ? vec2_add(of->centre, (vec2){ q * cos(along), q * sin(along) })
+                                    : vec2_sub(start, vec2_scale(vec2_turn_left(of->leg.along), q));
+            for (size_t m = 0; m < s->n_sections; m++)
                 if (m != belt && belt_holds(&s->belts[m], *ret_at))
                     return m;
         }
@@ -97,21 +102,31 @@ static size_t find_overlapped(const scene *s, size_t belt, vec2 *ret_at)
     return SCENE_BELTS_MAX;
 }
 
-/// Note arcs that another belt overlaps, or lies along: only at its ends cargo comes to an arc and leaves it.
+/// Note arcs and paths that another belt overlaps, or lies along: only at its ends cargo comes to an arc and leaves it.
 static void check_overlaps(const scene *s, bf_faults *faults)
 {
+    const size_t n_before = faults->n;
     char pointer[BF_POINTER_SIZE];
 
-    for (size_t k = 0; k < s->n_belts; k++) {
+    for (size_t k = 0; k < s->n_sections; k++) {
+        const scene_belt *section = &s->belts[k];
+        const size_t of = scene_belt_of(s, k);
+        const bool is_path = s->belts[of].path.n_points > 0;
         vec2 at = { 0.0, 0.0 };
-        const size_t other =
-            s->belts[k].arc.is_given ? find_overlapped(s, k, &at) : SCENE_BELTS_MAX;
-        snprintf(pointer, sizeof pointer, "/belts/%zu/arc", k);
-        if (other < SCENE_BELTS_MAX)
+        const size_t other = section->arc.is_given || section->leg.is_given
+                                 ? find_overlapped(s, k, &at)
+                                 : SCENE_BELTS_MAX;
+        snprintf(pointer, sizeof pointer, "/belts/%zu/%s", of, is_path ? "path" : "arc");
+        if (other == SCENE_BELTS_MAX || (of != k && faults->n > n_before))
+            continue;
+        if (scene_belt_of(s, other) == of)
+            faults_add(faults, pointer, "crosses itself, or lies along itself, at (%.4g, %.4g) m",
+                       at.x, at.y);
+        else
             faults_add(faults, pointer,
                        "the belt '%s' overlaps it or lies along it at (%.4g, %.4g) m: belts must "
-                       "meet an arc at its ends",
-                       s->belts[other].id, at.x, at.y);
+                       "meet %s at its ends",
+                       s->belts[other].id, at.x, at.y, is_path ? "a path" : "an arc");
     }
 }
 
@@ -153,6 +168,14 @@ void scene__check_belts(const scene *s, bf_faults *faults)
                          SCENE_BELTS_MAX);
         return;
     }
+    size_t n_sections = s->n_belts;
+    for (size_t k = 0; k < s->n_belts; k++)
+        n_sections += s->belts[k].path.n_points > 2 ? 2 * s->belts[k].path.n_points - 4 : 0;
+    if (n_sections > SCENE_BELTS_MAX) {
+        faults_add_limit(faults, "/belts", "%zu belts and sections of paths, the limit is %d",
+                         n_sections, SCENE_BELTS_MAX);
+        return;
+    }
     bool are_sound = true;
     for (size_t k = 0; k < s->n_belts; k++) {
         const scene_belt *belt = &s->belts[k];
@@ -171,17 +194,19 @@ void scene__check_belts(const scene *s, bf_faults *faults)
         snprintf(pointer, sizeof pointer, "/belts/%zu/incline_deg", k);
         if (!(fabs(belt->incline) <= SCENE_INCLINE_MAX))
             faults_add(faults, pointer, "must be between -45 and 45 degrees");
-        else if (belt->incline != 0.0 && belt->arc.is_given)
-            faults_add(faults, pointer, "must be 0: curves are level");
+        else if (belt->incline != 0.0 && (belt->arc.is_given || belt->path.n_points > 0))
+            faults_add(faults, pointer, "must be 0: paths and curves are level");
         else if (belt->incline != 0.0 && vec2_length(belt->velocity) == 0.0)
             faults_add(faults, pointer, "needs a velocity_m_s, in whose direction the belt rises");
         snprintf(pointer, sizeof pointer, "/belts/%zu", k);
         belt_speeds_check(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
-        if (belt->n_points != 0 && !belt->arc.is_given)
+        if (belt->n_points != 0 && !belt->arc.is_given && belt->path.n_points == 0)
             check_polygon(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu", k);
-        if (belt->arc.is_given)
+        if (belt->path.n_points > 0)
+            belt_path_check(belt, pointer, faults);
+        else if (belt->arc.is_given)
             check_arc(belt, pointer, faults);
         are_sound = are_sound && faults->n == n_before;
     }

@@ -252,7 +252,7 @@ static void check_belts(const scene *s, const surroundings *around, size_t feed,
     for (int k = 0; k < POINTS; k++) {
         const vec2 at = feed_line_at(f, (double)k / (POINTS - 1));
         const size_t belt = surroundings_belt_below(around, at); // no part enters over a gap
-        if (belt == s->n_belts) {
+        if (belt == around->n_belts) {
             faults_add(faults, pointer, "lies off every belt at (%g, %g) m", at.x, at.y);
             return;
         }

@@ -19,7 +19,7 @@ static size_t checked(size_t n, size_t most)
 /// Steps to find the belt under a point.
 static double steps_of_lookup(const scene *s)
 {
-    const size_t n_belts = checked(s->n_belts, SCENE_BELTS_MAX);
+    const size_t n_belts = checked(s->n_sections, SCENE_BELTS_MAX);
     double steps = (double)n_belts;
 
     for (size_t k = 0; k < n_belts; k++)

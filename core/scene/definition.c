@@ -71,6 +71,10 @@ static uint64_t add_belts(uint64_t digest, size_t n, const scene_belt *belts)
             digest = ADD_NUMBERS(digest, belts[k].incline);
         digest = add_stops(add_speed(digest, &belts[k]), &belts[k]);
         digest = ADD_ITEMS(digest, belts[k].polygon, belts[k].n_points);
+        if (belts[k].path.n_points > 0)
+            digest = ADD_NUMBERS(digest, (double)belts[k].path.n_points, belts[k].path.width);
+        digest = ADD_ITEMS(digest, belts[k].path.points, belts[k].path.n_points);
+        digest = ADD_ITEMS(digest, belts[k].path.radii, belts[k].path.n_radii);
     }
     return digest;
 }

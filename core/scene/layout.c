@@ -523,7 +523,7 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
 
     for (size_t k = 0; k < s->n_obstacles; k++)
         out.n_pieces += s->obstacles[k].n_points - 1;
-    for (size_t k = 0; k < s->n_belts; k++)
+    for (size_t k = 0; k < s->n_sections; k++)
         m.steps_of_lookup += 1.0 + (double)s->belts[k].n_points;
     out.opening = out.gap = m.opening;
     out.is_measured = out.n_pieces <= LAYOUT_PIECES_MAX;

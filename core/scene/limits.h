@@ -3,9 +3,10 @@
 #pragma once
 
 enum {
-    SCENE_NAME_SIZE = 201,        ///< bytes of a scenario's name with its terminator
-    SCENE_ID_SIZE = 65,           ///< bytes of an id with its terminator
-    SCENE_BELTS_MAX = 256,        ///< belts in a scenario
+    SCENE_NAME_SIZE = 201, ///< bytes of a scenario's name with its terminator
+    SCENE_ID_SIZE = 65,    ///< bytes of an id with its terminator
+    SCENE_BELTS_MAX = 256, ///< belts in a scenario, a path counting up to 2 n - 3 of its n points
+    SCENE_PATH_MAX = 64,   ///< points of a belt's path
     SCENE_SPEEDS_MAX = 10000,     ///< times of a belt's speed schedule
     SCENE_SERIES_MAX = 100000,    ///< times of a profile, a list of arrivals, a motion
     SCENE_FAILURES_MAX = 8,       ///< kinds of failures of a belt

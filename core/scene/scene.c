@@ -4,6 +4,7 @@
 #include "core/base/vec2.h"
 #include "core/scene/arc_lanes.h"
 #include "core/scene/belt.h"
+#include "core/scene/belt_path.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/goods.h"
 #include "core/scene/placement.h"
@@ -87,6 +88,7 @@ void scene_belt_init(scene_belt *b)
 {
     *b = (scene_belt){ .velocity = { paper_speed, 0.0 },
                        .arc = { .reference_radius = NAN },
+                       .path = { .width = NAN },
                        .acceleration = INFINITY,
                        .deceleration = INFINITY };
 }
@@ -372,17 +374,22 @@ bf_status scene_resolve(scene *s, bf_error *err)
         s->n_counters = 1;
     }
     for (size_t k = 0; k < s->n_belts; k++)
-        if (belt_resolve_arc(&s->belts[k], err) != BF_OK)
+        if (s->belts[k].path.n_points == 0 && belt_resolve_arc(&s->belts[k], err) != BF_OK)
             return BF_ENOMEM;
+    if (belt_path_lay_out(s, err) != BF_OK)
+        return BF_ENOMEM;
     for (size_t k = 0; k < s->n_obstacles; k++)
         if (resolve_turn(&s->obstacles[k], err) != BF_OK)
             return BF_ENOMEM;
     resolve_derived(s);
-    surroundings around = { .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts };
+    belt_path_hand_on(s);
+    surroundings around = { .domain = s->domain, .n_belts = s->n_sections, .belts = s->belts };
     memcpy(around.edges, s->edges, sizeof around.edges);
     s->may_drop = surroundings_may_drop(&around);
     for (size_t k = 0; k < s->n_belts; k++)
         s->belts[k].is_outlet = surroundings_is_outlet(&around, k);
+    for (size_t k = s->n_belts; k < s->n_sections; k++)
+        s->belts[s->belts[k].of].is_outlet |= surroundings_is_outlet(&around, k);
     return BF_OK;
 }
 
@@ -429,8 +436,12 @@ void scene_fini(scene *s)
         }
         memory_free(s->belts[k].stops.failures);
         memory_free(s->belts[k].stops.breaks);
+        memory_free(s->belts[k].path.points);
+        memory_free(s->belts[k].path.radii);
         memory_free(s->belts[k].polygon);
     }
+    for (size_t k = s->n_belts; k < s->n_sections; k++)
+        memory_free(s->belts[k].polygon);
     for (size_t k = 0; k < s->n_obstacles; k++) {
         memory_free(s->obstacles[k].path);
         free_series(&s->obstacles[k].turn);
@@ -537,9 +548,11 @@ static bool may_part(const scene *s)
 {
     bool may = s->n_belts > 1 && belt_speeds_may_reverse_any(s->n_belts, s->belts);
 
-    for (size_t k = 0; s->n_obstacles > 0 && k < s->n_belts; k++)
+    // Sections of a path follow each other.
+    for (size_t k = 0; s->n_obstacles > 0 && k < s->n_sections; k++)
         for (size_t m = 0; m < k; m++)
-            may = may || vec2_dot(s->belts[k].velocity, s->belts[m].velocity) < 0.0;
+            may = may || (scene_belt_of(s, k) != scene_belt_of(s, m) &&
+                          vec2_dot(s->belts[k].velocity, s->belts[m].velocity) < 0.0);
     return may;
 }
 
@@ -552,11 +565,11 @@ static speeds speeds_of(const scene *s)
     const bool is_parting = may_part(s);
     double factor = 1.0;
 
-    for (size_t k = 0; k < s->n_belts; k++) {
+    for (size_t k = 0; k < s->n_sections; k++) {
         const scene_belt *belt = &s->belts[k];
-        const double faces = is_parting ? 4.0 : belt->arc.is_given ? M_SQRT2 : 2.0;
+        const double faces = is_parting ? 4.0 : belt_has_lanes(belt) ? M_SQRT2 : 2.0;
         const double largest = belt_speeds_largest(belt);
-        const double speedup = belt->arc.is_given ? arc_lanes_speedup(s, belt, edge) : 1.0;
+        const double speedup = belt_has_lanes(belt) ? arc_lanes_speedup(s, belt, edge) : 1.0;
         const double face = speedup * belt_largest_speed(belt) * largest;
         of.face = fmax(of.face, face);
         of.outflow = fmax(of.outflow, faces * face);

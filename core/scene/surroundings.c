@@ -10,10 +10,10 @@
 
 surroundings surroundings_of(const scene *s)
 {
-    surroundings around = { .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts };
+    surroundings around = { .domain = s->domain, .n_belts = s->n_sections, .belts = s->belts };
     bool has_border = false; // else radii do not matter
 
-    for (size_t k = 0; k < s->n_belts; k++)
+    for (size_t k = 0; k < s->n_sections; k++)
         has_border = has_border || s->belts[k].n_points > 0;
     around.bridge = has_border ? mix_inner_radii_of(s).smallest : 0.0;
     memcpy(around.edges, s->edges, sizeof around.edges);

@@ -6,7 +6,7 @@ bf_status world_init(bf_world *ret_world, const scene *s, bf_error *err)
 {
     bf_world w = { .drives = memory_alloc(s->n_obstacles, sizeof *w.drives) };
     bf_status status = w.drives != NULL
-                           ? belt_speeds_init(&w.belts, s->n_belts, s->belts, err)
+                           ? belt_speeds_init(&w.belts, s->n_sections, s->belts, err)
                            : bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for drives");
 
     if (status == BF_OK)

@@ -64,6 +64,7 @@ scene_belt *helper_scene_add_belt(scene *s, vec2 velocity, const vec2 *polygon, 
     memory_free(s->belts);
     s->belts = all;
     scene_belt *b = &all[s->n_belts++];
+    s->n_sections = s->n_belts;
     scene_belt_init(b);
     b->velocity = velocity;
     b->n_points = n;
@@ -81,6 +82,22 @@ scene_belt *helper_scene_add_arc(scene *s, double speed, double inner, double ou
     belt->arc.outer_radius = outer;
     belt->arc.from = from * M_PI / 180.0;
     belt->arc.to = to * M_PI / 180.0;
+    return belt;
+}
+
+scene_belt *helper_scene_add_path(scene *s, double speed, double width, double radius,
+                                  const vec2 *points, size_t n)
+{
+    scene_belt *belt = helper_scene_add_belt(s, (vec2){ speed, 0.0 }, NULL, 0);
+
+    belt->path = (scene_belt_path){ .n_points = n,
+                                    .points = copy(points, n, sizeof *points),
+                                    .n_radii = n - 2,
+                                    .radii = memory_alloc(n, sizeof *belt->path.radii),
+                                    .width = width };
+    BF_CHECK(belt->path.radii != NULL);
+    for (size_t k = 0; k + 2 < n; k++)
+        belt->path.radii[k] = radius;
     return belt;
 }
 

@@ -29,6 +29,10 @@ scene_belt *helper_scene_add_belt(scene *s, vec2 velocity, const vec2 *polygon, 
 scene_belt *helper_scene_add_arc(scene *s, double speed, double inner, double outer, double from,
                                  double to);
 
+/// Append a belt of this speed and width, m, along a path of n points, with the same radius at each corner.
+scene_belt *helper_scene_add_path(scene *s, double speed, double width, double radius,
+                                  const vec2 *points, size_t n);
+
 /// Append a feed over all of a side of the domain at a steady rate, 1/s; borrowed until the next one.
 scene_feed *helper_scene_add_feed(scene *s, scene_side edge, scene_arrivals arrivals, double rate);
 

@@ -19,6 +19,7 @@ bf_world *helper_world(size_t n_belts, const scene_belt *belts, size_t n_obstacl
     kept *new = calloc(1, sizeof *new);
     scene_obstacle *own = calloc(n_obstacles + 1, sizeof *own);
     scene s = { .n_belts = n_belts,
+                .n_sections = n_belts,
                 .belts = (scene_belt *)belts,
                 .n_obstacles = n_obstacles,
                 .obstacles = own };

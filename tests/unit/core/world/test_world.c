@@ -114,7 +114,9 @@ static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
     plate.path = path;
     plate.is_commanded = true;
     plate.force_limit = 1.0;
-    const scene s = { .n_belts = 1, .belts = &belt, .n_obstacles = 1, .obstacles = &plate };
+    const scene s = {
+        .n_belts = 1, .n_sections = 1, .belts = &belt, .n_obstacles = 1, .obstacles = &plate
+    };
     for (size_t n = 1; status != BF_OK; n++) {
         bf_world w;
         memory_plan_fault(n, 0);
