@@ -76,16 +76,64 @@ export async function visit(page, address) {
   await page.goto(`/${address}`);
 }
 
-// No violation that axe finds, of any of its rules, only of some, or without some. Its own package for Playwright injects it
-// again and opens a tab of its own each time.
-export async function assertAccessible(page, name, { only, without = [] } = {}) {
+// axe's rules of colours take most of its time. What they find depends on the styles of an element and of what it is in, so
+// a combination of these is judged until it passes once in the file of stories.
+const ofColours = ["color-contrast", "link-in-text-block"];
+const passed = new Set();
+
+// No violation that axe finds, of any of its rules or only of some.
+export async function assertAccessible(page, name, { only } = {}) {
+  const rules = Object.fromEntries(ofColours.map((rule) => [rule, { enabled: false }]));
+  const options = { resultTypes: ["violations"], ...(only ? { runOnly: only } : { rules }) };
+  await injectAxe(page);
+  assertNone(await page.evaluate(async (wanted) => (await window.axe.run(wanted)).violations, options), name);
+  if (!only) await assertReadable(page, name);
+}
+
+// No violation that axe finds of its rules of colours.
+export async function assertReadable(page, name) {
+  await injectAxe(page);
+  const { violations, combinations } = await page.evaluate(async ([rules, known]) => {
+    const seen = new Set(known);
+    // Of what lies on another layer of the page, the place matters, too: it has none.
+    const combinationOf = (element) => {
+      const parts = [];
+      for (let at = element; at !== null; at = at.parentElement) {
+        const style = getComputedStyle(at);
+        if (!["static", "relative"].includes(style.position)) return null;
+        parts.push([style.backgroundColor, style.backgroundImage, style.opacity, style.filter, style.mixBlendMode].join());
+        if (at === element) parts.push(style.color, style.fontSize, style.fontWeight, style.textShadow);
+        if (at === element.parentElement) parts.push(style.color, style.fontWeight, style.textDecorationLine);
+      }
+      return parts.join("|");
+    };
+    const hasText = (element) => element.matches("input, select, textarea")
+      || [...element.childNodes].some((node) => node.nodeType === Node.TEXT_NODE && node.data.trim() !== "");
+    const include = [...document.body.querySelectorAll("*")].filter((element) => hasText(element) && !seen.has(combinationOf(element)));
+    if (include.length === 0) return { violations: [], combinations: [] };
+    const found = await window.axe.run({ include }, { runOnly: rules, resultTypes: ["violations", "passes"], elementRef: true });
+    const good = found.passes.filter(({ id }) => id === "color-contrast").flatMap(({ nodes }) => nodes);
+    return { combinations: good.map(({ element }) => combinationOf(element)).filter((combination) => combination !== null),
+      violations: found.violations.map(({ id, help, nodes }) => ({ id, help, nodes: nodes.map(({ html, any }) => ({ html, any })) })) };
+  }, [ofColours, [...passed]]);
+  assertNone(violations, name);
+  for (const combination of combinations) passed.add(combination);
+}
+
+// Its own package for Playwright injects it again and opens a tab of its own each time.
+async function injectAxe(page) {
   if (await page.evaluate(() => window.axe === undefined)) await page.evaluate(axe);
-  const options = { resultTypes: ["violations"], ...(only && { runOnly: only }),
-    rules: Object.fromEntries(without.map((rule) => [rule, { enabled: false }])) };
-  const violations = await page.evaluate(async (wanted) => (await window.axe.run(wanted)).violations, options);
+}
+
+function assertNone(violations, name) {
   const found = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map(({ html, any }) =>
     `${html.slice(0, 160)} ${any.map(({ message }) => message).join("; ")}`).join("\n    ")}`);
   assert.deepEqual(found, [], name);
+}
+
+// Until what follows the size of the view or its colours has been drawn again: that is in the frame after a change.
+export async function redrawn(page) {
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }
 
 // No element overflows the view. With BELTFLOW_PICTURES=1 a picture of the whole view is left in the build folder.
@@ -93,8 +141,7 @@ export async function takePicture(page, name, size) {
   if (pictures !== null) {
     const height = await page.evaluate(() => document.documentElement.scrollHeight);
     await page.setViewportSize({ ...sizes[size], height: Math.max(height, sizes[size].height) });
-    // The drawings follow the size in the frame after it.
-    await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    await redrawn(page);
     await page.screenshot({ path: path.join(pictures, `${name}.png`) });
     await page.setViewportSize(sizes[size]);
   }
