@@ -281,6 +281,23 @@ test("the line as a whole has a form: a mix of kinds, which feeds name, and its 
   await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
 });
 
+test("a path goes on from the belt as an S, and its corners are handles", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?blank=1");
+  await page.getByText("Ready:").waitFor();
+  await page.getByRole("button", { name: "+ Path", exact: true }).click();
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+  const { belts, domain } = await scenarioIn(page);
+  assert.deepEqual(belts[1], { id: "belt-2", velocity_m_s: [0.4, 0],
+    path: { points_m: [[2, 0.3], [2.6, 0.3], [3.5, 1.2], [4.1, 1.2]], radius_m: [0.6, 0.6], width_m: 0.6 } });
+  assert.deepEqual(domain, { x_m: [0, 4.1], y_m: [0, 1.5] });
+  await page.getByRole("button", { name: /^belt-2, corner 2/ }).press("ArrowRight");
+  const moved = (await scenarioIn(page)).belts[1].path.points_m;
+  assert.ok(moved[1][0] > 2.6 && moved[1][1] === 0.3);
+  await assertAccessible(page, "a path");
+});
+
 test("a curve goes on from the belt, with a gate, an eye and a belt that merges", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);

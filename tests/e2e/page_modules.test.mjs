@@ -89,6 +89,21 @@ test("an arc moves along its circle, at its speed in the middle, and nowhere els
   near(areaOf(beltOutline(scenario.belts[0])).area / (0.25 * Math.PI * (0.36 - 0.16)), -Math.sin(Math.PI / 90) / (Math.PI / 90));
 });
 
+test("a path has its speed along its centre line, and the outline of its sections", () => {
+  const path = { points_m: [[0, 0.5], [1.5, 0.5], [1.5, 2.5], [3, 2.5]], radius_m: [0.6, 0.6], width_m: 0.5 };
+  const scenario = { belts: [{ velocity_m_s: [0.4, 0], path }] };
+  // To the right, up, and to the right again; in the middle of the first arc aslant, and faster outside.
+  const diagonal = Math.SQRT1_2, outside = [0.9 + 0.8 * diagonal, 1.1 - 0.8 * diagonal];
+  for (const [place, [vx, vy]] of [[[0.3, 0.3], [0.4, 0]], [[1.6, 1.5], [0, 0.4]], [[2.9, 2.6], [0.4, 0]], [outside, [0.4 * diagonal * 0.8 / 0.6, 0.4 * diagonal * 0.8 / 0.6]]]) {
+    const found = beltVelocity(scenario, place);
+    near(found[0], vx);
+    near(found[1], vy);
+  }
+  assert.deepEqual(beltVelocity(scenario, [1.5, 0.3]), [0, 0]);
+  // 0.9 m, a quarter of a circle, 0.8 m, a quarter, 0.9 m, but for the chords.
+  near(areaOf(beltOutline(scenario.belts[0])).area / (0.5 * (2.6 + 0.6 * Math.PI)), 1, 2e-4);
+});
+
 test("numbers and places of messages are written for people", () => {
   // Of axes, too, which have six digits.
   assert.deepEqual([0, 1000, 1000000, 2.5].map((value) => number(value, 6)), ["0", "1,000", "1,000,000", "2.5"]);

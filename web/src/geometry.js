@@ -49,8 +49,49 @@ export function arcPlace({ centre_m: [x, y], from_deg: from, to_deg: to }, radiu
   return [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
 }
 
+const along = ([x, y], [dx, dy], way) => [x + way * dx, y + way * dy];
+
+// A belt as straights and arcs, in their order: a path has several.
+export function sectionsOf(belt) {
+  if (!belt.path) return [belt];
+  const { points_m: points, radius_m: radii = [], width_m: width } = belt.path;
+  const speed = Math.hypot(...belt.velocity_m_s);
+  const directions = points.slice(1).map(([x, y], k) => {
+    const [dx, dy] = [x - points[k][0], y - points[k][1]];
+    return [dx / Math.hypot(dx, dy), dy / Math.hypot(dx, dy)];
+  });
+  const sections = [];
+  let start = points[0];
+  directions.forEach((direction, k) => {
+    const next = directions[k + 1] ?? direction, radius = radii[k] ?? 0;
+    const angle = Math.atan2(direction[0] * next[1] - direction[1] * next[0], direction[0] * next[0] + direction[1] * next[1]);
+    const cut = radius * Math.tan(Math.abs(angle) / 2);
+    const end = along(points[k + 1], direction, -cut);
+    const aside = [-direction[1] * width / 2, direction[0] * width / 2];
+    sections.push({ velocity_m_s: direction.map((part) => speed * part), line_m: [start, end],
+      polygon_m: [along(start, aside, -1), along(end, aside, -1), along(end, aside, 1), along(start, aside, 1)] });
+    start = along(points[k + 1], next, cut);
+    if (cut === 0) return;
+    const inward = [-direction[1] * Math.sign(angle), direction[0] * Math.sign(angle)];
+    const from = (Math.atan2(-inward[1], -inward[0]) * 180) / Math.PI;
+    sections.push({ velocity_m_s: [speed, 0], arc: { centre_m: along(end, inward, radius), inner_radius_m: radius - width / 2, outer_radius_m: radius + width / 2,
+      from_deg: from, to_deg: from + (angle * 180) / Math.PI } });
+  });
+  return sections;
+}
+
+// The border of a section, to its left (1) or right (-1), in its direction.
+function sideOf({ polygon_m: corners, arc }, side) {
+  if (!arc) return side > 0 ? [corners[3], corners[2]] : [corners[0], corners[1]];
+  const radius = (arc.to_deg - arc.from_deg) * side > 0 ? arc.inner_radius_m : arc.outer_radius_m;
+  const n = Math.ceil(Math.abs(arc.to_deg - arc.from_deg) / 2);
+  return Array.from({ length: n + 1 }, (_, k) => arcPlace(arc, radius, k / n));
+}
+
 // The corners of a belt; undefined of one that covers the domain.
-export function beltOutline({ polygon_m: polygon, arc }) {
+export function beltOutline(belt) {
+  const { polygon_m: polygon, arc, path } = belt;
+  if (path) return [...sectionsOf(belt).flatMap((section) => sideOf(section, -1)), ...sectionsOf(belt).flatMap((section) => sideOf(section, 1)).reverse()];
   if (!arc) return polygon;
   const n = Math.ceil(Math.abs(arc.to_deg - arc.from_deg) / 2);
   const side = (radius) => Array.from({ length: n + 1 }, (_, k) => arcPlace(arc, radius, k / n));
@@ -75,7 +116,8 @@ export function beltUnder(scenario, at) {
 // Velocity of the belt under a point.
 export function beltVelocity(scenario, at) {
   const belt = beltUnder(scenario, at);
-  return belt?.arc ? arcVelocity(belt, at) : belt?.velocity_m_s ?? [0, 0];
+  const section = belt?.path ? sectionsOf(belt).find((one) => isInside(beltOutline(one), at)) : belt;
+  return section?.arc ? arcVelocity(section, at) : section?.velocity_m_s ?? [0, 0];
 }
 
 // True if a belt runs backwards at some time, or an action may let it.

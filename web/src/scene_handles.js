@@ -65,10 +65,12 @@ function ofChosen(written, { list, k }, id) {
   const corners = ["polygon_m", "line_m", "path_m"].filter((name) => Array.isArray(item[name]) && !(list === "obstacles" && plateOf(item)))
     .flatMap((name) => item[name].map((at, c) => ({ key: `${list} ${k} ${name} ${c}`, kind: "corner", at, step: 1, said: `${id}, corner ${c + 1}: ${place(at)}`,
       write: (scenario, to) => (scenario[list][k][name][c] = to.map((value) => tidy(value))) })));
+  const ofPath = (item.path?.points_m ?? []).map((at, c) => ({ key: `${list} ${k} path ${c}`, kind: "corner", at, step: 1, said: `${id}, corner ${c + 1}: ${place(at)}`,
+    write: (scenario, to) => (scenario[list][k].path.points_m[c] = to.map((value) => tidy(value))) }));
   const middle = middleOf(item);
   const whole = middle && { key: `${list} ${k} whole`, kind: "whole", at: middle, step: 1, said: `${id}, as a whole: ${place(middle)}`,
     write: (scenario, to) => (scenario[list][k] = movedBy(scenario[list][k], to.map((value, axis) => value - middleOf(scenario[list][k])[axis]))) };
-  return [...corners, ...(whole ? [whole] : [])];
+  return [...corners, ...ofPath, ...(whole ? [whole] : [])];
 }
 
 // [{ key, kind, thing: [list, k], at: [x, y], said, step, write(scenario, [x, y]) }]; step: how far it moves where the other end of
@@ -90,7 +92,7 @@ export function handlesOf(written, resolved, chosen = null) {
 export function asWritten(written, resolved) {
   const put = (name, change) => (resolved[name] ?? []).map((item, k) => ({ ...item, ...(written[name]?.[k] ? change(written[name][k]) : {}) }));
   const sides = ({ x_m: xs, y_m: ys }) => ({ ...(xs ? { x_m: xs } : {}), ...(ys ? { y_m: ys } : {}) });
-  const line = ({ line_m: ends, polygon_m: corners, arc }) => ({ ...(ends ? { line_m: ends } : {}), ...(corners ? { polygon_m: corners } : {}), ...(arc ? { arc } : {}) });
+  const line = ({ line_m: ends, polygon_m: corners, arc, path }) => ({ ...(ends ? { line_m: ends } : {}), ...(corners ? { polygon_m: corners } : {}), ...(arc ? { arc } : {}), ...(path ? { path } : {}) });
   return { ...resolved, belts: put("belts", line), photo_eyes: put("photo_eyes", line), counters: put("counters", sides),
     feeds: put("feeds", (feed) => ({ ...sides(feed), ...line(feed) })), obstacles: put("obstacles", (obstacle) => {
     const plate = plateOf(obstacle);

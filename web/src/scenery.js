@@ -1,7 +1,7 @@
 // What stands still: axes, walls, belts with their direction, counters, feeds. Drawn once for each size,
 // above the cargo.
 
-import { arcPlace, beltOutline, beltUnder, beltVelocity, isInside, mayReverse } from "./geometry.js";
+import { arcPlace, beltOutline, beltUnder, beltVelocity, isInside, mayReverse, sectionsOf } from "./geometry.js";
 
 const FONT = "11px system-ui, sans-serif";
 const RIM = 3; // CSS pixels that walls stand outside of the belt
@@ -100,8 +100,8 @@ function drawEdges(context, view, edges, colors) {
   context.setLineDash([]);
 }
 
-// The outlines of arcs, chevrons, each in the direction of the belt below it, and back to back in both of one that may run backwards, on a
-// lattice and along the middle of arcs, and how much belts rise or fall in that direction.
+// The outlines of arcs and paths, chevrons, each in the direction of the belt below it, and back to back in both of one that may run backwards, on a
+// lattice and along the middle of arcs and paths, and how much belts rise or fall in that direction.
 function drawBelts(context, view, scenario, colors) {
   const { inner, ratio } = view;
   const path = new Path2D();
@@ -116,13 +116,18 @@ function drawBelts(context, view, scenario, colors) {
     addChevron(path, x + dx, y + dy, angle, 6 * ratio);
     if (reverses) addChevron(path, x - dx, y - dy, angle + Math.PI, 6 * ratio);
   };
-  for (const belt of scenario.belts.filter(({ arc }) => arc)) {
+  const hasLine = ({ arc, path: line }) => arc || line;
+  for (const belt of scenario.belts.filter(hasLine)) {
     beltOutline(belt).forEach(([x, y], k) => outlines[k === 0 ? "moveTo" : "lineTo"](view.x(x), view.y(y)));
     outlines.closePath();
-    const { inner_radius_m: r, outer_radius_m: R, from_deg: from, to_deg: to } = belt.arc;
-    const length = (((r + R) / 2) * Math.abs(to - from) * Math.PI * view.scale) / 180;
-    const n = Math.max(1, Math.round(length / gap));
-    for (let k = 0; k < n; k++) put(arcPlace(belt.arc, (r + R) / 2, (k + 0.5) / n));
+    for (const section of sectionsOf(belt)) {
+      const { inner_radius_m: r, outer_radius_m: R, from_deg: from, to_deg: to } = section.arc ?? {};
+      const [start, end] = section.line_m ?? [];
+      const length = section.arc ? (((r + R) / 2) * Math.abs(to - from) * Math.PI) / 180 : Math.hypot(end[0] - start[0], end[1] - start[1]);
+      const n = Math.max(1, Math.round((length * view.scale) / gap));
+      const place = (share) => (section.arc ? arcPlace(section.arc, (r + R) / 2, share) : [0, 1].map((axis) => start[axis] + share * (end[axis] - start[axis])));
+      for (let k = 0; k < n; k++) put(place((k + 0.5) / n));
+    }
   }
   const n = [Math.max(2, Math.round(inner.width / gap)), Math.max(2, Math.round(inner.height / gap))];
   for (let i = 0; i < n[0]; i++) {
@@ -130,7 +135,7 @@ function drawBelts(context, view, scenario, colors) {
       const px = inner.x + ((i + 0.5) * inner.width) / n[0];
       const py = inner.y + ((j + 0.5) * inner.height) / n[1];
       const at = view.place(px / ratio, py / ratio);
-      if (!scenario.belts.some((belt) => belt.arc && isInside(beltOutline(belt), at))) put(at);
+      if (!scenario.belts.some((belt) => hasLine(belt) && isInside(beltOutline(belt), at))) put(at);
     }
   }
   context.globalAlpha = 0.4;

@@ -42,12 +42,29 @@ function beginOf({ polygon_m: outline = [], velocity_m_s: [vx, vy] = [] } = {}) 
   return [0.15, 0.85].map((share) => [at(xs, share), at(ys, 0.7)]);
 }
 
+const hasOutline = ({ polygon_m: polygon, arc, path }) => polygon || arc || path;
+
+// An S to the left. It goes on from a belt that runs along the whole line, as a curve does; else it stands in the middle.
+function path(domain, ids, { belts: [belt, ...others], feeds = [] }) {
+  const { x_m: xs, y_m: ys } = domain, [vx, vy] = belt.velocity_m_s;
+  const goesOn = others.length === 0 && vx > 0 && vy === 0 && !hasOutline(belt);
+  const width = goesOn ? ys[1] - ys[0] : tidy(0.1 * Math.min(xs[1] - xs[0], ys[1] - ys[0]), 4);
+  const [x, y] = goesOn ? [xs[1], (ys[0] + ys[1]) / 2] : [at(xs, 0.4), at(ys, 0.4)];
+  if (goesOn) {
+    belt.polygon_m = rectangle(xs, ys);
+    for (const feed of feeds) if (feed.edge === "west") feed.y_m ??= [...ys];
+    Object.assign(domain, { x_m: [xs[0], tidy(xs[1] + 3.5 * width, 4)], y_m: [ys[0], tidy(ys[1] + 1.5 * width, 4)] });
+  }
+  return { velocity_m_s: [goesOn ? vx : 0.4, 0], path: { points_m: [[0, 0], [1, 0], [2.5, 1.5], [3.5, 1.5]].map(([i, j]) => [tidy(x + i * width, 4), tidy(y + j * width, 4)]),
+    radius_m: [tidy(width, 4), tidy(width, 4)], width_m: tidy(width, 4) } };
+}
+
 // A quarter of a ring to the left. It goes on from a belt that runs along the whole line: the belt gets the outline that it has there,
 // and the line grows by the curve, over whose end cargo leaves. Else it stands in the middle.
 function curve(domain, ids, scenario) {
   const { x_m: xs, y_m: ys } = domain, { belts: [belt, ...others], feeds = [] } = scenario;
   const [vx, vy] = belt.velocity_m_s;
-  if (others.length === 0 && vx > 0 && vy === 0 && !belt.polygon_m && !belt.arc && !belt.path_m) {
+  if (others.length === 0 && vx > 0 && vy === 0 && !hasOutline(belt)) {
     const width = ys[1] - ys[0], inner = tidy(width / 2, 4), outer = tidy(inner + width, 4);
     belt.polygon_m = rectangle(xs, ys);
     for (const feed of feeds) if (feed.edge === "west") feed.y_m ??= [...ys];
@@ -64,7 +81,7 @@ function curve(domain, ids, scenario) {
 // ids(list) are those that can be named; needs: a list that must have something.
 const known = {
   belts: { one: "Belt", stem: "belt", first: [{ id: "main", velocity_m_s: [0.395, 0] }],
-    makes: [["Belt", belt], ["Curve", curve]] },
+    makes: [["Belt", belt], ["Curve", curve], ["Path", path]] },
   obstacles: { one: "Plate", stem: "plate", makes: [["Deflector", deflector], ["Guide", guide],
     ["Gate", (domain) => ({ ...plateAcross(domain), present: GATE })], ["Flap", (domain) => ({ ...deflector(domain), motion: FLAP })],
     ["Pusher", (domain) => ({ ...beside(domain), motion: PUSHER(domain) })]] },
@@ -147,7 +164,7 @@ export function keepAtSide(plate, old, { y_m: sides }) {
 
 const POINTS = ["end_m", "from_m", "to_m", "pivot_m", "centre_m"];
 const ANGLES = ["angle_deg", "from_deg", "to_deg"];
-const LISTS = ["path_m", "polygon_m", "line_m"];
+const LISTS = ["path_m", "polygon_m", "line_m", "points_m"];
 
 // The same thing with all its places and directions changed: point([x, y]), vector([x, y]), angle(degrees) and turn(degrees) of
 // what it turns by; intervals(name, [from, to]) of its sides along an axis.
@@ -162,7 +179,7 @@ function changed(item, { point, vector = (v) => v, angle = (a) => a, turn = (a) 
     if (name === "turn_deg" && Array.isArray(value)) return [name, value.map(turn)];
     if (name === "shift_m" && Array.isArray(value[0])) return [name, value.map((pair) => round(vector(pair)))];
     if (name === "motion") return [name, changed(value, { point, vector, turn })];
-    if (name === "arc") return [name, changed(value, { point, angle })];
+    if (name === "arc" || name === "path") return [name, changed(value, { point, angle })];
     return [name, value];
   }));
 }
@@ -170,7 +187,7 @@ function changed(item, { point, vector = (v) => v, angle = (a) => a, turn = (a) 
 function placesOf(item) {
   const plate = plateOf(item);
   const pairs = plate ? [plate.from, plate.to] : [...POINTS, ...LISTS].flatMap((name) => (LISTS.includes(name) ? item[name] ?? [] : item[name] ? [item[name]] : []));
-  return [...pairs, ...(item.arc ? [item.arc.centre_m] : []), ...(item.x_m && item.y_m ? [[item.x_m[0], item.y_m[0]], [item.x_m[1], item.y_m[1]]] : [])];
+  return [...pairs, ...(item.arc ? [item.arc.centre_m] : []), ...(item.path?.points_m ?? []), ...(item.x_m && item.y_m ? [[item.x_m[0], item.y_m[0]], [item.x_m[1], item.y_m[1]]] : [])];
 }
 
 // The middle of what it covers, or null where it has no place.
