@@ -22,7 +22,7 @@ velocity_field *helper_macro_field(const scene *s)
 
 static bf_world *world_of(const scene *s)
 {
-    return helper_world(s->n_belts, s->belts, s->n_obstacles, s->obstacles);
+    return helper_world(s->n_sections, s->belts, s->n_obstacles, s->obstacles);
 }
 
 static macro_def def_of(const scene *s, const bf_world *w, const velocity_field *f)
@@ -42,7 +42,7 @@ static macro_def def_of(const scene *s, const bf_world *w, const velocity_field 
     def.closed1 = f->closed1;
     def.closed2 = f->closed2;
     def.tracer_portion = s->n_feeds > 0 ? 1.0 : 0.0;
-    def.n_belts = f->belt1 != NULL ? s->n_belts : 0;
+    def.n_belts = f->belt1 != NULL ? s->n_sections : 0;
     def.belts = s->belts;
     def.world = w;
     def.belt1 = f->belt1;
