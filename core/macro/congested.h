@@ -4,9 +4,9 @@
 ///     p >= 0,   p (rho_j - rho) = 0,    G = F(-grad p/chi)
 ///     v = v_stat + w (v_T - v_stat),    w = min(1, max(0, rho_j - rho_ahead)/rho)
 ///
-/// v differs from v_stat in slide zones alone: rho_ahead is the density of the next cell the way that v_T - v_stat goes,
-/// to the plate, and w the part of the cargo that finds room there. So what is loose goes on with its belt until it
-/// meets the plate or packed cargo.
+/// v differs from v_stat in slide zones alone: rho_ahead is the density of the next cell the way that the belt goes, and w the part
+/// of the cargo that finds room there, none behind a closed face. So what is loose goes on with its belt until it meets the plate or
+/// packed cargo, and what lies beside the plate slides along it, however little it is.
 /// G, the correction, is what cargo moves relative to v because it has no room. It is driven by a pressure that
 /// acts only where cargo is packed. This is the crowd model of Maury, Roudneff-Chupin and Santambrogio (2010), in
 /// which F is the identity, with a law F of parts on a belt. With b the direction of the belt, q its left normal, v_T

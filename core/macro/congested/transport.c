@@ -82,29 +82,51 @@ static void transport_stage(const macro_solver *s, const congested *c, const con
     }
 }
 
+// The density of a cell, and 0 beyond the grid.
+static double density_at(const macro_solver *s, ptrdiff_t i, ptrdiff_t j)
+{
+    return j >= 0 && j < s->n2 ? macro__row(s, s->now.rho, j)[i] : 0.0;
+}
+
+// How much of a cell's cargo is loose: as much as the cells ahead lack of rho_j, of which its belt leads to one along each axis.
+// There is no room behind a closed face.
+static double loose_part(const macro_solver *s, const congested *c, const scene_belt *belt,
+                         ptrdiff_t i, ptrdiff_t j)
+{
+    const double here = density_at(s, i, j);
+    const vec2 v = belt_velocity(
+        belt, (vec2){ grid_x1(&s->def.grid, (size_t)i), grid_x2(&s->def.grid, (size_t)j) });
+    const double speed[2] = { v.x, v.y };
+    double loose = 0.0;
+
+    for (int axis = 0; axis < 2; axis++) {
+        const ptrdiff_t up = speed[axis] > 0.0, by = up ? 1 : -1;
+        const ptrdiff_t at = axis == 0 ? j * (s->n1 + 1) + i + up : (j + up) * s->n1 + i;
+        const double ahead = axis == 0 ? density_at(s, i + by, j) : density_at(s, i, j + by);
+        const double room = c->aperture[axis][at] > 0.0 ? fmax(c->jam_density - ahead, 0.0) : 0.0;
+        loose += fabs(speed[axis]) * (room < here ? room / here : 1.0);
+    }
+    return loose / (fabs(v.x) + fabs(v.y));
+}
+
 // The velocities across the faces of a row in slide zones, for this step. What is loose goes on with its belt, and what finds no
-// room ahead slides along the plate: as much is loose as the cell ahead lacks of rho_j.
+// room ahead slides along the plate.
 static void loosen_row(const macro_solver *s, const congested *c, int axis, ptrdiff_t row)
 {
     const congested_range faces = c->sliding[axis][row];
     const ptrdiff_t n_columns = s->n1 + (axis == 0);
-    const double *nothing = s->zero_row + s->margin;
-    // Face i lies between the cells before[i] and after[i].
-    const double *after = row < s->n2 ? macro__row(s, s->now.rho, row) : nothing;
-    const double *south = row > 0 ? macro__row(s, s->now.rho, row - 1) : nothing;
-    const double *before = axis == 0 ? after - 1 : south;
     double *v = axis == 0 ? macro__row(s, s->faces1.v, row) - 1 : macro__row(s, s->faces2.v, row);
 
     for (ptrdiff_t i = faces.first; i < faces.last; i++) {
-        const size_t at = (size_t)(row * n_columns + i);
-        const double slide = c->slide[axis][at], more = c->loose[axis][at] - slide;
-        if (more == 0.0)
+        const size_t at = (size_t)(row * n_columns + i), belt = c->belt[axis][at];
+        const double slide = c->slide[axis][at], loose = c->loose[axis][at];
+        if (loose == slide)
             continue;
-        const double here = more > 0.0 ? before[i] : after[i];
-        const double ahead = more > 0.0 ? after[i] : before[i];
-        const double room = fmax(c->jam_density - ahead, 0.0);
-        const double part = room < here ? room / here : 1.0;
-        v[i] = s->factors[c->belt[axis][at]] * (slide + part * more);
+        // What crosses the face comes from the cell before it or from the one behind it.
+        const ptrdiff_t before = slide > 0.0 || (slide == 0.0 && loose > 0.0);
+        const double part = axis == 0 ? loose_part(s, c, &c->belts[belt], i - before, row)
+                                      : loose_part(s, c, &c->belts[belt], i, row - before);
+        v[i] = s->factors[belt] * (slide + part * (loose - slide));
     }
 }
 

@@ -352,6 +352,45 @@ static void a_thin_stream_lies_against_a_plate(void **state)
     check_thin_stream(SCENE_SCHEME_MUSCL);
 }
 
+// A heap that a plate turns aside. What lies beside the plate slides at v_T cos(theta), however little it is, so that nothing stays there;
+// before the extension of the plate's end some does.
+static void check_last_of_heap(double angle_deg, bool is_back)
+{
+    const double angle = angle_deg * M_PI / 180.0, speed = 0.4, cell = 0.01, top = 0.2, foot = 0.5;
+    const double tip = foot + top / tan(angle);
+    const double time = foot / speed + top / sin(angle) / (speed * cos(angle)) + 0.3 / speed;
+    const double end = tip + 0.2, near = is_back ? end - 0.1 : 0.1, far = is_back ? end - 0.3 : 0.3;
+    const vec2 path[] = { { is_back ? end - foot : foot, 0.0 },
+                          { is_back ? end - tip : tip, top } };
+    const scene_rect heap = { fmin(near, far), fmax(near, far), 0.0, top };
+    scene s;
+
+    helper_scene_belt(&s, end, 0.5, cell, &somewhere, 1);
+    s.macro.closure = SCENE_CONGESTED;
+    s.edges[SCENE_WEST] = s.edges[SCENE_EAST] = SCENE_EDGE_OUTFLOW;
+    helper_scene_add_belt(&s, (vec2){ is_back ? -speed : speed, 0.0 }, NULL, 0);
+    helper_scene_add_obstacle(&s, path, 2, SCENE_WALL);
+    helper_scene_resolve(&s);
+    macro_solver *solver = helper_macro_create(&s, 1);
+    helper_congested_fill(&s, heap, 0.5, solver);
+    while (macro_time(solver) < 2.0 * time)
+        macro_step(solver);
+    for (size_t j = 0; grid_x2(&solver->def.grid, j) < top - 2.0 * cell; j++)
+        for (size_t i = 0; i < solver->def.grid.n1; i++)
+            assert_true(macro_row(solver, j)[i] < 1e-3);
+    macro_destroy(solver);
+    scene_fini(&s);
+}
+
+static void nothing_of_a_heap_stays_beside_a_plate(void **state)
+{
+    const double angles_deg[] = { 30.0, 45.0, 52.0, 60.0, 75.0 };
+
+    (void)state;
+    for (int k = 0; k < 5; k++)
+        check_last_of_heap(angles_deg[k], k % 2 != 0);
+}
+
 // Packed cargo on a belt of 0.4 m/s, L long, goes onto one that all but stands across its way, is full over its width D, and ends
 // in an open edge. All moves at u: the first belt drives it by chi (v - u) over L, the other one brakes it by u over D. So
 // u = chi v L/(chi L + D), and as dL/dt = -u, chi (L_0 - L) + D ln(L_0/L) = chi v t. The first belt has these corners, or lies
@@ -616,6 +655,7 @@ int main(void)
         cmocka_unit_test(a_jam_grows_alike_in_cells_that_are_not_square),
         cmocka_unit_test(what_is_not_on_the_belt_has_left_over_its_end),
         cmocka_unit_test(a_thin_stream_lies_against_a_plate),
+        cmocka_unit_test(nothing_of_a_heap_stays_beside_a_plate),
         cmocka_unit_test(what_comes_onto_another_belt_is_braked_less_than_slip_by_slip),
         cmocka_unit_test(what_is_pushed_against_a_closed_end_leaves_over_every_cell_of_open_sides),
         cmocka_unit_test(nothing_leaks_through_a_plate_that_closes_the_belt),
