@@ -178,21 +178,19 @@ static void tracers_are_bounded(void **state)
     scene_fini(&s);
 }
 
-static uint64_t digest_after(const scene *s, macro_solver *solver, const bf_grid *g, int n_steps)
+/// A step, and all that tracers tell after it.
+static uint64_t digest_of_step(const scene *s, macro_solver *solver, const bf_grid *g)
 {
-    uint64_t digest = DIGEST_START;
     double portion, speeds[256];
     size_t n;
 
     assert_true(g->n1 <= 256);
-    for (int step = 0; step < n_steps; step++) {
-        feed_and_step(s, solver, g);
-        const macro_exit *exits = macro_exits(solver, &n, &portion);
-        digest = digest_add(digest, exits, n * sizeof *exits);
-        for (size_t j = 0; j < g->n2; j++) {
-            macro_speeds(solver, j, speeds);
-            digest = digest_add(digest, speeds, g->n1 * sizeof *speeds);
-        }
+    feed_and_step(s, solver, g);
+    const macro_exit *exits = macro_exits(solver, &n, &portion);
+    uint64_t digest = digest_add(DIGEST_START, exits, n * sizeof *exits);
+    for (size_t j = 0; j < g->n2; j++) {
+        macro_speeds(solver, j, speeds);
+        digest = digest_add(digest, speeds, g->n1 * sizeof *speeds);
     }
     const macro_tracer *inside = macro_tracers(solver, &n, &portion);
     assert_true(n > 0);
@@ -202,6 +200,7 @@ static uint64_t digest_after(const scene *s, macro_solver *solver, const bf_grid
 // Stopped at each of some steps one after the other, as tracers do not move in each.
 static void threads_instruction_sets_and_stops_do_not_change_a_bit(void **state)
 {
+    enum { STOPS = 4, STEPS = 20 };
     static const congested_kernels *const kernels[] = {
 #define X(suffix) &congested__kernels_##suffix,
         CPU_EACH_BUILD(X)
@@ -211,25 +210,32 @@ static void threads_instruction_sets_and_stops_do_not_change_a_bit(void **state)
     (void)state;
     for (int kind = 0; kind < KINDS; kind++) {
         scene s;
+        bf_buffer saved[STOPS] = { { 0 } };
+        uint64_t digests[STOPS + STEPS];
         make_scene(&s, kind, true);
         const bf_grid g = scene_grid(&s);
-        for (int phase = 0; phase < 4; phase++) {
-            bf_buffer saved = { 0 };
-            macro_solver *whole = helper_macro_create(&s, 1);
-            digest_after(&s, whole, &g, 150 + phase);
-            assert_int_equal(macro_save(whole, &saved, NULL), BF_OK);
-            const uint64_t digest = digest_after(&s, whole, &g, 20);
+        macro_solver *whole = helper_macro_create(&s, 1);
+        for (int step = 0; step < 150; step++)
+            feed_and_step(&s, whole, &g);
+        for (int step = 0; step < STOPS + STEPS; step++) {
+            if (step < STOPS)
+                assert_int_equal(macro_save(whole, &saved[step], NULL), BF_OK);
+            digests[step] = digest_of_step(&s, whole, &g);
+        }
+        for (int stop = 0; stop < STOPS; stop++) {
             for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
                 macro_solver *resumed = helper_macro_create(&s, 1 + (int)level);
-                assert_int_equal(macro_load(resumed, saved.bytes, saved.n, NULL), BF_OK);
+                assert_int_equal(macro_load(resumed, saved[stop].bytes, saved[stop].n, NULL),
+                                 BF_OK);
                 if (resumed->congested != NULL)
                     resumed->congested->kernels = *kernels[level];
-                assert_true(digest_after(&s, resumed, &g, 20) == digest);
+                for (int step = stop; step < stop + STEPS; step++)
+                    assert_true(digest_of_step(&s, resumed, &g) == digests[step]);
                 macro_destroy(resumed);
             }
-            macro_destroy(whole);
-            buffer_fini(&saved);
+            buffer_fini(&saved[stop]);
         }
+        macro_destroy(whole);
         scene_fini(&s);
     }
 }

@@ -34,7 +34,7 @@ static void check_threads(micro_integrator integrator)
     for (int k = 0; k < 2; k++) {
         h.def.n_threads = k + 1;
         body_state *s = helper_body_start(&h);
-        helper_body_run(s, 0.12);
+        helper_body_run(s, HELPER_AMOUNT(0.12, 0.08));
         assert_true(body__measure(s).n_contacts > 5);
         digest[k] = helper_body_digest(s);
         micro__body.destroy(s);
