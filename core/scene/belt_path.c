@@ -108,7 +108,8 @@ static bf_status make_leg(scene_belt *section, vec2 start, vec2 along, double le
     const vec2 end = vec2_add(start, vec2_scale(along, length));
 
     section->leg = leg;
-    section->velocity = vec2_scale(along, vec2_length(section->velocity));
+    if (section->path.n_points == 0) // the belt itself has the direction of its first leg
+        section->velocity = vec2_scale(along, vec2_length(section->velocity));
     section->polygon = memory_alloc(4, sizeof *section->polygon);
     if (section->polygon == NULL)
         return BF_ENOMEM;

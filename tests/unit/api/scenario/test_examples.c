@@ -136,6 +136,20 @@ static void the_curve_turns_left_between_two_straight_belts(void **unused)
     scene_fini(&s);
 }
 
+// Its side belt is met by the first straight, and told what the eye on that one sees.
+static void the_merge_is_a_path_of_five_sections_and_a_belt_from_its_side(void **unused)
+{
+    scene s = read_example("merge");
+
+    (void)unused;
+    assert_int_equal(s.n_belts, 2);
+    assert_int_equal(s.n_sections, 6);
+    assert_int_equal(s.n_actions, 2);
+    assert_int_equal(s.actions[0].target, 1);
+    assert_true(s.belts[1].is_commanded && !s.belts[0].is_commanded);
+    scene_fini(&s);
+}
+
 // Each command to its plates is one way, and one back.
 static void the_pusher_and_its_gate_go_out_and_come_back(void **unused)
 {
@@ -212,6 +226,7 @@ int main(void)
         cmocka_unit_test(one_example_chooses_its_own_step),
         cmocka_unit_test(mixed_cargo_is_cylinders_and_boxes),
         cmocka_unit_test(the_curve_turns_left_between_two_straight_belts),
+        cmocka_unit_test(the_merge_is_a_path_of_five_sections_and_a_belt_from_its_side),
         cmocka_unit_test(the_pusher_and_its_gate_go_out_and_come_back),
         cmocka_unit_test(fed_examples_have_soft_parts_and_the_congested_closure),
         cmocka_unit_test(every_example_can_be_solved_by_both_models),

@@ -163,6 +163,25 @@ static void a_resolved_path_resolves_to_itself(void **state)
     scene_fini(&s);
 }
 
+// Its velocity keeps its bits, whatever its direction: the size of a vector that was scaled is not always that again.
+static void a_path_in_any_direction_keeps_its_velocity(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 90; k++) {
+        const vec2 along = { cos(0.07 * k), sin(0.07 * k) };
+        const vec2 line[] = { { 1.5, 1.5 }, vec2_add((vec2){ 1.5, 1.5 }, along) };
+        scene s;
+        helper_scene_belt(&s, 3.0, 3.0, 0.05, (scene_pose[]){ { 1.5, 1.5, 0.0 } }, 1);
+        helper_scene_add_path(&s, 0.37, 0.5, 0.6, line, 2);
+        helper_scene_resolve(&s);
+        const vec2 first = s.belts[0].velocity;
+        assert_near(vec2_length(vec2_sub(first, vec2_scale(along, 0.37))), 0.0, 1e-15);
+        helper_scene_resolve(&s);
+        assert_memory_equal(&s.belts[0].velocity, &first, sizeof first);
+        scene_fini(&s);
+    }
+}
+
 static void without_memory_for_its_sections_a_scene_says_so(void **state)
 {
     size_t n = 1;
@@ -266,6 +285,7 @@ int main(void)
         cmocka_unit_test(a_path_is_one_belt_for_commands_figures_and_stops),
         cmocka_unit_test(cargo_leaves_a_path_at_the_outlet_of_its_last_section),
         cmocka_unit_test(a_resolved_path_resolves_to_itself),
+        cmocka_unit_test(a_path_in_any_direction_keeps_its_velocity),
         cmocka_unit_test(without_memory_for_its_sections_a_scene_says_so),
         cmocka_unit_test(what_is_wrong_with_a_path_is_pointed_at),
         cmocka_unit_test(cargo_may_come_over_the_side_of_a_straight_along_an_axis),
