@@ -12,7 +12,7 @@ enum { HELP_SIZE = 400 };
 static const char *const titles[FIGURE_SCOPES] = { "RunFigures",     "FeedFigures",
                                                    "CounterFigures", "PhotoEyeFigures",
                                                    "BeltFigures",    "FailureFigures",
-                                                   "OutletFigures" };
+                                                   "OutletFigures",  "SinkFigures" };
 
 static void end_object(json_out *w)
 {
@@ -87,7 +87,8 @@ void openapi__write_figures(json_out *w, size_t tag)
         [FIGURE_OF_FAILURE] = "Of each kind of failure of belts; absent: none",
         [FIGURE_OF_OUTLET] =
             "With feeds, of each belt from which cargo leaves the domain, where there "
-            "are several; absent: none"
+            "are several, or sinks; absent: none",
+        [FIGURE_OF_SINK] = "Of each sink; absent: none"
     };
     char type[MEMBER_TEXT_SIZE];
 

@@ -61,7 +61,8 @@ ROWS("DensityMeasures", density_measures);
     ROW("verdicts", "[#Verdict]",                                                                  \
         "What the throughputs are to each other, in sentences: models_agree, models_disagree, "    \
         "too_early, more, less, equal, same, uncertain or no_throughput; and flows_differ"),       \
-        ROW("flows", "[#CompareFlow]", "Of the counters and outlets that both have; of runs"),     \
+        ROW("flows", "[#CompareFlow]",                                                             \
+            "Of the counters, outlets and sinks that both have; of runs"),                         \
         ROW("curve", "#CurveMeasures", "Between the curves"),                                      \
         ROW("density", "#DensityMeasures", "Between the densities",                                \
             .null = "one was measured, or not wanted")
@@ -331,7 +332,8 @@ static const openapi_schema table[] = {
             "Key figures of a belt that a schedule or a photo eye commands"),
     FIGURES("FailureFigures", FIGURE_OF_FAILURE, "Key figures of a kind of failure of a belt"),
     FIGURES("OutletFigures", FIGURE_OF_OUTLET,
-            "Key figures of one of several belts from which cargo leaves the domain"),
+            "Key figures of a belt from which cargo leaves the domain, beside others or sinks"),
+    FIGURES("SinkFigures", FIGURE_OF_SINK, "Key figures of a sink"),
     OBJECT(submission_validation_members, "A submission that is valid"),
     OBJECT(submission_part_members, "A part at the start"),
     OBJECT(review_validity_members, "Whether a model was compared for scenarios like this one"),
@@ -386,7 +388,7 @@ static const openapi_schema table[] = {
     OBJECT(compare_json_measures, "Distance of two curves"),
     OBJECT(density_measures, "Distance of the densities of two runs"),
     OBJECT(compare_json_distance, "Distance of two densities"),
-    OBJECT(compare_flow_members, "The flow of a counter or an outlet in two runs"),
+    OBJECT(compare_flow_members, "The flow of a counter, an outlet or a sink in two runs"),
     OBJECT(compare_json_density_distance, "Distance of two densities at a common time"),
     OBJECT(examples_members, "The ready scenarios"),
     OBJECT(examples_item_members, "A ready scenario"),

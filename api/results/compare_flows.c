@@ -14,12 +14,13 @@ static const struct {
     figure_id flow;
     figure_id error;
 } kinds[] = { { "counter", FIGURE_OF_COUNTER, FIGURE_FLOW, FIGURE_FLOW_ERROR },
-              { "outlet", FIGURE_OF_OUTLET, FIGURE_OUTFLOW, FIGURE_OUTFLOW_ERROR } };
+              { "outlet", FIGURE_OF_OUTLET, FIGURE_OUTFLOW, FIGURE_OUTFLOW_ERROR },
+              { "sink", FIGURE_OF_SINK, FIGURE_SINK_FLOW, FIGURE_SINK_FLOW_ERROR } };
 
 #define AT(place) offsetof(compare_flow_pair, place)
 static const member pair_members[] = {
-    MEMBER("of", string, AT(of), "What the flow is of: counter or outlet", .type = "string"),
-    MEMBER("id", string, AT(id), "Id of the counter, or of the outlet's belt"),
+    MEMBER("of", string, AT(of), "What the flow is of: counter, outlet or sink", .type = "string"),
+    MEMBER("id", string, AT(id), "Id of the counter, of the outlet's belt, or of the sink"),
     MEMBER("flow_a_per_h", measure, AT(a_per_h), "Flow of a", .unit = "parts/h"),
     MEMBER("flow_error_a_per_h", measure, AT(a_error), "Half the width of its 95 % interval",
            .unit = "parts/h", .null = "nothing is left to chance, or nothing can be said"),

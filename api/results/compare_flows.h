@@ -1,4 +1,4 @@
-/// Flows of the counters and of the outlets of two runs, side by side: lines that let the same through in all may still divide
+/// Flows of the counters, outlets and sinks of two runs, side by side: lines that let the same through in all may still divide
 /// it in another way.
 
 #pragma once
@@ -11,14 +11,15 @@
 #include <stddef.h>
 
 enum {
-    COMPARE_FLOWS_MAX = SCENE_COUNTERS_MAX + SCENE_BELTS_MAX, ///< counters and outlets
-    COMPARE_FLOWS_TOLD = 3,                                   ///< that a verdict names
+    COMPARE_FLOWS_MAX =
+        SCENE_COUNTERS_MAX + SCENE_BELTS_MAX + SCENE_SINKS_MAX, ///< counters, outlets and sinks
+    COMPARE_FLOWS_TOLD = 3,                                     ///< that a verdict names
 };
 
-/// The flow of a counter or an outlet.
+/// The flow of a counter, an outlet or a sink.
 typedef struct compare_flow {
-    const char *of;         ///< "counter" or "outlet"
-    char id[SCENE_ID_SIZE]; ///< of the counter, or of the outlet's belt
+    const char *of;         ///< "counter", "outlet" or "sink"
+    char id[SCENE_ID_SIZE]; ///< of the counter, of the outlet's belt, or of the sink
     double per_h;           ///< parts/h
     double error_per_h;     ///< half width of its interval of 95 %; NAN: there is none
 } compare_flow;
@@ -26,12 +27,12 @@ typedef struct compare_flow {
 /// Those of a run that it could say. Zero-initialise; owns nothing.
 typedef struct compare_flows {
     size_t n;                              ///< of items
-    compare_flow items[COMPARE_FLOWS_MAX]; ///< counters, then outlets
+    compare_flow items[COMPARE_FLOWS_MAX]; ///< counters, outlets, sinks
 } compare_flows;
 
 /// The flow of what two runs both have.
 typedef struct compare_flow_pair {
-    const char *of;   ///< "counter" or "outlet"
+    const char *of;   ///< "counter", "outlet" or "sink"
     const char *id;   ///< borrowed
     double a_per_h;   ///< of a, parts/h
     double a_error;   ///< half width of its interval of 95 %, parts/h; NAN: there is none

@@ -12,6 +12,7 @@
 enum { ITEMS_MAX = SCENE_BELTS_MAX };
 _Static_assert((int)ITEMS_MAX >= (int)SCENE_FEEDS_MAX && (int)ITEMS_MAX >= (int)SCENE_EYES_MAX &&
                    (int)ITEMS_MAX >= (int)SCENE_COUNTERS_MAX &&
+                   (int)ITEMS_MAX >= (int)SCENE_SINKS_MAX &&
                    (int)ITEMS_MAX >= (int)SCENE_ALL_FAILURES_MAX,
                "there is room for the items of every scope");
 
@@ -26,6 +27,7 @@ static const struct {
     [FIGURE_OF_BELT] = { "belts", "belt" },
     [FIGURE_OF_FAILURE] = { "failures", "failure" },
     [FIGURE_OF_OUTLET] = { "outlets", "outlet" },
+    [FIGURE_OF_SINK] = { "sinks", "sink" },
 };
 
 const char *key_figures_list(figure_scope scope)
@@ -59,11 +61,9 @@ static void find_items(const char *columns, items *ret_items)
     static const struct {
         const char *word;
         figure_scope scope;
-    } told_by[] = { { ".offered", FIGURE_OF_FEED },
-                    { ".blocked", FIGURE_OF_EYE },
-                    { ".speed_m_s", FIGURE_OF_BELT },
-                    { ".failed", FIGURE_OF_FAILURE },
-                    { ".left", FIGURE_OF_OUTLET } };
+    } told_by[] = { { ".offered", FIGURE_OF_FEED },   { ".blocked", FIGURE_OF_EYE },
+                    { ".speed_m_s", FIGURE_OF_BELT }, { ".failed", FIGURE_OF_FAILURE },
+                    { ".left", FIGURE_OF_OUTLET },    { ".taken", FIGURE_OF_SINK } };
     bool is_counter = true;
     size_t n = 0;
 

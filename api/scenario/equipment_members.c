@@ -1,4 +1,4 @@
-// Belts, obstacles, photo eyes and actions as tables.
+// Belts, obstacles, photo eyes, sinks and actions as tables.
 
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/scenario_priv.h"
@@ -29,6 +29,12 @@ static void init_photo_eye(void *item, size_t place)
 {
     (void)place;
     scene_photo_eye_init(item);
+}
+
+static void init_sink(void *item, size_t place)
+{
+    (void)place;
+    scene_sink_init(item);
 }
 
 static void init_action(void *item, size_t place)
@@ -408,6 +414,23 @@ static const member photo_eye_members[] = {
 const member_table scenario__photo_eye_members = { MEMBER_TABLE("photoEye", photo_eye_members),
                                                    .size = sizeof(scene_photo_eye),
                                                    .init = init_photo_eye };
+#undef AT
+
+#define AT(place) offsetof(scene_sink, place)
+static const member sink_members[] = {
+    MEMBER("id", text, AT(id), "its name", .default_text = "sink-1, sink-2, ...", .least = 1,
+           .limit = SCENE_ID_SIZE),
+    MEMBER("polygon_m", points, AT(polygon),
+           "corners of a simple polygon: what has its centre in it is taken", .unit = "m",
+           .offset_n = AT(n_points), .least = 3, .limit = SCENE_POINTS_MAX),
+    MEMBER_OF("kinds", &scenario__kind_ids, AT(kinds), "ids of the kinds of cargo that it takes",
+              .offset_n = AT(n_kinds), .least = 1, .limit = SCENE_KINDS_MAX,
+              .flags = MEMBER_OMIT_EMPTY, .default_text = "all"),
+    MEMBER("rate_per_s", number, AT(rate), "parts that it takes at most", .unit = "1/s",
+           .range = &scene_range_rate, .flags = MEMBER_OMIT_EMPTY, .default_text = "no limit"),
+};
+const member_table scenario__sink_members = { MEMBER_TABLE("sink", sink_members),
+                                              .size = sizeof(scene_sink), .init = init_sink };
 #undef AT
 
 #define AT(place) offsetof(scene_action, place)

@@ -228,8 +228,8 @@ static void look_up_member(json_in *in, const json_t *object, const char *name, 
     json_pointer_leave(&in->pointer, mark);
 }
 
-static void look_up_kinds(json_in *in, const json_t *list, const scene *s,
-                          scene_arrival_list *schedule)
+// The kinds of a list of their ids; untouched if there are none.
+static void look_up_kinds(json_in *in, const json_t *list, const scene *s, uint32_t **ret_kinds)
 {
     size_t n = json_array_size(list);
     uint32_t *kinds = n > 0 ? memory_alloc(n, sizeof *kinds) : NULL;
@@ -240,7 +240,7 @@ static void look_up_kinds(json_in *in, const json_t *list, const scene *s,
         in->has_failed = true;
         return;
     }
-    schedule->kinds = kinds;
+    *ret_kinds = kinds;
     for (size_t k = 0; k < n; k++) {
         size_t mark = json_pointer_enter_index(&in->pointer, k);
         (void)scenario__find_kind(in, s, "", json_string_value(json_array_get(list, k)), &kinds[k]);
@@ -275,7 +275,7 @@ static void read_arrivals(json_in *in, const json_t *schedule, const scene *s, s
     bf_buffer stored = { 0 };
 
     if (text_name == NULL) {
-        look_up_kinds(in, value, s, &feed->schedule);
+        look_up_kinds(in, value, s, &feed->schedule.kinds);
     } else {
         const char *text = scenario__text_of(in, value, name, "schedule", &stored);
         if (text != NULL)
@@ -304,6 +304,16 @@ static void look_up_feed(json_in *in, const json_t *object, scene *s, size_t k)
     json_pointer_leave(&in->pointer, mark);
 }
 
+static void look_up_sink(json_in *in, const json_t *object, scene *s, size_t k)
+{
+    const json_t *kinds = json_object_get(object, "kinds");
+    const size_t mark = json_pointer_enter(&in->pointer, "kinds", strlen("kinds"));
+
+    look_up_kinds(in, kinds, s, &s->sinks[k].kinds);
+    s->sinks[k].n_kinds = json_array_size(kinds);
+    json_pointer_leave(&in->pointer, mark);
+}
+
 static void look_up_action(json_in *in, const json_t *object, scene *s, size_t k)
 {
     scene_action *action = &s->actions[k];
@@ -322,5 +332,6 @@ static void look_up_action(json_in *in, const json_t *object, scene *s, size_t k
 void scenario__look_up(json_in *in, const json_t *document, scene *s)
 {
     for_each(in, document, "feeds", s, look_up_feed);
+    for_each(in, document, "sinks", s, look_up_sink);
     for_each(in, document, "actions", s, look_up_action);
 }

@@ -91,7 +91,8 @@ static void check_objective(json_in *in, study_document *d, const scene *s, size
                                                       "photo eye",
                                                       "belt whose speed changes",
                                                       "kind of failure",
-                                                      "belt that is one of several outlets" };
+                                                      "belt that is one of several outlets",
+                                                      "sink" };
     study_document_objective *o = &d->objectives[k];
     const figure *f = &figure_table[o->figure];
     const bool needs_both = d->method.type == STUDY_SCREEN;

@@ -23,7 +23,7 @@
 #include <stdint.h>
 
 /// Incremented with every change of the format of any solver's state.
-enum { CHECKPOINT_VERSION = 22 };
+enum { CHECKPOINT_VERSION = 23 };
 
 /// The owner of a checkpoint's state.
 typedef enum checkpoint_kind {

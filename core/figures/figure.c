@@ -162,6 +162,14 @@ const figure figure_table[FIGURE_COUNT] = {
     [FIGURE_OUTFLOW_ERROR] = { "outflow_error_per_h", NULL, "parts/h", FLOW_INTERVAL,
                                OF(OUTLET, PARTS) },
     [FIGURE_OUTFLOW_NEEDS] = { "outflow_needs_s", NULL, "s", INTERVAL_NEEDS, OF(OUTLET, PARTS) },
+    [FIGURE_TAKEN] = { "taken", NULL, "parts", "Parts that the sink took since the start",
+                       OF(SINK, BOTH) },
+    [FIGURE_SINK_FLOW] = { "taken_per_h", NULL, "parts/h",
+                           "Parts that the sink took after the warm-up, by the time since then",
+                           OF(SINK, BOTH) },
+    [FIGURE_SINK_FLOW_ERROR] = { "taken_error_per_h", NULL, "parts/h", FLOW_INTERVAL,
+                                 OF(SINK, PARTS) },
+    [FIGURE_SINK_FLOW_NEEDS] = { "taken_needs_s", NULL, "s", INTERVAL_NEEDS, OF(SINK, PARTS) },
 };
 
 figure_id figure_first(figure_scope scope)
@@ -169,7 +177,8 @@ figure_id figure_first(figure_scope scope)
     static const figure_id first[FIGURE_SCOPES + 1] = { FIGURE_THROUGHPUT,    FIGURE_OFFERED,
                                                         FIGURE_CONTENT_MEAN,  FIGURE_GAP_MIN,
                                                         FIGURE_STOPPED_COUNT, FIGURE_FAILED_COUNT,
-                                                        FIGURE_OUTFLOW,       FIGURE_COUNT };
+                                                        FIGURE_OUTFLOW,       FIGURE_TAKEN,
+                                                        FIGURE_COUNT };
 
     return first[scope];
 }
@@ -207,7 +216,8 @@ size_t figure_items(const scene *s, figure_scope scope)
                                       s->n_eyes,
                                       belts_of(s, FIGURE_OF_BELT),
                                       count_failures(s),
-                                      n_outlets > 1 ? n_outlets : 0 };
+                                      n_outlets + s->n_sinks > 1 ? n_outlets : 0,
+                                      s->n_sinks };
 
     return n[scope];
 }
@@ -257,6 +267,8 @@ const char *figure_item_id(const scene *s, figure_scope scope, size_t item)
     case FIGURE_OF_BELT:
     case FIGURE_OF_OUTLET:
         return s->belts[figure_belt(s, scope, item)].id;
+    case FIGURE_OF_SINK:
+        return s->sinks[item].id;
     case FIGURE_OF_FAILURE: {
         const size_t belt = figure_failure(s, item, &failure);
         return s->belts[belt].stops.failures[failure].id;

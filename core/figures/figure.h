@@ -2,9 +2,9 @@
 ///
 /// A run has the values of all figures of the table as doubles in one array: those of the run, then those of its first
 /// feed, of its second feed, and so on, then of its counters, of its photo eyes, of its belts whose speeds change, of their
-/// failures and of its outlets, each in the order of the table. NAN: the run cannot say; never 0 instead.
+/// failures, of its outlets and of its sinks, each in the order of the table. NAN: the run cannot say; never 0 instead.
 ///
-/// Every figure but offered, admitted, discarded, entered, left, throughput_needs_s, flow_needs_s, outflow_needs_s,
+/// Every figure but offered, admitted, discarded, entered, left, taken, throughput_needs_s, flow_needs_s, outflow_needs_s, taken_needs_s,
 /// steady_at_s and drained_at_s leaves out what was before the first sample at or after the scenario's warmup_s, the warm-up.
 /// Samples are those of the curve.
 
@@ -22,7 +22,8 @@ typedef enum figure_scope {
     FIGURE_OF_EYE,     ///< each photo eye
     FIGURE_OF_BELT,    ///< each belt that belt_speeds_may_change()
     FIGURE_OF_FAILURE, ///< each kind of failure, in the order of their belts
-    FIGURE_OF_OUTLET, ///< with feeds, each belt that cargo leaves the domain from, where there are several
+    FIGURE_OF_OUTLET, ///< with feeds, each belt that cargo leaves the domain from, where there are several, or sinks
+    FIGURE_OF_SINK, ///< each sink
     FIGURE_SCOPES
 } figure_scope;
 
@@ -80,6 +81,10 @@ typedef enum figure_id {
     FIGURE_OUTFLOW, ///< the first one of an outlet
     FIGURE_OUTFLOW_ERROR,
     FIGURE_OUTFLOW_NEEDS,
+    FIGURE_TAKEN, ///< the first one of a sink
+    FIGURE_SINK_FLOW,
+    FIGURE_SINK_FLOW_ERROR,
+    FIGURE_SINK_FLOW_NEEDS,
     FIGURE_COUNT
 } figure_id;
 
@@ -109,7 +114,7 @@ extern const figure figure_table[FIGURE_COUNT];
 figure_id figure_first(figure_scope scope);
 
 /// What there is of a scope in a scene: 1, its feeds, counters, photo eyes, belts that belt_speeds_may_change(), kinds of
-/// failures, or outlets.
+/// failures, outlets, or sinks.
 size_t figure_items(const scene *s, figure_scope scope);
 
 /// Which belt of the scene the k-th one of FIGURE_OF_BELT, or of FIGURE_OF_OUTLET, is.
@@ -121,8 +126,8 @@ size_t figure_outlet(const scene *s, size_t belt);
 /// Which belt of the scene the k-th kind of failure is of, and which of its failures it is.
 size_t figure_failure(const scene *s, size_t k, size_t *ret_failure);
 
-/// Id of an item of a scope: that of the feed, the counter, the photo eye, the belt (of an outlet, too) or the failure; ""
-/// of the run.
+/// Id of an item of a scope: that of the feed, the counter, the photo eye, the belt (of an outlet, too), the failure or the
+/// sink; "" of the run.
 const char *figure_item_id(const scene *s, figure_scope scope, size_t item);
 
 /// Values of all figures of a scene.

@@ -67,7 +67,8 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
     for (size_t k = 0; k < s->n_belts; k++)
         f->n_stops = belt_stops_are_any(&s->belts[k].stops) ? f->n_belts : f->n_stops;
     f->n_failures = figure_items(s, FIGURE_OF_FAILURE);
-    f->n_flows = f->has_exits ? s->n_counters + figure_items(s, FIGURE_OF_OUTLET) : 0;
+    f->n_through = f->has_exits ? s->n_counters + figure_items(s, FIGURE_OF_OUTLET) : 0;
+    f->n_flows = f->n_through + s->n_sinks;
     f->queue = queue_of(s);
     if (s->warmup <= 0.0)
         begin(f, &(figures_now){ .t = 0.0 });
@@ -145,12 +146,13 @@ static double area(double dt, double from, double to)
     return dt * (0.5 * (from + to));
 }
 
-// What an outlet lets through it does not hold: as much enters as leaves.
+// What an outlet lets through, or a sink takes, it does not hold: as much enters as leaves.
 static void sample_flow(figures *f, size_t k, bool was_warm, const figures_now *now)
 {
     flow_sums *flow = &f->flows[k];
-    const double left = now->flows[k];
-    const double held = k < f->s->n_counters ? now->counters[k] : 0.0;
+    const bool is_sink = k >= f->n_through;
+    const double left = is_sink ? now->taken[k - f->n_through] : now->flows[k];
+    const double held = !is_sink && k < f->s->n_counters ? now->counters[k] : 0.0;
     const steady_levels levels = { now->t, left + held, left };
 
     flow->left = left;

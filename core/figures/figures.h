@@ -4,7 +4,7 @@
 /// functions of events in the order of their times. Means over time take what is sampled as linear between samples.
 /// The values are those until the last sample; they depend on the scenario and the order of the calls alone.
 ///
-/// Memory   bounded: some 70 kB for each feed and photo eye, 8 kB for each counter and outlet and 280 kB for the run,
+/// Memory   bounded: some 70 kB for each feed and photo eye, 8 kB for each counter, outlet and sink and 280 kB for the run,
 ///          whatever its length.
 /// Units    SI.
 /// Threads  figures belong to one thread at a time.
@@ -35,6 +35,7 @@ typedef struct figures_now {
     const double *counters; ///< parts in each counter
     const double
         *flows; ///< with feeds: parts that left each counter, then each outlet, since t = 0
+    const double *taken;       ///< parts that each sink took since t = 0
     const feed_balance *feeds; ///< of each feed
 } figures_now;
 

@@ -22,7 +22,7 @@ typedef struct counter_sums {
     double states_integral[QUEUE_STATES]; ///< parts s
 } counter_sums;
 
-/// Of what leaves a counter or an outlet.
+/// Of what leaves a counter or an outlet, or is taken by a sink.
 typedef struct flow_sums {
     double left;       ///< until the last sample, parts
     double left_start; ///< until the end of the warm-up
@@ -119,8 +119,9 @@ struct figures {
     feed_sums feeds[SCENE_FEEDS_MAX];          ///< of each feed
     counter_sums counters[SCENE_COUNTERS_MAX]; ///< of each counter
     eye_sums eyes[SCENE_EYES_MAX];             ///< of each photo eye
-    size_t n_flows;                            ///< counters and outlets; 0 without feeds
-    flow_sums *flows;                          ///< of each counter, then of each outlet
+    size_t n_through;                          ///< with feeds, counters and outlets; else 0
+    size_t n_flows;                            ///< these, and sinks
+    flow_sums *flows;                          ///< of each counter, outlet and sink
     size_t n_belts; ///< that belt_speeds_may_change(), as all that fail or have breaks do
     belt_sums belts[SCENE_BELTS_MAX]; ///< of each of them
     size_t n_stops;                   ///< of `stops`: n_belts, or 0 where nothing stops any

@@ -110,11 +110,13 @@ static void fill_counter(const figures *f, size_t k, double *ret_values)
 static void fill_flow(const figures *f, size_t k, double *ret_values)
 {
     const flow_sums *flow = &f->flows[k];
-    const bool is_counter = k < f->s->n_counters;
-    const size_t item = is_counter ? k : k - f->s->n_counters;
-    const figure_id first = is_counter ? FIGURE_FLOW : FIGURE_OUTFLOW;
+    const bool is_sink = k >= f->n_through, is_counter = !is_sink && k < f->s->n_counters;
+    const size_t item = is_sink ? k - f->n_through : is_counter ? k : k - f->s->n_counters;
+    const figure_id first = is_sink ? FIGURE_SINK_FLOW : is_counter ? FIGURE_FLOW : FIGURE_OUTFLOW;
     const double through = ret_values[FIGURE_THROUGHPUT];
 
+    if (is_sink)
+        ret_values[figure_at(f->s, FIGURE_TAKEN, item)] = flow->left;
     if (flow->batches.length == 0.0)
         return;
     const double rate = s_per_h * ratio(flow->left - flow->left_start, f->run.t - f->run.t_start);

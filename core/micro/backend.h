@@ -43,6 +43,8 @@ typedef struct micro_backend {
     micro_place (*place)(const void *state, size_t k);
     /// Add a part with the handle k: one that is free, or as many as there are. BF_ENOMEM: as before
     bf_status (*admit)(void *state, size_t k, const micro_arrival *arrival, bf_error *err);
+    /// micro_take_out()
+    void (*take_out)(void *state, size_t k);
     /// Erase what is stored from step to step of contacts with parts that have left
     void (*forget_gone)(void *state);
     /// micro_measure()

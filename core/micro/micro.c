@@ -351,6 +351,17 @@ uint64_t micro_id_of(const micro_solver *s, size_t k)
     return s->ids[k];
 }
 
+uint32_t micro_kind_of(const micro_solver *s, size_t k)
+{
+    return s->backend->place(s->state, k).kind;
+}
+
+void micro_take_out(micro_solver *s, size_t k)
+{
+    s->backend->take_out(s->state, k);
+    s->places.is_sorted = false;
+}
+
 // The lowest handle from `first` on that stands for this; n if there is none.
 static size_t find_handle(const micro_solver *s, size_t first, int what)
 {

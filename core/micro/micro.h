@@ -179,14 +179,18 @@ micro_part micro_part_of(const micro_solver *s, size_t k);
 /// True if part k has left the domain, or has fallen.
 bool micro_is_gone(const micro_solver *s, size_t k);
 
-/// Id of part k.
+/// Id of part k, and its kind.
 uint64_t micro_id_of(const micro_solver *s, size_t k);
+uint32_t micro_kind_of(const micro_solver *s, size_t k);
 
 /// Add a part; it moves from the next step on. It may overlap others: micro_is_free(). BF_EINPUT: a member is out of
 /// range, or n_parts_expected is 0; BF_ELIMIT: SCENE_PARTS_MAX are in the domain; BF_ENOMEM. On an error s is
 /// as before.
 BF_MUST_CHECK bf_status micro_admit(micro_solver *s, const micro_arrival *arrival, size_t *ret_part,
                                     bf_error *err);
+
+/// Take part k, which is in the domain, out between two steps: it has left where it is.
+void micro_take_out(micro_solver *s, size_t k);
 
 /// The next parts, in order of their handles, that have left or fallen and were not reported yet, at most `room`. Returns how
 /// many; fewer than room: that was all of them. Their handles are free from now on.

@@ -24,7 +24,7 @@ size_t columns_count(const scene *s)
 {
     return count_before_feeds(s) + COLUMNS_OF_FEED * s->n_feeds + s->n_eyes +
            figure_items(s, FIGURE_OF_BELT) + figure_items(s, FIGURE_OF_FAILURE) +
-           figure_items(s, FIGURE_OF_OUTLET);
+           figure_items(s, FIGURE_OF_OUTLET) + s->n_sinks;
 }
 
 void columns_name(const scene *s, size_t k, char *ret_name)
@@ -34,6 +34,7 @@ void columns_name(const scene *s, size_t k, char *ret_name)
     const size_t n_before_belts = n_before_eyes + s->n_eyes;
     const size_t n_before_failures = n_before_belts + figure_items(s, FIGURE_OF_BELT);
     const size_t n_before_outlets = n_before_failures + figure_items(s, FIGURE_OF_FAILURE);
+    const size_t n_before_sinks = n_before_outlets + figure_items(s, FIGURE_OF_OUTLET);
 
     if (k < s->n_counters)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s", s->counters[k].id);
@@ -53,15 +54,17 @@ void columns_name(const scene *s, size_t k, char *ret_name)
     else if (k < n_before_outlets)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.failed",
                  figure_item_id(s, FIGURE_OF_FAILURE, k - n_before_failures));
-    else
+    else if (k < n_before_sinks)
         snprintf(ret_name, COLUMN_NAME_SIZE, "%s.left",
                  figure_item_id(s, FIGURE_OF_OUTLET, k - n_before_outlets));
+    else
+        snprintf(ret_name, COLUMN_NAME_SIZE, "%s.taken", s->sinks[k - n_before_sinks].id);
 }
 
 bool columns_is_count(const char *name)
 {
-    static const char *const counts[] = { "left_domain", "fallen",     ".offered",
-                                          ".admitted",   ".discarded", ".left" };
+    static const char *const counts[] = { "left_domain", "fallen", ".offered", ".admitted",
+                                          ".discarded",  ".left",  ".taken" };
     const size_t n = strlen(name);
 
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {

@@ -7,7 +7,8 @@
 ///     <photo eye>.blocked               of each photo eye: 1 or 0
 ///     <belt>.speed_m_s                  of each belt that belt_speeds_may_change(), along its direction
 ///     <failure>.failed                  of each kind of failure: 1 while the belt is down by it, or 0
-///     <belt>.left                       parts that left the domain from it since t = 0; of each outlet, where there are several
+///     <belt>.left                       parts that left the domain from it since t = 0; of each outlet, where there are several, or sinks
+///     <sink>.taken                      parts that the sink took since t = 0; of each sink
 ///
 /// Names are unique: columns_check().
 
@@ -31,7 +32,7 @@ size_t columns_count(const scene *s);
 /// The name of column k into ret_name, which has COLUMN_NAME_SIZE bytes.
 void columns_name(const scene *s, size_t k, char *ret_name);
 
-/// True if the column counts parts since t = 0, so that it only rises: what is offered, admitted and discarded, and what left.
+/// True if the column counts parts since t = 0, so that it only rises: what is offered, admitted and discarded, what left, and what was taken.
 /// Other columns of a scene with feeds rise and fall.
 bool columns_is_count(const char *name);
 

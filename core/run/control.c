@@ -16,7 +16,7 @@ control control_of(const scene *s, bf_world *w, const run_backend *backend, cons
 
     for (size_t k = 0; k < s->n_belts; k++)
         has_stops = has_stops || belt_stops_are_any(&s->belts[k].stops);
-    const bool needs_ticks = has_stops || s->n_feeds > 0 || s->n_eyes > 0 ||
+    const bool needs_ticks = has_stops || s->n_feeds > 0 || s->n_eyes > 0 || s->n_sinks > 0 ||
                              s->until != SCENE_UNTIL_DURATION || scene_has_moving_obstacles(s);
 
     return (control){ .scene = s,
@@ -157,9 +157,9 @@ bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, con
                        bf_error *err)
 {
     run_departures departures = { .n = 0 };
-    bf_status status = BF_OK;
+    bf_status status = c->scene->n_sinks > 0 ? c->backend->take(solver, err) : BF_OK;
 
-    if (c->backend->depart != NULL && c->scene->n_feeds > 0)
+    if (status == BF_OK && c->backend->depart != NULL && c->scene->n_feeds > 0)
         status = c->backend->depart(solver, &departures, err);
     for (size_t k = 0; k < departures.n; k++)
         if (!departures.items[k].has_fallen)

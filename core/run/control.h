@@ -1,4 +1,4 @@
-/// What a run does at its ticks beside stepping: departures, photo eyes, actions, admissions, drives and belts that fail, in
+/// What a run does at its ticks beside stepping: sinks, departures, photo eyes, actions, admissions, drives and belts that fail, in
 /// this order.
 ///
 /// A tick is a number of steps (run_plan.n_tick) that depends on the scenario alone. There is one at t = 0, at

@@ -10,6 +10,7 @@ typedef struct counter_flow {
     double content; // at the last sample
     double fallen;  // until the last sample
     double added;   // by feeds
+    double taken;   // by sinks
     double out;
     double in;
     double left; // since t = 0
@@ -132,15 +133,23 @@ void macro_flows_follow(macro_flows *f)
     }
 }
 
+static bool holds(const counter_cells *c, const bf_grid *g, size_t cell)
+{
+    const size_t i = cell % g->n1, j = cell / g->n1;
+
+    return c->i_min <= i && i < c->i_max && c->j_min <= j && j < c->j_max;
+}
+
 void macro_flows_add(macro_flows *f, size_t cell, double parts)
 {
-    const size_t i = cell % f->grid.n1, j = cell / f->grid.n1;
+    for (size_t k = 0; k < f->scene->n_counters; k++)
+        f->counters[k].added += holds(&f->cells[k], &f->grid, cell) ? parts : 0.0;
+}
 
-    for (size_t k = 0; k < f->scene->n_counters; k++) {
-        const counter_cells *c = &f->cells[k];
-        if (c->i_min <= i && i < c->i_max && c->j_min <= j && j < c->j_max)
-            f->counters[k].added += parts;
-    }
+void macro_flows_take(macro_flows *f, size_t cell, double parts)
+{
+    for (size_t k = 0; k < f->scene->n_counters; k++)
+        f->counters[k].taken += holds(&f->cells[k], &f->grid, cell) ? parts : 0.0;
 }
 
 void macro_flows_settle(macro_flows *f, const double *contents, double left, double *ret_flows)
@@ -153,12 +162,12 @@ void macro_flows_settle(macro_flows *f, const double *contents, double left, dou
         const counter_cells *in = &f->cells[k];
         const double fallen =
             f->packing * macro_fallen_in(f->solver, in->i_min, in->i_max, in->j_min, in->j_max);
-        const double net = c->content + c->added - (fallen - c->fallen) - contents[k];
+        const double net = c->content + c->added - c->taken - (fallen - c->fallen) - contents[k];
         const double settled = c->out + c->in, of_out = settled > 0.0 ? c->out / settled : 1.0;
-        c->left += fmax(c->out + of_out * (net - (c->out - c->in)), 0.0);
+        c->left += fmax(c->out + of_out * (net - (c->out - c->in)), 0.0) + c->taken;
         c->content = contents[k];
         c->fallen = fallen;
-        c->added = c->out = c->in = 0.0;
+        c->added = c->taken = c->out = c->in = 0.0;
         ret_flows[k] = f->counters[k].left;
     }
     for (size_t k = 0; k < f->n_outlets; k++)

@@ -4,9 +4,11 @@
 /// four. These flows are only nearly those by which the density moved; so at each sample they are made to agree with what is
 /// known exactly:
 ///
-///     of a counter    out - in = what it held before + what feeds put into it - what fell in it - what it holds,
-///                     the difference being shared by out and in as they are large;
-///     of the outlets  their sum is what left the domain: all are scaled alike.
+///     of a counter    out - in = what it held before + what feeds put into it - what fell in it and what sinks
+///                     took in it - what it holds, the difference being shared by out and in as they are large;
+///     of the outlets  their sum is what left the domain over its sides: all are scaled alike.
+///
+/// What a sink takes in a counter has left it.
 ///
 /// Units    parts.
 
@@ -35,7 +37,10 @@ void macro_flows_follow(macro_flows *f);
 /// A feed put parts into a cell.
 void macro_flows_add(macro_flows *f, size_t cell, double parts);
 
-/// A sample: what the counters hold and what has left the domain since t = 0. Fills what has left each counter, then each outlet,
+/// A sink took parts out of a cell.
+void macro_flows_take(macro_flows *f, size_t cell, double parts);
+
+/// A sample: what the counters hold and what has left the domain over its sides since t = 0. Fills what has left each counter, then each outlet,
 /// since then.
 void macro_flows_settle(macro_flows *f, const double *contents, double left, double *ret_flows);
 

@@ -10,6 +10,7 @@
 #include "core/run/beam.h"
 #include "core/run/crossings.h"
 #include "core/run/macro_flows.h"
+#include "core/run/macro_sinks.h"
 #include "core/run/run_priv.h"
 #include "core/scene/belt_slope.h"
 #include "core/scene/counter.h"
@@ -28,6 +29,7 @@ typedef struct macro_run {
     uint16_t *belt_of;       // under each cell, n_belts off every one; NULL without feeds
     double *speeds;          // scratch: of a row's cells; same
     macro_flows *flows;      // same
+    macro_sinks *sinks;      // NULL without sinks
     feed_density *feeds;
     moving_field *moving; // NULL: no obstacle moves, and no belt runs backwards
     double packing;       // parts/m2 at density 1
@@ -94,6 +96,7 @@ static void check_scenario(const scene *s, bf_faults *faults)
 
     check_step(s, faults);
     check_slopes(s, faults);
+    macro_sinks_check(s, faults);
     if (is_dispersive && reach > MOLLIFIER_REACH_MAX)
         faults_add_limit(faults, "/macro/mollifier_per_m2",
                          "%d cells to reach over, the limit is %d", reach, MOLLIFIER_REACH_MAX);
@@ -257,6 +260,7 @@ static void destroy_run(void *solver)
     moving_field_destroy(run->moving);
     crossings_destroy(run->crossings);
     macro_flows_destroy(run->flows);
+    macro_sinks_destroy(run->sinks);
     memory_free(run->belt_of);
     memory_free(run->speeds);
     for (size_t k = 0; k < run->n_eyes; k++)
@@ -316,7 +320,9 @@ static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **r
         (run->is_fed && (status = find_belts(s, run, err)) != BF_OK) ||
         (status = place_parts(s, run, &n_parts, err)) != BF_OK ||
         (run->is_fed &&
-         (status = macro_flows_create(s, run->solver, run->belt_of, &run->flows, err)) != BF_OK)) {
+         (status = macro_flows_create(s, run->solver, run->belt_of, &run->flows, err)) != BF_OK) ||
+        (s->n_sinks > 0 &&
+         (status = macro_sinks_create(s, run->solver, run->flows, &run->sinks, err)) != BF_OK)) {
         destroy_run(run);
         return status;
     }
@@ -406,6 +412,22 @@ static bool is_exhausted_run(const void *solver)
     const macro_run *run = solver;
 
     return feed_density_is_exhausted(run->feeds);
+}
+
+static bf_status take(void *solver, bf_error *err)
+{
+    macro_run *run = solver;
+
+    (void)err;
+    macro_sinks_take(run->sinks);
+    return BF_OK;
+}
+
+static void taken(const void *solver, double *ret_parts)
+{
+    const macro_run *run = solver;
+
+    macro_sinks_taken(run->sinks, ret_parts);
 }
 
 static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
@@ -559,6 +581,8 @@ static bf_status save_run(const void *solver, checkpoint_writer *w, bf_error *er
         feed_density_save(run->feeds, w);
         macro_flows_save(run->flows, w);
     }
+    if (run->sinks != NULL)
+        macro_sinks_save(run->sinks, w);
     return macro_save(run->solver, w->out, err);
 }
 
@@ -568,8 +592,10 @@ static bf_status load_run(void *solver, checkpoint_reader *r, bf_error *err)
 
     if ((run->moving != NULL && !moving_field_load(run->moving, run->solver, r)) ||
         (run->crossings != NULL && !crossings_load(run->crossings, r)) ||
-        (run->is_fed && (!feed_density_load(run->feeds, r) || !macro_flows_load(run->flows, r))))
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's feeds or obstacles are damaged");
+        (run->is_fed && (!feed_density_load(run->feeds, r) || !macro_flows_load(run->flows, r))) ||
+        (run->sinks != NULL && !macro_sinks_load(run->sinks, r)))
+        return bf_fail(err, BF_ECORRUPT, "",
+                       "the checkpoint's feeds, sinks or obstacles are damaged");
     return macro_load(run->solver, r->at, r->n_left, err);
 }
 
@@ -589,6 +615,7 @@ const run_backend run__macro = {
     .count = count_parts,
     .measure = measure_run,
     .count_flows = count_flows,
+    .taken = taken,
     .fallen_in = fallen_in,
     .snapshot = take_snapshot,
     .save = save_run,
@@ -597,6 +624,7 @@ const run_backend run__macro = {
     .tell_cargo = tell_cargo,
     .tell_ages = tell_ages,
     .tell_exits = tell_exits,
+    .take = take,
     .look = look_run,
     .hold = hold,
     .admit = admit_run,

@@ -54,15 +54,18 @@ static void count_departure(micro_feeds *f, const micro_tag *tag, const micro_de
         return;
     add_left(f, tag->counters, 1.0);
     const size_t outlet = figure_outlet(f->scene, surroundings_belt_at(&f->around, at));
-    if (outlet < f->n_flows - f->scene->n_counters)
+    if (!micro_sinks_took(f->sinks, departure->part, departure->id) &&
+        outlet < f->n_flows - f->scene->n_counters)
         f->flows[f->scene->n_counters + outlet] += 1.0;
 }
 
 bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
-                           const scene_placement *placement, bf_error *err)
+                           const micro_sinks *sinks, const scene_placement *placement,
+                           bf_error *err)
 {
     *f = (micro_feeds){ .scene = s,
                         .solver = solver,
+                        .sinks = sinks,
                         .around = surroundings_of(s),
                         .n_flows = s->n_counters + figure_items(s, FIGURE_OF_OUTLET) };
     f->flows = memory_alloc(f->n_flows, sizeof *f->flows);

@@ -7,6 +7,7 @@
 #include "core/base/checkpoint.h"
 #include "core/feed/parts_entry.h"
 #include "core/micro/micro.h"
+#include "core/run/micro_sinks.h"
 #include "core/run/run_priv.h"
 
 #include <stddef.h>
@@ -25,6 +26,7 @@ typedef struct micro_tag {
 typedef struct micro_feeds {
     const scene *scene;        ///< must outlive it
     micro_solver *solver;      ///< same
+    const micro_sinks *sinks;  ///< same
     feed_parts *entry;         ///< NULL: there are no feeds
     micro_tag *tags;           ///< by handle
     size_t n_tags_max;         ///< handles that they have room for
@@ -43,7 +45,8 @@ vec2 micro_feeds_counted_place(const scene *s, vec2 at);
 
 /// Begin at t = 0 with the parts of a placement, whose kinds may be NULL. BF_ENOMEM: to be freed all the same.
 BF_MUST_CHECK bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
-                                         const scene_placement *placement, bf_error *err);
+                                         const micro_sinks *sinks, const scene_placement *placement,
+                                         bf_error *err);
 
 /// Free what *f owns.
 void micro_feeds_fini(micro_feeds *f);

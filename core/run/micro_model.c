@@ -8,6 +8,7 @@
 #include "core/run/beam.h"
 #include "core/run/micro_feeds.h"
 #include "core/run/micro_press.h"
+#include "core/run/micro_sinks.h"
 #include "core/run/run_priv.h"
 #include "core/scene/belt.h"
 #include "core/scene/counter.h"
@@ -42,6 +43,7 @@ typedef struct micro_run {
     size_t n_rows, n_rows_max;
     size_t n_start;         // parts at the start
     double reduction_start; // of the moduli
+    micro_sinks sinks;
     micro_feeds feeds;
     shape_footprint footprints[SCENE_KINDS_MAX];
     double bounding_radius; // no part extends farther from its centre, m
@@ -56,6 +58,7 @@ static void destroy_run(void *solver)
     if (run == NULL)
         return;
     micro_feeds_fini(&run->feeds);
+    micro_sinks_fini(&run->sinks);
     micro_destroy(run->solver);
     memory_free(run->rho);
     memory_free(run->poses);
@@ -99,7 +102,8 @@ static bf_status fill_run(const scene *s, const run__micro_setup *setup, micro_r
     if (status != BF_OK)
         return status;
     run->reduction_start = micro_reduction(run->solver);
-    return micro_feeds_init(&run->feeds, s, run->solver, &setup->placement, err);
+    micro_sinks_init(&run->sinks, s, run->solver);
+    return micro_feeds_init(&run->feeds, s, run->solver, &run->sinks, &setup->placement, err);
 }
 
 // The smallest distance from the centre of a part of any kind to its border, seen from above.
@@ -374,6 +378,8 @@ static bf_status save_run(const void *solver, checkpoint_writer *w, bf_error *er
 {
     const micro_run *run = solver;
 
+    if (run->scene->n_sinks > 0)
+        micro_sinks_save(&run->sinks, w);
     return run->feeds.entry != NULL ? micro_feeds_save(&run->feeds, w, err)
                                     : micro_save(run->solver, w->out, err);
 }
@@ -382,6 +388,9 @@ static bf_status load_run(void *solver, checkpoint_reader *r, bf_error *err)
 {
     micro_run *run = solver;
 
+    bf_status status = run->scene->n_sinks > 0 ? micro_sinks_load(&run->sinks, r, err) : BF_OK;
+    if (status != BF_OK)
+        return status;
     return run->feeds.entry != NULL ? micro_feeds_load(&run->feeds, r, err)
                                     : micro_load(run->solver, r->at, r->n_left, err);
 }
@@ -393,6 +402,20 @@ static void count_flows(void *solver, const double *contents, double left, doubl
     (void)contents;
     (void)left;
     memcpy(ret_flows, run->feeds.flows, run->feeds.n_flows * sizeof *ret_flows);
+}
+
+static void taken(const void *solver, double *ret_parts)
+{
+    const micro_run *run = solver;
+
+    memcpy(ret_parts, run->sinks.taken, run->scene->n_sinks * sizeof *ret_parts);
+}
+
+static bf_status take(void *solver, bf_error *err)
+{
+    micro_run *run = solver;
+
+    return micro_sinks_take(&run->sinks, err);
 }
 
 static bf_status depart(void *solver, run_departures *ret_departures, bf_error *err)
@@ -534,6 +557,7 @@ const run_backend run__micro = {
     .count = count_parts,
     .measure = measure_run,
     .count_flows = count_flows,
+    .taken = taken,
     .fallen_in = fallen_in,
     .snapshot = take_snapshot,
     .parts = copy_parts,
@@ -541,6 +565,7 @@ const run_backend run__micro = {
     .save = save_run,
     .load = load_run,
     .digest = digest_run,
+    .take = take,
     .depart = depart,
     .tell_cargo = tell_cargo,
     .look = look_at_beam,

@@ -50,8 +50,9 @@ struct run {
     uint32_t n_columns;
     uint32_t n_waiting; // samples in the arrays below
     double t[BATCH];
-    double *values; // BATCH rows of n_columns
-    double *flows;  // at the last sample, of each counter and outlet; with feeds
+    double *values;                // BATCH rows of n_columns
+    double *flows;                 // at the last sample, of each counter and outlet; with feeds
+    double taken[SCENE_SINKS_MAX]; // at the last sample, by each sink
     float *rho;
     double *parts;      // rows of FRAME_PARTS
     size_t n_parts_max; // numbers that they have room for
@@ -354,8 +355,13 @@ static void fill_columns(run *r, const run_load *load, double *values)
     const double left = run_left(r->parts_start + load->entered, load->parts, load->fallen);
 
     r->backend->count(r->solver, values);
+    double over_sides = left;
+    if (s->n_sinks > 0)
+        r->backend->taken(r->solver, r->taken);
+    for (size_t k = 0; k < s->n_sinks; k++)
+        over_sides -= r->taken[k];
     if (s->n_feeds > 0)
-        r->backend->count_flows(r->solver, values, left, r->flows);
+        r->backend->count_flows(r->solver, values, over_sides, r->flows);
     values += s->n_counters;
     *values++ = left;
     if (s->may_drop)
@@ -380,6 +386,8 @@ static void fill_columns(run *r, const run_load *load, double *values)
     }
     for (size_t k = 0; k < figure_items(s, FIGURE_OF_OUTLET); k++)
         *values++ = r->flows[s->n_counters + k];
+    for (size_t k = 0; k < s->n_sinks; k++)
+        *values++ = r->taken[k];
 }
 
 static double fallen_in_first(const run *r)
@@ -407,6 +415,7 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
                               .fallen_in_first = fallen_in_first(r),
                               .counters = values,
                               .flows = r->flows,
+                              .taken = r->taken,
                               .feeds = r->balances };
     if (r->backend->tell_cargo != NULL)
         r->backend->tell_cargo(r->solver, r->figures);

@@ -84,8 +84,10 @@ typedef struct run_backend {
     void (*count)(const void *solver, double *ret_parts);
     run_load (*measure)(const void *solver);
     /// Fill what left each counter, then each outlet, since t = 0, parts: of a sample with what count() says and what has
-    /// left the domain, parts. Only for scenes with feeds.
+    /// left the domain but was not taken by a sink, parts. Only for scenes with feeds.
     void (*count_flows)(void *solver, const double *contents, double left, double *ret_flows);
+    /// Fill what each sink took since t = 0, parts. Only for scenes with sinks.
+    void (*taken)(const void *solver, double *ret_parts);
     /// Parts that fell in a counter since t = 0. Only for scenes without feeds whose may_drop is set.
     double (*fallen_in)(const void *solver, size_t counter);
     /// Fill the density grid, n2 rows of n1, and measure it.
@@ -106,6 +108,8 @@ typedef struct run_backend {
     void (*tell_ages)(const void *solver, figures *to);
 
     // At a tick, in this order (control.h). The time is that of the steps made.
+    /// Let the sinks take what is theirs. Only for scenes with sinks. BF_ENOMEM.
+    bf_status (*take)(void *solver, bf_error *err);
     /// Take the parts that left the domain or fell since the last tick. NULL: the model has no parts. BF_ENOMEM.
     bf_status (*depart)(void *solver, run_departures *ret_departures, bf_error *err);
     /// Tell the figures what left in the last step, in parts that need not be whole. NULL: depart() says it.

@@ -406,6 +406,7 @@ void scene_check(scene *s, bf_faults *faults)
     scene__check_obstacles(s, faults);
     scene__check_feeds(s, faults);
     scene__check_photo_eyes(s, faults);
+    scene__check_sinks(s, faults);
     scene__check_actions(s, faults);
     check_counters(s, faults);
     check_windows(&s->output, faults);

@@ -29,25 +29,6 @@ static const number_rule arc_rules[] = {
     RULE("/arc/outer_radius_m", scene_belt, arc.outer_radius, scene_range_length),
 };
 
-static void check_polygon(const scene_belt *belt, const char *pointer, bf_faults *faults)
-{
-    size_t n = belt->n_points;
-    char last[BF_POINTER_SIZE + ROOM_FOR_INDEX];
-
-    if (n < 3 || n > SCENE_POINTS_MAX) {
-        faults_add(faults, pointer, "must have 3 to %d points, not %zu", SCENE_POINTS_MAX, n);
-        return;
-    }
-    if (!scene__check_points(belt->polygon, n, pointer, false, faults))
-        return;
-    if (vec2_length(vec2_sub(belt->polygon[n - 1], belt->polygon[0])) <= SCENE_LENGTH_MIN) {
-        snprintf(last, sizeof last, "%s/%zu", pointer, n - 1);
-        faults_add(faults, last, "repeats the first point; a polygon closes itself");
-    } else if (!polygon_is_simple(belt->polygon, n, SCENE_TOLERANCE)) {
-        faults_add(faults, pointer, "must be a simple polygon: its sides cross or touch");
-    }
-}
-
 /// Note what is wrong with an arc; pointer is that of the belt.
 static void check_arc(const scene_belt *belt, const char *pointer, bf_faults *faults)
 {
@@ -202,7 +183,7 @@ void scene__check_belts(const scene *s, bf_faults *faults)
         belt_speeds_check(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
         if (belt->n_points != 0 && !belt->arc.is_given && belt->path.n_points == 0)
-            check_polygon(belt, pointer, faults);
+            (void)scene__check_polygon(belt->polygon, belt->n_points, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu", k);
         if (belt->path.n_points > 0)
             belt_path_check(belt, pointer, faults);

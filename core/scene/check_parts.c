@@ -1,5 +1,6 @@
 // What the checks of a scenario share: numbers, ids, points, times.
 
+#include "core/base/polygon.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene_priv.h"
 
@@ -71,6 +72,26 @@ bool scene__check_points(const vec2 *points, size_t n, const char *pointer, bool
         return false;
     }
     return true;
+}
+
+bool scene__check_polygon(const vec2 *polygon, size_t n, const char *pointer, bf_faults *faults)
+{
+    const size_t n_before = faults->n;
+    char last[BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    if (n < 3 || n > SCENE_POINTS_MAX) {
+        faults_add(faults, pointer, "must have 3 to %d points, not %zu", SCENE_POINTS_MAX, n);
+        return false;
+    }
+    if (!scene__check_points(polygon, n, pointer, false, faults))
+        return false;
+    if (vec2_length(vec2_sub(polygon[n - 1], polygon[0])) <= SCENE_LENGTH_MIN) {
+        snprintf(last, sizeof last, "%s/%zu", pointer, n - 1);
+        faults_add(faults, last, "repeats the first point; a polygon closes itself");
+    } else if (!polygon_is_simple(polygon, n, SCENE_TOLERANCE)) {
+        faults_add(faults, pointer, "must be a simple polygon: its sides cross or touch");
+    }
+    return faults->n == n_before;
 }
 
 bool scene__check_times(const double *times, size_t n, const char *pointer, bool may_repeat,

@@ -71,14 +71,24 @@ static double photo_eyes_work(const scene *s)
                : POINTS_OF_BEAM * (double)checked(s->n_eyes, SCENE_EYES_MAX) * steps_of_lookup(s);
 }
 
+/// The sides of each outline with each other, and with the lines of feeds.
+static double sinks_work(const scene *s)
+{
+    double n_pairs = 0.0;
+
+    for (size_t k = 0; k < checked(s->n_sinks, SCENE_SINKS_MAX); k++) {
+        const double n = fmin((double)s->sinks[k].n_points, SCENE_POINTS_MAX);
+        n_pairs += n * (0.5 * n + (double)checked(s->n_feeds, SCENE_FEEDS_MAX));
+    }
+    return STEPS_SIDES * n_pairs;
+}
+
 static const struct {
     const char *pointer;
     double (*work)(const scene *s);
 } works[] = {
-    { "/belts", belts_work },
-    { "/obstacles", obstacles_work },
-    { "/feeds", feeds_work },
-    { "/photo_eyes", photo_eyes_work },
+    { "/belts", belts_work },           { "/obstacles", obstacles_work }, { "/feeds", feeds_work },
+    { "/photo_eyes", photo_eyes_work }, { "/sinks", sinks_work },
 };
 
 bool check_work(const scene *s, bf_faults *faults)

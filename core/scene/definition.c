@@ -141,7 +141,7 @@ static uint64_t add_feed(uint64_t digest, const scene_feed *f)
     return add_array(digest, l->headings, l->n, sizeof *l->headings);
 }
 
-// Nothing where there are no feeds, nothing moves and there are no photo eyes.
+// Nothing where there are no feeds, nothing moves and there are neither photo eyes nor sinks.
 static uint64_t add_equipment(uint64_t digest, const scene *s)
 {
     if (s->n_feeds > 0)
@@ -163,6 +163,12 @@ static uint64_t add_equipment(uint64_t digest, const scene *s)
         const scene_photo_eye *e = &s->eyes[k];
         digest = ADD_NUMBERS(digest, e->line[0].x, e->line[0].y, e->line[1].x, e->line[1].y,
                              e->block_time, e->clear_time, e->density_ratio);
+    }
+    for (size_t k = 0; k < s->n_sinks; k++) {
+        const scene_sink *sink = &s->sinks[k];
+        digest = ADD_NUMBERS(digest, (double)sink->n_points, (double)sink->n_kinds, sink->rate);
+        digest = ADD_ITEMS(digest, sink->polygon, sink->n_points);
+        digest = ADD_ITEMS(digest, sink->kinds, sink->n_kinds);
     }
     for (size_t k = 0; k < s->n_actions; k++) {
         const scene_action *a = &s->actions[k];

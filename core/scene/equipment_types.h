@@ -1,4 +1,4 @@
-/// Photo eyes and what they command, and what stops belts, as plain data.
+/// Photo eyes and what they command, sinks, and what stops belts, as plain data.
 ///
 /// Units    SI: m, s. Angles are radians.
 
@@ -21,6 +21,16 @@ typedef struct scene_photo_eye {
         density_ratio; ///< macroscopic: the beam is broken where the largest density on it is at least this, in
     ///< (0, 1]; 0, "auto": by the parts that cross it (core/run/crossings.h; default 0)
 } scene_photo_eye;
+
+/// A place at which goods are taken off the line: a packer, a robot, a chute (sink.h).
+typedef struct scene_sink {
+    char id[SCENE_ID_SIZE]; ///< unique among sinks (default "sink-<n>", n from 1)
+    size_t n_points;        ///< 3 to SCENE_POINTS_MAX (no default)
+    vec2 *polygon;          ///< its outline, a simple polygon, m
+    size_t n_kinds;         ///< that it takes; 0: all (default 0)
+    uint32_t *kinds;        ///< indices into scene.cargo
+    double rate;            ///< most parts/s, > 0 (default INFINITY)
+} scene_sink;
 
 /// What an action acts on.
 typedef enum scene_action_type {

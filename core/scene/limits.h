@@ -16,6 +16,7 @@ enum {
         10000, ///< stops of a belt by failures and breaks that are to be expected in a run
     SCENE_FEEDS_MAX = 64,        ///< feeds in a scenario
     SCENE_EYES_MAX = 64,         ///< photo eyes in a scenario
+    SCENE_SINKS_MAX = 64,        ///< sinks in a scenario
     SCENE_STAGES_MAX = 1000,     ///< stages of a gap of Erlang arrivals
     SCENE_ACTIONS_MAX = 256,     ///< actions in a scenario
     SCENE_WINDOWS_MAX = 256,     ///< output windows in a scenario

@@ -14,7 +14,7 @@ extern const bf_range scene_range_force_limit;   ///< of drives, N
 extern const bf_range scene_range_acceleration;  ///< of belts, m/s2
 extern const bf_range scene_range_speed_factor;  ///< of a belt's velocity
 extern const bf_range scene_range_weibull_shape; ///< of times between failures and of repairs
-extern const bf_range scene_range_rate;          ///< of feeds, parts/s
+extern const bf_range scene_range_rate;          ///< of feeds and sinks, parts/s
 extern const bf_range scene_range_profile;       ///< rates of a profile, parts/s
 extern const bf_range scene_range_place;         ///< places along a line, 0 to 1
 extern const bf_range scene_range_ratio;         ///< densities relative to a packed one, precisions

@@ -140,6 +140,11 @@ void scene_counter_init(scene_counter *c)
     *c = (scene_counter){ .rect = unknown_rect };
 }
 
+void scene_sink_init(scene_sink *sink)
+{
+    *sink = (scene_sink){ .rate = INFINITY };
+}
+
 /// The value, or where there is none the one that follows from other members.
 static void fill_in(double *value, double derived)
 {
@@ -293,6 +298,8 @@ static void resolve_feeds_and_eyes(scene *s)
     }
     for (size_t k = 0; k < s->n_eyes; k++)
         fill_in_numbered(s->eyes[k].id, "eye", k);
+    for (size_t k = 0; k < s->n_sinks; k++)
+        fill_in_numbered(s->sinks[k].id, "sink", k);
     for (size_t k = 0; k < s->output.n_windows; k++) {
         fill_in(&s->output.windows[k].curve_every, s->output.curve_every);
         fill_in(&s->output.windows[k].snapshot_every, s->output.snapshot_every);
@@ -450,6 +457,11 @@ void scene_fini(scene *s)
     }
     for (size_t k = 0; k < s->n_feeds; k++)
         free_feed(&s->feeds[k]);
+    for (size_t k = 0; k < s->n_sinks; k++) {
+        memory_free(s->sinks[k].polygon);
+        memory_free(s->sinks[k].kinds);
+    }
+    memory_free(s->sinks);
     memory_free(s->feeds);
     memory_free(s->eyes);
     memory_free(s->actions);

@@ -39,6 +39,7 @@ void scene_obstacle_init(scene_obstacle *o);
 void scene_counter_init(scene_counter *c);
 void scene_feed_init(scene_feed *f);
 void scene_photo_eye_init(scene_photo_eye *e);
+void scene_sink_init(scene_sink *sink);
 void scene_action_init(scene_action *a);
 void scene_output_window_init(scene_output_window *w);
 

@@ -44,6 +44,9 @@ bool scene__is_place(vec2 at);
 bool scene__check_points(const vec2 *points, size_t n, const char *pointer, bool whole,
                          bf_faults *faults);
 
+/// Note what is wrong with an outline: its corners, or sides that cross or touch. Returns true if nothing is.
+bool scene__check_polygon(const vec2 *polygon, size_t n, const char *pointer, bf_faults *faults);
+
 /// Note times that are out of range or do not rise (may_repeat: fall); pointer is that of the list. Returns true
 /// if there are none.
 bool scene__check_times(const double *times, size_t n, const char *pointer, bool may_repeat,
@@ -58,6 +61,7 @@ bool scene__check_series(const scene_series *series, const char *pointer, const 
 void scene__check_belts(const scene *s, bf_faults *faults);
 void scene__check_obstacles(const scene *s, bf_faults *faults);
 void scene__check_photo_eyes(const scene *s, bf_faults *faults);
+void scene__check_sinks(const scene *s, bf_faults *faults);
 void scene__check_actions(const scene *s, bf_faults *faults);
 void scene__check_feeds(const scene *s, bf_faults *faults);
 

@@ -191,6 +191,8 @@ typedef struct scene {
                            ///< differ in it
     size_t n_eyes;         ///< (default none)
     scene_photo_eye *eyes; ///< see there
+    size_t n_sinks;        ///< (default none)
+    scene_sink *sinks;     ///< see there
     size_t n_actions;      ///< (default none)
     scene_action *actions; ///< see there
     double warmup;         ///< s that key figures leave out, >= 0 (default 0)

@@ -273,7 +273,7 @@ int cmd_compare(int argc, char **argv)
                "distance over the common interval; gaps are of the curve minus the first one. "
                "What does not exist is '-', as drain and throughput of what is inside while cargo "
                "enters and leaves. Sentences for each but the first say what its throughput is to "
-               "that of the first one, and which flows of counters and outlets differ.",
+               "that of the first one, and which flows of counters, outlets and sinks differ.",
     };
     compare_arguments arguments = { .column = NULL };
     bf_error err = { 0 };

@@ -150,10 +150,10 @@ static void print_stops(const solving *s)
     }
 }
 
-// What leaves counters and outlets in the long run.
+// What leaves counters and outlets, and what sinks take, in the long run.
 static void print_flows(const solving *s)
 {
-    static const figure_id flows[] = { FIGURE_FLOW, FIGURE_OUTFLOW };
+    static const figure_id flows[] = { FIGURE_FLOW, FIGURE_OUTFLOW, FIGURE_SINK_FLOW };
     const double *values = (const double *)(const void *)s->figures.bytes;
 
     for (size_t i = 0; i < sizeof flows / sizeof *flows; i++) {
@@ -162,8 +162,8 @@ static void print_flows(const solving *s)
             const double *flow = &values[figure_at(&s->scene, flows[i], k)];
             if (isnan(flow[0]))
                 continue;
-            printf("  flow         out of '%s': %.6g", figure_item_id(&s->scene, scope, k),
-                   flow[0]);
+            printf("  flow         %s '%s': %.6g", scope == FIGURE_OF_SINK ? "taken by" : "out of",
+                   figure_item_id(&s->scene, scope, k), flow[0]);
             if (!isnan(flow[1]))
                 printf(" ± %.3g", flow[1]);
             printf(" parts/h\n");

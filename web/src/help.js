@@ -40,7 +40,7 @@ const keys = [
   ["?", "this help"],
 ];
 
-const scopes = { RunFigures: "", FeedFigures: "of a feed", CounterFigures: "of a counter", PhotoEyeFigures: "of a photo eye", BeltFigures: "of a belt", FailureFigures: "of a kind of failure", OutletFigures: "of an outlet" };
+const scopes = { RunFigures: "", FeedFigures: "of a feed", CounterFigures: "of a counter", PhotoEyeFigures: "of a photo eye", BeltFigures: "of a belt", FailureFigures: "of a kind of failure", OutletFigures: "of an outlet", SinkFigures: "of a sink" };
 
 // "Throughput [parts/h]" and what it means, of each key figure, as the API's description has it. A figure of several numbers has
 // what each of them means.

@@ -1,4 +1,4 @@
-// The panel of key figures: those of the run, then of each feed, counter, photo eye, belt whose speed changes, failure and outlet. Their names follow
+// The panel of key figures: those of the run, then of each feed, counter, photo eye, belt whose speed changes, failure, outlet and sink. Their names follow
 // from their members, their units and definitions from the API's description.
 
 import { getJson } from "./api.js";
@@ -17,7 +17,7 @@ export function schemas() {
 }
 
 const groups = { feeds: ["Feed", "FeedFigures"], counters: ["Counter", "CounterFigures"], photo_eyes: ["Photo eye", "PhotoEyeFigures"],
-  belts: ["Belt", "BeltFigures"], failures: ["Failure", "FailureFigures"], outlets: ["Outlet", "OutletFigures"] };
+  belts: ["Belt", "BeltFigures"], failures: ["Failure", "FailureFigures"], outlets: ["Outlet", "OutletFigures"], sinks: ["Sink", "SinkFigures"] };
 
 const HALF_A_PART = 0.5; // less has not left, though the macroscopic model lets some of its tail pass
 

@@ -226,6 +226,7 @@ const micro_backend micro__body = {
     .part = body__part,
     .place = body__place,
     .admit = body__admit,
+    .take_out = body__take_out,
     .forget_gone = body__forget_gone,
     .measure = body__measure,
     .press = press,

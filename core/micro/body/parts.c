@@ -74,6 +74,13 @@ bf_status body__admit(void *state, size_t k, const micro_arrival *arrival, bf_er
     return BF_OK;
 }
 
+void body__take_out(void *state, size_t k)
+{
+    body_state *s = state;
+
+    s->common.presence[k] = MICRO_LEFT;
+}
+
 void body__forget_gone(void *state)
 {
     body_state *s = state;

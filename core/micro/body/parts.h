@@ -20,6 +20,7 @@ size_t body__implicit_arrays(struct implicit_solver *z, size_t n, size_t capacit
 
 /// Members of micro_backend.
 bf_status body__admit(void *state, size_t k, const micro_arrival *arrival, bf_error *err);
+void body__take_out(void *state, size_t k);
 void body__forget_gone(void *state);
 micro_part body__part(const void *state, size_t k);
 micro_place body__place(const void *state, size_t k);

@@ -236,6 +236,7 @@ const micro_backend micro__disk = {
     .part = disk__part,
     .place = disk__place,
     .admit = disk__admit,
+    .take_out = disk__take_out,
     .forget_gone = disk__forget_gone,
     .measure = disk__measure,
     .press = disk__press,

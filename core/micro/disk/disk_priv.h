@@ -125,7 +125,7 @@ struct disk_state {
     uint8_t *has_candidates;   ///< by group: nonzero if its parts have candidates
     uint32_t *id_of;           ///< id of the part in each slot; UINT32_MAX: padding
     uint32_t *slot_of;         ///< slot of each part
-    bool has_arrivals;         ///< parts were admitted since the list was made
+    bool is_stale;             ///< parts were admitted or taken out since the list was made
     size_t n_kinds;            ///< kinds of parts
     disk_kind *kinds;          ///< see there
     uint32_t *kind_of;         ///< by id; NULL: there is one kind

@@ -80,9 +80,8 @@ static bf_status refresh(void *state, bf_error *err)
 {
     disk_state *s = state;
 
-    return !s->has_arrivals && neighbours_holds(s->skin, s->displacement_bound)
-               ? BF_OK
-               : disk__rebuild(s, err);
+    return !s->is_stale && neighbours_holds(s->skin, s->displacement_bound) ? BF_OK
+                                                                            : disk__rebuild(s, err);
 }
 
 static int begin(const void *state, driver_progress *ret_progress)

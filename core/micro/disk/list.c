@@ -334,7 +334,7 @@ bf_status disk__rebuild(disk_state *s, bf_error *err)
     cut_partitions(s);
     disk__plan_tiles(s);
     s->displacement_bound = 0.0;
-    s->has_arrivals = false;
+    s->is_stale = false;
     s->n_builds++;
     return BF_OK;
 }

@@ -96,10 +96,18 @@ bf_status disk__admit(void *state, size_t k, const micro_arrival *arrival, bf_er
     s->now[slot].vx = arrival->velocity.x;
     s->now[slot].vy = arrival->velocity.y;
     s->heading[slot] = arrival->pose.heading;
-    s->has_arrivals = true;
+    s->is_stale = true;
     if (s->implicit != NULL)
         disk_implicit__forget_choice(s->implicit);
     return BF_OK;
+}
+
+void disk__take_out(void *state, size_t k)
+{
+    disk_state *s = state;
+
+    s->common.presence[k] = MICRO_LEFT;
+    s->is_stale = true;
 }
 
 void disk__forget_gone(void *state)
