@@ -141,11 +141,8 @@ void macro_trace(macro_solver *s, vec2 at, double density);
 /// Move the tracers of a cell into another one.
 void macro_hand_on_tracers(macro_solver *s, size_t from, size_t to);
 
-enum { MACRO_NO_SINK = 255 }; ///< a cell in which nothing is taken
-
-/// A share of what was in each sink was taken after a step: its tracers leave as likely. sink_in: of each cell its sink, an index into
-/// shares, or MACRO_NO_SINK.
-void macro_let_leave(macro_solver *s, const uint8_t *sink_in, const double *shares);
+/// Cargo was taken out of cells after a step, of which a share, 0 to 1, was kept in each cell: tracers leave as likely.
+void macro_let_leave(macro_solver *s, const double *kept);
 
 /// The tracers in the grid, and those that left in the last step, *ret_n of them, each for *ret_portion. Borrowed until the
 /// next non-const call.

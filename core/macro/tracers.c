@@ -124,7 +124,7 @@ void macro_hand_on_tracers(macro_solver *s, size_t from, size_t to)
     }
 }
 
-void macro_let_leave(macro_solver *s, const uint8_t *sink_in, const double *shares)
+void macro_let_leave(macro_solver *s, const double *kept)
 {
     tracers *t = s->tracers;
     const uint64_t n = t != NULL ? t->state.n : 0;
@@ -133,9 +133,8 @@ void macro_let_leave(macro_solver *s, const uint8_t *sink_in, const double *shar
         t->state.n = 0;
     for (uint64_t k = 0; k < n; k++) {
         const macro_tracer one = t->inside[k];
-        const uint8_t sink = sink_in[one.row * (size_t)s->n1 + one.column];
-        if (sink != MACRO_NO_SINK &&
-            (shares[sink] >= 1.0 || random_unit(&t->state.random) < shares[sink]))
+        const double stays = kept[one.row * (size_t)s->n1 + one.column];
+        if (stays < 1.0 && random_unit(&t->state.random) >= stays)
             t->exits[t->n_exits++] = (macro_exit){ one.entered, macro_time(s) };
         else
             t->inside[t->state.n++] = one;

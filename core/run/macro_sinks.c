@@ -15,19 +15,25 @@ typedef struct sink_state {
     double taken;  // since t = 0
 } sink_state;
 
+// A cell of a sink.
+typedef struct sink_cell {
+    size_t cell;
+    uint32_t kinds; // that the sink takes there, a bit each: those that no later sink does
+} sink_cell;
+
 struct macro_sinks {
     const scene *scene;
     macro_solver *solver;
     macro_flows *flows;
     bf_grid grid;
-    double parts;     // in a cell at density 1
-    uint8_t *sink_in; // of each cell: its sink, or MACRO_NO_SINK
-    size_t n_cells;   // of all sinks
-    size_t *cells;    // rising
+    double parts; // in a cell at density 1
     sink_state states[SCENE_SINKS_MAX];
+    size_t n_cells[SCENE_SINKS_MAX];
+    sink_cell *cells[SCENE_SINKS_MAX]; // of each sink
+    double *kept;                      // of each cell, of what was in it: the share that stayed
 };
 
-_Static_assert((int)SCENE_SINKS_MAX < (int)MACRO_NO_SINK, "a byte names a sink");
+_Static_assert((int)SCENE_KINDS_MAX <= 32, "each kind has a bit");
 
 static bool stop(void *context, size_t j, size_t first, size_t last)
 {
@@ -62,43 +68,64 @@ void macro_sinks_check(const scene *s, bf_faults *faults)
     }
 }
 
-// Cells that are given to a sink; those of the sinks before it as well, if it is over them.
-typedef struct giving {
-    macro_sinks *to;
-    uint8_t sink;
-} giving;
-
-static bool give_cells(void *context, size_t j, size_t first, size_t last)
+static uint32_t kinds_of(const scene *s, size_t sink)
 {
-    const giving *g = context;
+    uint32_t kinds = 0;
 
-    memset(g->to->sink_in + j * g->to->grid.n1 + first, g->sink, last - first);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        kinds |= (uint32_t)sink_takes(&s->sinks[sink], k) << k;
+    return kinds;
+}
+
+// The search for the cells of a sink; those of later ones were found.
+typedef struct finding {
+    macro_sinks *of;
+    size_t sink;
+    uint32_t kinds;    // that the sink takes
+    uint32_t *claimed; // of each cell: kinds that later sinks take there
+    size_t n, n_max;   // cells found, and for which there is room
+} finding;
+
+static bool add_cells(void *context, size_t j, size_t first, size_t last)
+{
+    finding *f = context;
+    sink_cell **cells = &f->of->cells[f->sink];
+
+    if (memory_reserve(cells, &f->n_max, f->n + last - first, sizeof **cells) != 0) {
+        f->n_max = 0;
+        return false;
+    }
+    for (size_t i = first; i < last; i++) {
+        const size_t cell = j * f->of->grid.n1 + i;
+        const uint32_t kinds = f->kinds & ~f->claimed[cell];
+        f->claimed[cell] |= f->kinds;
+        if (kinds != 0)
+            (*cells)[f->n++] = (sink_cell){ cell, kinds };
+    }
     return true;
 }
 
 // Finds the cells of all sinks. BF_ENOMEM: some are missing.
 static bf_status find_cells(macro_sinks *m)
 {
-    const scene *s = m->scene;
     const size_t n = grid_cells(&m->grid);
-    size_t n_cells = 0;
+    uint32_t *claimed = memory_alloc(n, sizeof *claimed);
+    bf_status status = BF_OK;
 
-    m->sink_in = memory_alloc(n, sizeof *m->sink_in);
-    if (m->sink_in == NULL)
-        return BF_ENOMEM;
-    memset(m->sink_in, MACRO_NO_SINK, n);
-    for (size_t k = 0; k < s->n_sinks; k++) {
-        giving g = { m, (uint8_t)k };
-        if (sink_visit_cells(&s->sinks[k], &m->grid, give_cells, &g) != BF_OK)
-            return BF_ENOMEM;
+    m->kept = memory_alloc(n, sizeof *m->kept);
+    if (claimed == NULL || m->kept == NULL)
+        status = BF_ENOMEM;
+    for (size_t cell = 0; cell < n && status == BF_OK; cell++)
+        m->kept[cell] = 1.0;
+    for (size_t k = m->scene->n_sinks; k-- > 0 && status == BF_OK;) {
+        finding f = { .of = m, .sink = k, .kinds = kinds_of(m->scene, k), .claimed = claimed };
+        status = sink_visit_cells(&m->scene->sinks[k], &m->grid, add_cells, &f);
+        if (status == BF_OK && m->cells[k] != NULL && f.n_max == 0)
+            status = BF_ENOMEM;
+        m->n_cells[k] = f.n;
     }
-    for (size_t cell = 0; cell < n; cell++)
-        n_cells += m->sink_in[cell] != MACRO_NO_SINK ? 1 : 0;
-    m->cells = memory_alloc(n_cells + 1, sizeof *m->cells);
-    for (size_t cell = 0; m->cells != NULL && cell < n; cell++)
-        if (m->sink_in[cell] != MACRO_NO_SINK)
-            m->cells[m->n_cells++] = cell;
-    return m->cells != NULL ? BF_OK : BF_ENOMEM;
+    memory_free(claimed);
+    return status;
 }
 
 bf_status macro_sinks_create(const scene *s, macro_solver *solver, macro_flows *flows,
@@ -127,8 +154,9 @@ macro_sinks *macro_sinks_destroy(macro_sinks *m)
 {
     if (m == NULL)
         return NULL;
-    memory_free(m->sink_in);
-    memory_free(m->cells);
+    for (size_t k = 0; k < SCENE_SINKS_MAX; k++)
+        memory_free(m->cells[k]);
+    memory_free(m->kept);
     memory_free(m);
     return NULL;
 }
@@ -138,33 +166,67 @@ static double density_of(const macro_sinks *m, size_t cell)
     return macro_row(m->solver, cell / m->grid.n1)[cell % m->grid.n1];
 }
 
+// The share of what is in a cell that a sink may take.
+static double eligible(const macro_sinks *m, const sink_cell *at)
+{
+    const double *fractions = macro_fractions(m->solver, at->cell);
+    double share = 0.0;
+
+    if (fractions == NULL)
+        return 1.0;
+    for (size_t k = 0; k < m->scene->n_cargo; k++)
+        share += (at->kinds >> k & 1U) != 0 ? fractions[k] : 0.0;
+    return fmin(share, 1.0);
+}
+
+// Takes a share of what a sink may take out of a cell. Returns the density that it took.
+static double take_from(macro_sinks *m, const sink_cell *at, double share)
+{
+    const double *fractions = macro_fractions(m->solver, at->cell);
+    const double of_all = share * eligible(m, at), density = density_of(m, at->cell);
+    double of_kinds[SCENE_KINDS_MAX];
+
+    m->kept[at->cell] *= 1.0 - of_all;
+    if (fractions == NULL || of_all >= 1.0) {
+        macro_add(m->solver, at->cell, -of_all * density, NULL);
+        return of_all * density;
+    }
+    memcpy(of_kinds, fractions, m->scene->n_cargo * sizeof *of_kinds);
+    for (size_t k = 0; k < m->scene->n_cargo; k++)
+        if ((at->kinds >> k & 1U) != 0)
+            macro_take_kind(m->solver, at->cell, k, share * of_kinds[k] * density);
+    return density - density_of(m, at->cell);
+}
+
 void macro_sinks_take(macro_sinks *m)
 {
-    double inside[SCENE_SINKS_MAX] = { 0 }, shares[SCENE_SINKS_MAX];
     const double dt = macro_steps(m->solver) > 0 ? scene_macro_step(m->scene) : 0.0;
 
-    for (size_t k = 0; k < m->n_cells; k++)
-        inside[m->sink_in[m->cells[k]]] += m->parts * density_of(m, m->cells[k]);
-    for (size_t k = 0; k < m->scene->n_sinks; k++) {
-        const double rate = m->scene->sinks[k].rate;
-        double *credit = &m->states[k].credit;
-        shares[k] = 1.0;
-        if (rate == INFINITY)
-            continue;
-        *credit = fmin(*credit + rate * dt, whole_part);
-        if (inside[k] > *credit)
-            shares[k] = *credit / inside[k];
-        *credit -= fmin(inside[k], *credit);
+    for (size_t sink = 0; sink < m->scene->n_sinks; sink++) {
+        const double rate = m->scene->sinks[sink].rate;
+        sink_state *state = &m->states[sink];
+        double inside = 0.0, share = 1.0;
+        for (size_t k = 0; k < m->n_cells[sink]; k++) {
+            const sink_cell *at = &m->cells[sink][k];
+            inside += m->parts * density_of(m, at->cell) * eligible(m, at);
+        }
+        if (rate != INFINITY) {
+            state->credit = fmin(state->credit + rate * dt, whole_part);
+            share = inside > state->credit ? state->credit / inside : 1.0;
+            state->credit = fmax(state->credit - inside, 0.0);
+        }
+        for (size_t k = 0; k < m->n_cells[sink]; k++) {
+            const sink_cell *at = &m->cells[sink][k];
+            const double taken = m->parts * take_from(m, at, share);
+            state->taken += taken;
+            if (m->flows != NULL)
+                macro_flows_take(m->flows, at->cell, taken);
+        }
     }
-    for (size_t k = 0; k < m->n_cells; k++) {
-        const size_t cell = m->cells[k], sink = m->sink_in[cell];
-        const double taken = shares[sink] * density_of(m, cell);
-        macro_add(m->solver, cell, -taken);
-        m->states[sink].taken += m->parts * taken;
-        if (m->flows != NULL)
-            macro_flows_take(m->flows, cell, m->parts * taken);
-    }
-    macro_let_leave(m->solver, m->sink_in, shares);
+    macro_let_leave(m->solver, m->kept);
+    for (size_t sink = 0; sink < m->scene->n_sinks; sink++)
+        for (size_t k = 0; k < m->n_cells[sink]; k++)
+            m->kept[m->cells[sink][k].cell] = 1.0;
 }
 
 void macro_sinks_taken(const macro_sinks *m, double *ret_parts)

@@ -10,6 +10,7 @@
 #include "core/run/review_belts.h"
 #include "core/run/review_closure.h"
 #include "core/run/review_plates.h"
+#include "core/run/review_sinks.h"
 #include "core/run/run.h"
 #include "core/run/run_priv.h"
 #include "core/scene/belt_path.h"
@@ -322,6 +323,8 @@ bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
     bf_status status = review_plates(s, &ret_review->warnings, err);
     if (status == BF_OK)
         status = review_belts(s, &ret_review->warnings, err);
+    if (status == BF_OK)
+        status = review_sinks(s, &ret_review->warnings, err);
     if (status == BF_OK)
         status = review_opening(s, &ret_review->warnings, err);
     for (size_t k = 0; k < s->n_feeds && status == BF_OK; k++)

@@ -364,6 +364,7 @@ static void note_motions(findings *f)
     snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion", shifted);
     note_count(f, VALIDITY_SHIFTS, n_shifted, pointer);
     note_count(f, VALIDITY_COMMANDS, f->s->n_actions, "/actions");
+    note_count(f, VALIDITY_SINKS, f->s->n_sinks, "/sinks");
 }
 
 // ---- cargo
@@ -646,7 +647,9 @@ static void collect(const findings *f, validity *out)
     }
     out->is_compared = out->n == 0 && out->n_never == 0;
     values_of(f, values);
-    comparisons_find(f->subject, values, &out->like);
+    if (f->s->n_sinks ==
+        0) // rates of the scenes that were compared are those of what leaves over a side
+        comparisons_find(f->subject, values, &out->like);
 }
 
 /// Findings of a scene; the caller frees them by memory_free(): they are some 100 KB.

@@ -27,8 +27,9 @@ def read_column(folder, column):
         return [(float(row["t_s"]), float(row[column])) for row in csv.DictReader(file)]
 
 
-def rate(folder, warmup):
-    """Parts/s that left after the warm-up."""
-    gone = read_column(folder, "left_domain")
+def rate(folder, warmup, columns=("left_domain",)):
+    """Parts/s that left, or that columns count together, after the warm-up."""
+    of_each = [read_column(folder, column) for column in columns]
+    gone = [(rows[0][0], sum(n for _, n in rows)) for rows in zip(*of_each)]
     (t_0, n_0), (t_1, n_1) = next(row for row in gone if row[0] >= warmup - 1e-9), gone[-1]
     return (n_1 - n_0) / (t_1 - t_0)

@@ -49,6 +49,9 @@ class Line:
     behind: float = 8.0  # of belt behind the plates, d
     ramp: tuple = ()  # from where to where it has that incline, d, between level belts; (): everywhere
     back: tuple = ()  # for how long the belt, or the one that takes cargo over, runs forward and back in turn, d/v; (): forward
+    sinks: tuple = ()  # from where to where each is along the belt and across it, d, and its rate as `load`, 0: without limit
+    ends: bool = False  # the belt does at a wall
+    arrivals: str = ""  # "": regular below a load of 1, else at random
 
     @property
     def name(self):
@@ -74,6 +77,9 @@ class Line:
             told.append(f"incline {self.incline:g}" + (f" from {self.ramp[0]:g} to {self.ramp[1]:g}" if self.ramp else ""))
         if self.back:
             told.append(f"forward {self.back[0]:g}, back {self.back[1]:g}")
+        for s_0, s_1, e_0, e_1, rate in self.sinks:
+            told.append(f"sink {s_0:g} to {s_1:g} by {e_0:g} to {e_1:g}" + (f" at {rate:g}" if rate else ""))
+        told += [text for text, is_so in (("wall", self.ends), (self.arrivals, self.arrivals)) if is_so]
         return "; ".join(told)
 
     @property
@@ -130,7 +136,11 @@ class Line:
             self.oblique(paths, length) if self.turned else self.straight(paths, length))
         if self.back:
             placed["belts"][-1].update(self.turns(warm_up + measured))
-        arrivals = "regular" if self.load < 1.0 else "poisson"
+        arrivals = self.arrivals or ("regular" if self.load < 1.0 else "poisson")
+        if self.sinks:
+            placed["sinks"] = [self.sink(*of) for of in self.sinks]
+        if self.ends:
+            placed["edges"] = {"east": "wall"}
         feed = {"arrivals": arrivals, "rate_per_s": round(self.load * self.opening * v / d, 5), **placed.pop("feed")}
         return {
             "name": self.name, "duration_s": round((warm_up + measured) * unit, 4),
@@ -140,6 +150,11 @@ class Line:
                          "conveyor_cargo": {"friction": self.belt}},
             "output": {"curve_every_s": round(unit, 5), "snapshot_every_s": round(40 * unit, 5)},
         }
+
+    def sink(self, s_0, s_1, e_0, e_1, of):
+        """Where goods are taken off the belt."""
+        limit = {"rate_per_s": round(of * self.opening * self.v / self.d, 5)} if of else {}
+        return {"polygon_m": self.scaled([(s_0, e_0), (s_1, e_0), (s_1, e_1), (s_0, e_1)]), **limit}
 
     def turns(self, until):
         """What lets a belt run back for a while again and again."""
@@ -340,6 +355,19 @@ def apart():
         ((40, 40), dict(layout="shuttle", opening=6, load=.3)), ((40, 40), dict(layout="shuttle", opening=6, load=.3, d=.41)),
         ((40, 40), dict(layout="shuttle", opening=6, load=.7)), ((40, 40), dict(layout="shuttle", opening=6, load=.7, d=.41)),
         ((30, 5), dict(box=1.33, opening=5.5, angle=60, **BOXES)))]
+    half, across, wide = (20, 24, 0, WIDTH / 2, 0), (20, 24, 0, WIDTH), dict(layout="none", opening=WIDTH)
+    boxes = dict(layout="none", box=1.33, **{**BOXES, "load": .4})
+    made += [Line("apart", "sinks", **{**wide, **row}) for row in (
+        dict(load=.4, sinks=(half,)), dict(load=.4, sinks=(half,), d=.41), dict(load=.4, sinks=((*across, .2),)),
+        dict(load=.4, sinks=((*across, .2),), d=.41), dict(load=.4, sinks=((*across, .2),), arrivals="poisson"),
+        dict(load=.4, sinks=((*across, .35),), arrivals="poisson"),
+        dict(sinks=((36, 40, 0, WIDTH, .2),), ends=True, load=1), dict(sinks=((36, 40, 0, WIDTH, .2),), ends=True, load=1, d=.41),
+        dict(sinks=((32, 36, 0, 7, 0),), ends=True, load=.7), dict(sinks=((32, 36, 0, 7, 0),), ends=True, load=.7, d=.41),
+        dict(load=.4, sinks=((16, 18, 3, 8, 0), (20, 24, 0, 14, .1))),
+        dict(sinks=((24, 28, 0, 6, .15), (34, 38, 6, 14, .3)), ends=True, load=.9),
+        dict(layout="plate", opening=5.5, sinks=((14, 18, 0, 4, 0),)), dict(layout="plate", opening=5.5, sinks=((14, 18, 0, 4, 0),), d=.41),
+        dict(boxes, opening=5.5, sinks=((4, 6, 0, 5.5, 0),)), dict(boxes, opening=5.5, sinks=((4, 6, 0, 11, .15),)),
+        dict(boxes, opening=5.5, sinks=((6, 8, 0, 11, .15),), ends=True, load=.7))]
     return made
 
 
@@ -356,11 +384,12 @@ def compare(program, line, substreams):
     warm_up = document["warmup_s"]
     micro = [program.solve("micro", line.document(k)) for k in range(substreams)]
     macro = program.solve("macro", document)
-    rates = [rate(run.folder, warm_up) for run in micro]
+    columns = [f"sink-{k + 1}.taken" for k in range(len(line.sinks))] or ["left_domain"]
+    rates = [rate(run.folder, warm_up, columns) for run in micro]
     mean = [statistics.mean(values) for values in zip(*[upstream(run) for run in micro])]
     gap = statistics.mean(abs(a - b) for a, b in zip(mean, upstream(macro))) / max(mean)
     return {"micro": statistics.mean(rates), "spread": statistics.stdev(rates) if substreams > 1 else math.nan,
-            "macro": rate(macro.folder, warm_up), "gap": gap}
+            "macro": rate(macro.folder, warm_up, columns), "gap": gap}
 
 
 def main():

@@ -1,0 +1,320 @@
+// Runs of both models with sinks: what they take, when, of which kind, and that nothing is lost.
+
+#include "core/base/memory.h"
+#include "core/figures/figure.h"
+#include "core/run/run.h"
+#include "tests/unit/core/helper_run.h"
+#include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { SOLVERS = 4 };
+
+static const struct {
+    run_model model;
+    scene_closure closure;
+    scene_path path;
+} solvers[SOLVERS] = { { RUN_MACRO, SCENE_DISPERSIVE, SCENE_PATH_AUTO },
+                       { RUN_MACRO, SCENE_CONGESTED, SCENE_PATH_AUTO },
+                       { RUN_MICRO, SCENE_CONGESTED, SCENE_PATH_PLANAR },
+                       { RUN_MICRO, SCENE_CONGESTED, SCENE_PATH_SPATIAL } };
+
+// Columns of a fed scene with a lane and a packer; of one without feeds the sinks come behind LEFT.
+enum { INSIDE, LEFT, OFFERED, ADMITTED, WAITING, DISCARDED, OVER_END, LANE, PACKER };
+
+// Appends a sink over a rectangle, m; of one kind of cargo, or of all where kind is UINT32_MAX.
+static void add_sink(scene *s, scene_rect at, double rate, uint32_t kind)
+{
+    const vec2 corners[] = { { at.x_min, at.y_min },
+                             { at.x_max, at.y_min },
+                             { at.x_max, at.y_max },
+                             { at.x_min, at.y_max } };
+    scene_sink *all = memory_alloc(s->n_sinks + 1, sizeof *all);
+
+    assert_non_null(all);
+    if (s->n_sinks > 0)
+        memcpy(all, s->sinks, s->n_sinks * sizeof *all);
+    memory_free(s->sinks);
+    s->sinks = all;
+    scene_sink *sink = &all[s->n_sinks++];
+    scene_sink_init(sink);
+    sink->n_points = 4;
+    sink->polygon = memory_alloc(4, sizeof *sink->polygon);
+    memcpy(sink->polygon, corners, sizeof corners);
+    sink->rate = rate;
+    sink->n_kinds = kind != UINT32_MAX;
+    sink->kinds = memory_alloc(1, sizeof *sink->kinds);
+    sink->kinds[0] = kind;
+}
+
+// A belt of 0.4 m/s, 0.8 m x 0.16 m, with n parts at the start.
+static void make_belt(scene *s, int solver, const scene_pose *poses, size_t n)
+{
+    helper_scene_belt(s, 0.8, 0.16, 0.01, poses, n);
+    if (n == 0)
+        s->initial.type = SCENE_INITIAL_EMPTY;
+    s->macro.closure = solvers[solver].closure;
+    s->micro.path = solvers[solver].path;
+    s->micro.integrator = SCENE_IMPLICIT;
+    s->micro.step = 1e-3;
+    s->micro.modulus_reduction = 1e4;
+    s->output.curve_every = 0.05;
+    s->output.snapshot_every = 0.5;
+    helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, NULL, 0);
+}
+
+// 20 parts/s, half of which come to a lane that takes all; the other half pass a packer that takes 3 parts/s.
+static void make_lane_and_packer(scene *s, int solver, scene_arrivals arrivals)
+{
+    make_belt(s, solver, NULL, 0);
+    s->duration = 5.0;
+    s->warmup = 2.5;
+    helper_scene_add_feed(s, SCENE_WEST, arrivals, 20.0);
+    add_sink(s, (scene_rect){ 0.3, 0.4, 0.0, 0.08 }, INFINITY, UINT32_MAX);
+    add_sink(s, (scene_rect){ 0.5, 0.7, 0.08, 0.16 }, 3.0, UINT32_MAX);
+    helper_scene_resolve(s);
+}
+
+static helper_run_log *run_of(const scene *s, int solver)
+{
+    helper_run_log *log = calloc(1, sizeof *log);
+
+    assert_non_null(log);
+    log->model = solvers[solver].model;
+    assert_int_equal(helper_run(s, 1, 0, log), BF_OK);
+    return log;
+}
+
+static void what_sinks_take_has_left_the_line(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        const bool has_parts = solvers[k].model == RUN_MICRO;
+        scene s;
+        make_lane_and_packer(&s, k, SCENE_ARRIVALS_REGULAR);
+        helper_run_log *log = run_of(&s, k);
+        for (size_t i = 0; i < log->n_samples; i++) {
+            const double *v = log->values[i], rounding = has_parts ? 0.0 : 1e-12 * v[ADMITTED];
+            assert_near(v[LEFT], v[OVER_END] + v[LANE] + v[PACKER], rounding);
+            assert_near(v[ADMITTED], v[INSIDE] + v[LEFT], rounding);
+        }
+        // The packer is never idle once parts come to it: it takes 3 parts/s, and 7 of its 10 parts/s go on.
+        const double *from = helper_run_at(log, 2.5), *to = helper_run_at(log, 4.5);
+        assert_near(to[PACKER] - from[PACKER], 6.0, has_parts ? 0.0 : 1e-9);
+        assert_near(to[LANE] - from[LANE], 20.0, has_parts ? 7.0 : 0.01); // by lot: 40 parts, 1/2
+        const double *of = log->figures, spent = log->end.t - 2.5,
+                     *end = log->values[log->n_samples - 1];
+        assert_near(of[figure_at(&s, FIGURE_TAKEN, 1)], end[PACKER], 1e-9);
+        assert_near(of[figure_at(&s, FIGURE_SINK_FLOW, 1)],
+                    3600.0 * (end[PACKER] - from[PACKER]) / spent, 1e-6);
+        assert_near(of[figure_at(&s, FIGURE_THROUGHPUT, 0)],
+                    3600.0 * (end[LEFT] - from[LEFT]) / spent, 1e-6);
+        // What is taken in a counter has left it: the first one covers all.
+        assert_near(of[figure_at(&s, FIGURE_FLOW, 0)], of[figure_at(&s, FIGURE_THROUGHPUT, 0)],
+                    1e-6 * of[figure_at(&s, FIGURE_FLOW, 0)]);
+        helper_run_free(log);
+        scene_fini(&s);
+    }
+}
+
+// From the west to x = 0.4 m at 0.4 m/s. Tracers of the closure congested move each fourth step, of half a cell: each 0.05 s.
+static void what_is_taken_was_in_the_line_for_as_long_as_it_was(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        scene s;
+        make_belt(&s, k, NULL, 0);
+        s.duration = 4.0;
+        s.warmup = 1.5;
+        helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
+        add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, UINT32_MAX);
+        helper_scene_resolve(&s);
+        helper_run_log *log = run_of(&s, k);
+        assert_near(log->figures[FIGURE_RESIDENCE_MEAN], 1.0, 0.05);
+        assert_near(log->figures[FIGURE_RESIDENCE_P95], 1.0, 0.05);
+        assert_near(log->values[log->n_samples - 1][OVER_END], 0.0, 0.0);
+        assert_near(log->figures[FIGURE_THROUGHPUT], 72000.0, 720.0);
+        helper_run_free(log);
+        scene_fini(&s);
+    }
+}
+
+// Before a wall: what queues there is taken at the rate, whatever queues.
+static void a_queue_is_worked_off_at_the_rate(void **state)
+{
+    (void)state;
+    for (int k = 1; k < SOLVERS; k++) {
+        const bool has_parts = solvers[k].model == RUN_MICRO;
+        scene s;
+        make_belt(&s, k, NULL, 0);
+        s.edges[SCENE_EAST] = SCENE_EDGE_WALL;
+        s.duration = 6.0;
+        helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
+        add_sink(&s, (scene_rect){ 0.7, 0.8, 0.0, 0.16 }, 8.0, UINT32_MAX);
+        helper_scene_resolve(&s);
+        helper_run_log *log = run_of(&s, k);
+        const double *from = helper_run_at(log, 3.0), *to = helper_run_at(log, 6.0);
+        assert_near(to[6] - from[6], 24.0,
+                    has_parts ? 0.0 : 1e-9); // no outlet, so the sink comes first
+        assert_near(to[INSIDE] - from[INSIDE], 36.0, has_parts ? 1.0 : 1e-9);
+        helper_run_free(log);
+        scene_fini(&s);
+    }
+}
+
+// By their places they come to the sink at 0.25, 0.125 and 0.025 s, and leave it 0.5 s later. The last part is taken at once, the
+// second one 0.5 s after it, and when it is the turn of the first one, that has passed.
+static void the_part_that_waits_longest_is_taken_first(void **state)
+{
+    static const scene_pose poses[] = { { 0.30, 0.08, 0.0 },
+                                        { 0.35, 0.08, 0.0 },
+                                        { 0.39, 0.08, 0.0 } };
+    enum { TAKEN = 2 };
+
+    (void)state;
+    for (int k = 2; k < SOLVERS; k++) {
+        scene s;
+        make_belt(&s, k, poses, 3);
+        s.duration = 1.0;
+        add_sink(&s, (scene_rect){ 0.4, 0.6, 0.0, 0.16 }, 2.0, UINT32_MAX);
+        helper_scene_resolve(&s);
+        helper_run_log *log = run_of(&s, k);
+        assert_near(helper_run_at(log, 0.0)[TAKEN], 0.0, 0.0);
+        assert_near(helper_run_at(log, 0.05)[TAKEN], 1.0, 0.0);
+        assert_near(helper_run_at(log, 0.5)[TAKEN], 1.0, 0.0);
+        assert_near(helper_run_at(log, 0.55)[TAKEN], 2.0, 0.0);
+        assert_near(helper_run_at(log, 1.0)[TAKEN], 2.0, 0.0);
+        assert_near(log->end.parts_end, 1.0, 0.0);
+        assert_true(log->parts[0] > 0.6); // the first part is there
+        helper_run_free(log);
+        scene_fini(&s);
+    }
+}
+
+// Ten parts of two kinds, five each; both sinks are in the same place, and a later one outranks an earlier one.
+static void kinds_and_places_say_which_sink_takes_a_part(void **state)
+{
+    static const scene_rect at = { 0.4, 0.5, 0.0, 0.16 };
+    static const struct {
+        uint32_t kinds[2];
+        double taken[2];
+    } cases[] = { { { UINT32_MAX, 1 }, { 5.0, 5.0 } },
+                  { { 1, UINT32_MAX }, { 0.0, 10.0 } },
+                  { { 0, 1 }, { 5.0, 5.0 } },
+                  { { 1, 1 }, { 0.0, 5.0 } } };
+    scene_pose poses[10];
+
+    (void)state;
+    for (int i = 0; i < 10; i++)
+        poses[i] = (scene_pose){ 0.05 + 0.06 * (i / 2), 0.05 + 0.06 * (i % 2), 0.0 };
+    for (int k = 2; k < SOLVERS; k++)
+        for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+            scene s;
+            make_belt(&s, k, poses, 10);
+            s.duration = 2.0;
+            s.n_cargo = 2;
+            s.is_mix = true;
+            scene_cargo_init(&s.cargo[1]);
+            s.cargo[1].shape.height = 0.02;
+            for (int i = 0; i < 2; i++)
+                add_sink(&s, at, INFINITY, cases[c].kinds[i]);
+            helper_scene_resolve(&s);
+            helper_run_log *log = run_of(&s, k);
+            const double *last = log->values[log->n_samples - 1];
+            assert_near(last[2], cases[c].taken[0], 0.0);
+            assert_near(last[3], cases[c].taken[1], 0.0);
+            helper_run_free(log);
+            scene_fini(&s);
+        }
+}
+
+static void a_density_goes_to_the_later_of_two_sinks(void **state)
+{
+    static const scene_pose pose = { 0.2, 0.08, 0.0 };
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        scene s;
+        make_belt(&s, k, &pose, 1);
+        s.duration = 2.0;
+        add_sink(&s, (scene_rect){ 0.4, 0.6, 0.0, 0.16 }, INFINITY, UINT32_MAX);
+        add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, UINT32_MAX);
+        helper_scene_resolve(&s);
+        helper_run_log *log = run_of(&s, k);
+        const double *last = log->values[log->n_samples - 1];
+        assert_near(last[2], 0.0, 0.0);
+        assert_near(last[3], log->end.parts_start, 1e-3);
+        assert_near(last[3], last[LEFT], 1e-12);
+        helper_run_free(log);
+        scene_fini(&s);
+    }
+}
+
+static void a_run_stopped_anywhere_takes_the_same(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        scene s;
+        make_lane_and_packer(&s, k, SCENE_ARRIVALS_POISSON);
+        s.duration = 2.0;
+        helper_run_log *whole =
+            helper_run_check_stops(&s, solvers[k].model, 3, HELPER_AMOUNT(1, 2),
+                                   (helper_run_threads){ .before = 2, .after = 1 });
+        assert_true(whole->values[whole->n_samples - 1][PACKER] > 1.5);
+        scene_fini(&s);
+        helper_run_free(whole);
+    }
+}
+
+static void check_says(const scene *s, const char *pointer)
+{
+    bf_faults faults = { 0 };
+
+    run_check(s, RUN_MACRO, &faults);
+    assert_int_equal(faults.n, 1);
+    assert_string_equal(faults.items[0].pointer, pointer);
+}
+
+static void a_density_has_cells_and_no_kinds(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_belt(&s, 0, NULL, 0);
+    s.duration = 1.0;
+    helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
+    s.n_cargo = 2;
+    s.is_mix = true;
+    scene_cargo_init(&s.cargo[1]);
+    add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, 1);
+    helper_scene_resolve(&s);
+    check_says(&s, "/sinks/0/kinds");
+    s.sinks[0].n_kinds = 0;
+    for (int k = 0; k < 4; k++) // between the centres at 0.405 and 0.415 m
+        s.sinks[0].polygon[k].x = s.sinks[0].polygon[k].x < 0.45 ? 0.406 : 0.414;
+    check_says(&s, "/sinks/0/polygon_m");
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_sinks_take_has_left_the_line),
+        cmocka_unit_test(what_is_taken_was_in_the_line_for_as_long_as_it_was),
+        cmocka_unit_test(a_queue_is_worked_off_at_the_rate),
+        cmocka_unit_test(the_part_that_waits_longest_is_taken_first),
+        cmocka_unit_test(kinds_and_places_say_which_sink_takes_a_part),
+        cmocka_unit_test(a_density_goes_to_the_later_of_two_sinks),
+        cmocka_unit_test(a_run_stopped_anywhere_takes_the_same),
+        cmocka_unit_test(a_density_has_cells_and_no_kinds),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
