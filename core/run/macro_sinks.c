@@ -30,7 +30,7 @@ struct macro_sinks {
     sink_state states[SCENE_SINKS_MAX];
     size_t n_cells[SCENE_SINKS_MAX];
     sink_cell *cells[SCENE_SINKS_MAX]; // of each sink
-    double *kept;                      // of each cell, of what was in it: the share that stayed
+    double *kept;                      // of each cell, the fraction of what was in it that stayed
 };
 
 _Static_assert((int)SCENE_KINDS_MAX <= 32, "each kind has a bit");
@@ -166,24 +166,24 @@ static double density_of(const macro_sinks *m, size_t cell)
     return macro_row(m->solver, cell / m->grid.n1)[cell % m->grid.n1];
 }
 
-// The share of what is in a cell that a sink may take.
+// The fraction of what is in a cell that a sink may take.
 static double eligible(const macro_sinks *m, const sink_cell *at)
 {
     const double *fractions = macro_fractions(m->solver, at->cell);
-    double share = 0.0;
+    double fraction = 0.0;
 
     if (fractions == NULL)
         return 1.0;
     for (size_t k = 0; k < m->scene->n_cargo; k++)
-        share += (at->kinds >> k & 1U) != 0 ? fractions[k] : 0.0;
-    return fmin(share, 1.0);
+        fraction += (at->kinds >> k & 1U) != 0 ? fractions[k] : 0.0;
+    return fmin(fraction, 1.0);
 }
 
-// Takes a share of what a sink may take out of a cell. Returns the density that it took.
-static double take_from(macro_sinks *m, const sink_cell *at, double share)
+// Takes a fraction of what a sink may take out of a cell. Returns the density that it took.
+static double take_from(macro_sinks *m, const sink_cell *at, double fraction)
 {
     const double *fractions = macro_fractions(m->solver, at->cell);
-    const double of_all = share * eligible(m, at), density = density_of(m, at->cell);
+    const double of_all = fraction * eligible(m, at), density = density_of(m, at->cell);
     double of_kinds[SCENE_KINDS_MAX];
 
     m->kept[at->cell] *= 1.0 - of_all;
@@ -194,7 +194,7 @@ static double take_from(macro_sinks *m, const sink_cell *at, double share)
     memcpy(of_kinds, fractions, m->scene->n_cargo * sizeof *of_kinds);
     for (size_t k = 0; k < m->scene->n_cargo; k++)
         if ((at->kinds >> k & 1U) != 0)
-            macro_take_kind(m->solver, at->cell, k, share * of_kinds[k] * density);
+            macro_take_kind(m->solver, at->cell, k, fraction * of_kinds[k] * density);
     return density - density_of(m, at->cell);
 }
 
@@ -205,19 +205,19 @@ void macro_sinks_take(macro_sinks *m)
     for (size_t sink = 0; sink < m->scene->n_sinks; sink++) {
         const double rate = m->scene->sinks[sink].rate;
         sink_state *state = &m->states[sink];
-        double inside = 0.0, share = 1.0;
+        double inside = 0.0, fraction = 1.0;
         for (size_t k = 0; k < m->n_cells[sink]; k++) {
             const sink_cell *at = &m->cells[sink][k];
             inside += m->parts * density_of(m, at->cell) * eligible(m, at);
         }
         if (rate != INFINITY) {
             state->credit = fmin(state->credit + rate * dt, whole_part);
-            share = inside > state->credit ? state->credit / inside : 1.0;
+            fraction = inside > state->credit ? state->credit / inside : 1.0;
             state->credit = fmax(state->credit - inside, 0.0);
         }
         for (size_t k = 0; k < m->n_cells[sink]; k++) {
             const sink_cell *at = &m->cells[sink][k];
-            const double taken = m->parts * take_from(m, at, share);
+            const double taken = m->parts * take_from(m, at, fraction);
             state->taken += taken;
             if (m->flows != NULL)
                 macro_flows_take(m->flows, at->cell, taken);

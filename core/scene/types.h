@@ -182,11 +182,10 @@ typedef struct scene {
     size_t n_cargo;                     ///< kinds of cargo, >= 1 (default 1)
     scene_cargo cargo[SCENE_KINDS_MAX]; ///< see there
     bool is_mix;                        ///< the document lists kinds; true where n_cargo > 1
-    uint64_t cargo_seed;                ///< of the order in which parts get their kinds, < 2^53
-                                        ///< (default 1)
-    scene_initial initial;              ///< see there
-    size_t n_feeds;                     ///< (default none)
-    scene_feed *feeds;                  ///< see there
+    uint64_t cargo_seed;   ///< of the order in which parts get their kinds, < 2^53 (default 1)
+    scene_initial initial; ///< see there
+    size_t n_feeds;        ///< (default none)
+    scene_feed *feeds;     ///< see there
     uint64_t substream;    ///< of all draws of feeds and failures, < 2^53 (default 0); replications
                            ///< differ in it
     size_t n_eyes;         ///< (default none)

@@ -51,6 +51,7 @@ const fed = (s, feed = {}, action = {}) => Object.assign(s, {
   photo_eyes: [{ id: "pe", line_m: [[0.4, 0], [0.4, 0.6]] }],
   actions: [{ when: { photo_eye: "pe", state: "blocked" }, do: { feed: "in", hold: true }, ...action }],
 });
+const sink = (s, members) => (s.sinks = [{ polygon_m: [[0.8, 0], [0.9, 0], [0.9, 0.6], [0.8, 0.6]], ...members }]);
 const profile = (members) => ({ rate_per_s: undefined, profile: members });
 const list = (members) => ({ rate_per_s: undefined, schedule: members });
 const rows = (n, row) => Array.from({ length: n }, (_, k) => row(k)).join("\n");
@@ -329,6 +330,15 @@ export const badScenarios = [
     (s) => fed(s) && (s.photo_eyes[0].line_m = [[2, 0], [2, 0.6]]), "/photo_eyes/0/line_m"],
   ["a photo eye without length",
     (s) => fed(s) && (s.photo_eyes[0].line_m = [[0.4, 0.1], [0.4, 0.1]]), "/photo_eyes/0/line_m/1"],
+  ["a sink without an outline", (s) => (s.sinks = [{}]), "/sinks/0/polygon_m"],
+  ["a sink outside of the domain", (s) => sink(s, { polygon_m: [[2, 0], [3, 0], [3, 1]] }), "/sinks/0/polygon_m"],
+  ["a sink that crosses itself", (s) => sink(s, { polygon_m: [[0.8, 0], [0.9, 0.6], [0.9, 0], [0.8, 0.6]] }), "/sinks/0/polygon_m"],
+  ["a sink that takes nothing", (s) => sink(s, { rate_per_s: 0 }), "/sinks/0/rate_per_s"],
+  ["a sink of a kind that is not there", (s) => sink(s, { kinds: ["can"] }), "/sinks/0/kinds/0"],
+  ["a sink of no kind", (s) => sink(s, { kinds: [] }), "/sinks/0/kinds"],
+  ["a sink on the line of a feed", (s) => fed(s) && sink(s, { polygon_m: [[0, 0], [0.1, 0], [0.1, 0.6], [0, 0.6]] }), "/sinks/0/polygon_m"],
+  ["a counter with the name of a sink's column",
+    (s) => sink(s, { id: "packer" }) && (s.counters = [{ id: "packer.taken" }]), "/counters/0/id"],
   ["an action of a photo eye that is not there",
     (s) => fed(s, {}, { when: { photo_eye: "px", state: "clear" } }), "/actions/0/when/photo_eye"],
   ["an action on a belt that is not there",

@@ -99,6 +99,7 @@ const limits = [
   ["stages of Erlang's gaps", 1000, 1001,
     (s, n) => feed(s, { ...rate, arrivals: "erlang", shape: n }), "/feeds/0/shape", "1000"],
   ["photo eyes", 64, 65, (s, n) => (s.photo_eyes = list(n, eye)), "/photo_eyes", "64"],
+  ["sinks", 64, 65, (s, n) => (s.sinks = list(n, () => ({ polygon_m: [[0.8, 0], [0.9, 0], [0.9, 0.6]] }))), "/sinks", "64"],
   ["actions", 256, 257,
     (s, n) => {
       s.photo_eyes = [eye(0)];

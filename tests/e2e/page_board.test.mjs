@@ -122,6 +122,18 @@ test("things are doubled, mirrored, turned and deleted; rules are told in words 
   await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
   await press("Delete");
 
+  // A sink over 70 to 80 % of the line is drawn, moved by 0.01 m and gets a rate.
+  await press("+ Sink");
+  await page.getByRole("button", { name: /^sink-1, as a whole/ }).focus();
+  await page.keyboard.press("ArrowRight");
+  await thing.getByText("More", { exact: true }).click();
+  await thing.getByLabel("Rate").fill("2.5");
+  assert.deepEqual((await scenarioIn(page)).sinks,
+    [{ id: "sink-1", polygon_m: [[1.41, 0], [1.61, 0], [1.61, 0.6], [1.41, 0.6]], rate_per_s: 2.5 }]);
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+  await press("Delete");
+  assert.equal((await scenarioIn(page)).sinks, undefined);
+
   // A beam across the belt at 1.2 m, turned about its middle, lies along it; without its eye the rule has a fault.
   await page.getByRole("button", { name: "Photo eye eye-1" }).click();
   await press("Turn by 90°");

@@ -58,7 +58,7 @@ function ofFeed(written, k, { id, edge, x_m: xs, y_m: ys }, { x_m: [x0, x1], y_m
     isUpright ? [side, pair[end]] : [pair[end], side], pair, end, isUpright ? 1 : 0, (scenario, moved) => (scenario.feeds[k][name] = moved)));
 }
 
-// Corners of belts, beams and lines of feeds, and those of plates that are not straight; the whole thing by its middle.
+// Corners of belts and sinks, beams and lines of feeds, and those of plates that are not straight; the whole thing by its middle.
 function ofChosen(written, { list, k }, id) {
   const item = written[list]?.[k];
   if (!item) return [];
@@ -93,7 +93,7 @@ export function asWritten(written, resolved) {
   const put = (name, change) => (resolved[name] ?? []).map((item, k) => ({ ...item, ...(written[name]?.[k] ? change(written[name][k]) : {}) }));
   const sides = ({ x_m: xs, y_m: ys }) => ({ ...(xs ? { x_m: xs } : {}), ...(ys ? { y_m: ys } : {}) });
   const line = ({ line_m: ends, polygon_m: corners, arc, path }) => ({ ...(ends ? { line_m: ends } : {}), ...(corners ? { polygon_m: corners } : {}), ...(arc ? { arc } : {}), ...(path ? { path } : {}) });
-  return { ...resolved, belts: put("belts", line), photo_eyes: put("photo_eyes", line), counters: put("counters", sides),
+  return { ...resolved, belts: put("belts", line), photo_eyes: put("photo_eyes", line), sinks: put("sinks", line), counters: put("counters", sides),
     feeds: put("feeds", (feed) => ({ ...sides(feed), ...line(feed) })), obstacles: put("obstacles", (obstacle) => {
     const plate = plateOf(obstacle);
     return plate ? { path_m: [plate.from, plate.to] } : obstacle.path_m ? { path_m: obstacle.path_m } : {};

@@ -1,4 +1,4 @@
-// What stands still: axes, walls, belts with their direction, counters, feeds. Drawn once for each size,
+// What stands still: axes, walls, belts with their direction, counters, sinks, feeds. Drawn once for each size,
 // above the cargo.
 
 import { arcPlace, beltOutline, beltUnder, beltVelocity, isInside, mayReverse, sectionsOf } from "./geometry.js";
@@ -168,6 +168,29 @@ function drawCounters(context, view, scenario, colors) {
   });
 }
 
+// Outlines, hatched, with what is known of the rate.
+function drawSinks(context, view, scenario, colors) {
+  const { ratio } = view;
+  for (const { id, polygon_m: corners, rate_per_s: rate } of scenario.sinks ?? []) {
+    const [outline, hatch] = [new Path2D(), new Path2D()];
+    const [xs, ys] = [corners.map(([x]) => view.x(x)), corners.map(([, y]) => view.y(y))];
+    const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+    corners.forEach((_, k) => outline[k === 0 ? "moveTo" : "lineTo"](xs[k], ys[k]));
+    outline.closePath();
+    for (let x = left - (bottom - top); x < right; x += 8 * ratio) {
+      hatch.moveTo(x, bottom);
+      hatch.lineTo(x + bottom - top, top);
+    }
+    context.save();
+    context.clip(outline);
+    context.globalAlpha = 0.5;
+    strokeTwice(context, hatch, { width: 1, color: colors.feed, halo: colors.dark }, ratio);
+    context.restore();
+    strokeTwice(context, outline, { width: 2, color: colors.feed, halo: colors.dark }, ratio);
+    writeTwice(context, rate === undefined ? id : `${id}, ${rate}/s`, [left + 5 * ratio, top + 4 * ratio], colors.feed, colors.dark, ratio);
+  }
+}
+
 // { line, way } of a feed: where parts enter, and which way: over a side inwards, else with the belt.
 function lineOf(scenario, { edge, x_m: xs, y_m: ys, line_m: line }) {
   const { x_m: [x0, x1], y_m: [y0, y1] } = scenario.domain;
@@ -225,6 +248,7 @@ export function drawScenery(context, view, scenario, colors) {
   view.clip(context);
   drawBelts(context, view, scenario, colors);
   drawCounters(context, view, scenario, colors);
+  drawSinks(context, view, scenario, colors);
   context.restore();
   context.save();
   if (!view.isWhole) view.clip(context, RIM);

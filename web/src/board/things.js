@@ -91,6 +91,8 @@ const known = {
     makes: [["Counter", ({ x_m: xs }) => ({ x_m: [xs[0], at(xs, 0.5)] })]] },
   photo_eyes: { one: "Photo eye", stem: "eye",
     makes: [["Photo eye", (domain) => ({ line_m: across(domain, 0.6), block_time_s: 0.5, clear_time_s: 0.5 })]] },
+  sinks: { one: "Sink", stem: "sink",
+    makes: [["Sink", ({ x_m: xs, y_m: ys }) => ({ polygon_m: rectangle([at(xs, 0.7), at(xs, 0.8)], ys) })]] },
   actions: { one: "Rule", needs: "photo_eyes", makes: [["Rule", (_, ids) => ({ when: { photo_eye: ids("photo_eyes")[0], state: "blocked" },
     do: { belt: ids("belts")[0] ?? "main", factor: 0 } })]] },
 };
@@ -143,10 +145,11 @@ export function nameOfThing(scenario, resolved, list, k) {
   return idOf(scenario, resolved, list, k) ?? String(k + 1);
 }
 
-// Another id, also where rules and feeds name it.
+// Another id, also where rules, feeds and sinks name it.
 export function rename(scenario, list, from, to) {
   const member = list.replace(/s$/, "");
   for (const share of (scenario.feeds ?? []).flatMap(({ cargo }) => cargo ?? [])) if (share[member] === from) share[member] = to;
+  for (const sink of scenario.sinks ?? []) if (list === "kinds" && sink.kinds) sink.kinds = sink.kinds.map((id) => (id === from ? to : id));
   for (const { when, do: what } of scenario.actions ?? []) {
     for (const part of [when, what]) if (part?.[member] === from) part[member] = to;
   }

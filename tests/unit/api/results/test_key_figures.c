@@ -20,18 +20,21 @@ enum {
     OF_EYE = FIGURE_STOPPED_COUNT - FIGURE_GAP_MIN,
     OF_BELT = FIGURE_FAILED_COUNT - FIGURE_STOPPED_COUNT,
     OF_FAILURE = FIGURE_OUTFLOW - FIGURE_FAILED_COUNT,
-    OF_OUTLET = FIGURE_COUNT - FIGURE_OUTFLOW
+    OF_OUTLET = FIGURE_TAKEN - FIGURE_OUTFLOW,
+    OF_SINK = FIGURE_COUNT - FIGURE_TAKEN
 };
 enum {
-    N_VALUES = OF_RUN + 2 * OF_FEED + OF_COUNTER + OF_EYE + OF_BELT + OF_FAILURE + 2 * OF_OUTLET
+    BEFORE_SINKS =
+        OF_RUN + 2 * OF_FEED + OF_COUNTER + OF_EYE + OF_BELT + OF_FAILURE + 2 * OF_OUTLET,
+    N_VALUES = BEFORE_SINKS + OF_SINK
 };
 
 // Two feeds, of which one has a dot in its id, a counter that is called like the column of a feed, a photo eye,
-// a belt that is commanded, a kind of its failures, and two outlets.
+// a belt that is commanded, a kind of its failures, two outlets and a sink.
 static const char columns[] =
     "a.offered,left_domain,in.offered,in.admitted,in.waiting,in.discarded,"
     "x.y.offered,x.y.admitted,x.y.waiting,x.y.discarded,pe1.blocked,in.speed_m_s,jam.failed,in."
-    "left,out.left";
+    "left,out.left,packer.taken";
 
 // All values are absent but some.
 static key_figures make(double values[N_VALUES])
@@ -45,11 +48,12 @@ static key_figures make(double values[N_VALUES])
     values[OF_RUN] = 240.0;
     values[OF_RUN + OF_FEED + FIGURE_WAIT_P95 - FIGURE_OFFERED] = 0.5;
     values[OF_RUN + 2 * OF_FEED] = 10.0;
-    values[N_VALUES - 2 * OF_OUTLET - 1] = 12.0;
-    values[N_VALUES - 2 * OF_OUTLET - OF_FAILURE - 1] = 0.875;
-    values[N_VALUES - 2 * OF_OUTLET - OF_FAILURE - 2] = 1.5;
-    values[N_VALUES - OF_OUTLET] = 720.0;
-    values[N_VALUES - 2 * OF_OUTLET - OF_FAILURE - OF_BELT - OF_EYE + FIGURE_DOUBLES -
+    values[BEFORE_SINKS - 2 * OF_OUTLET - 1] = 12.0;
+    values[BEFORE_SINKS - 2 * OF_OUTLET - OF_FAILURE - 1] = 0.875;
+    values[BEFORE_SINKS - 2 * OF_OUTLET - OF_FAILURE - 2] = 1.5;
+    values[BEFORE_SINKS - OF_OUTLET] = 720.0;
+    values[BEFORE_SINKS] = 36.0;
+    values[BEFORE_SINKS - 2 * OF_OUTLET - OF_FAILURE - OF_BELT - OF_EYE + FIGURE_DOUBLES -
            FIGURE_GAP_MIN] = 0.125;
     return (key_figures){ .columns = columns, .t = 60.0, .n = N_VALUES, .values = values };
 }
@@ -61,7 +65,8 @@ static const char text[] =
     "\"photo_eyes\":[{\"id\":\"pe1\",\"doubles_share\":0.125}],"
     "\"belts\":[{\"id\":\"in\",\"stopped\":{\"longest_s\":1.5},\"availability\":0.875}],"
     "\"failures\":[{\"id\":\"jam\",\"failed\":{\"total_s\":12}}],"
-    "\"outlets\":[{\"id\":\"in\"},{\"id\":\"out\",\"outflow_per_h\":720}]}";
+    "\"outlets\":[{\"id\":\"in\"},{\"id\":\"out\",\"outflow_per_h\":720}],"
+    "\"sinks\":[{\"id\":\"packer\",\"taken\":36}]}";
 
 static void what_is_not_known_is_left_out(void **state)
 {
@@ -120,7 +125,8 @@ static void as_csv_each_figure_is_a_line(void **state)
                                    "stopped.longest_s,belt,in,1.5,s\n"
                                    "availability,belt,in,0.875,\n"
                                    "failed.total_s,failure,jam,12,s\n"
-                                   "outflow_per_h,outlet,out,720,parts/h\n");
+                                   "outflow_per_h,outlet,out,720,parts/h\n"
+                                   "taken,sink,packer,36,parts\n");
     buffer_fini(&out);
 }
 

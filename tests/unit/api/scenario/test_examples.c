@@ -171,6 +171,17 @@ static void the_pusher_and_its_gate_go_out_and_come_back(void **unused)
     scene_fini(&s);
 }
 
+// So the table fills up.
+static void the_packers_take_less_than_is_offered(void **unused)
+{
+    scene s = read_example("packers");
+
+    (void)unused;
+    assert_int_equal(s.n_sinks, 2);
+    assert_true(s.sinks[0].rate + s.sinks[1].rate < s.feeds[0].rate);
+    scene_fini(&s);
+}
+
 // With them parts overlap by less than 5 % of a radius, see core/README.md.
 static void fed_examples_have_soft_parts_and_the_congested_closure(void **unused)
 {
@@ -228,6 +239,7 @@ int main(void)
         cmocka_unit_test(the_curve_turns_left_between_two_straight_belts),
         cmocka_unit_test(the_merge_is_a_path_of_five_sections_and_a_belt_from_its_side),
         cmocka_unit_test(the_pusher_and_its_gate_go_out_and_come_back),
+        cmocka_unit_test(the_packers_take_less_than_is_offered),
         cmocka_unit_test(fed_examples_have_soft_parts_and_the_congested_closure),
         cmocka_unit_test(every_example_can_be_solved_by_both_models),
     };

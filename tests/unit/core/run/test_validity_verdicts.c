@@ -142,6 +142,32 @@ static void commanded_belt(scene *s)
     s->belts[0].is_commanded = true;
 }
 
+static void add_sinks(scene *s, size_t n)
+{
+    congested(s);
+    s->sinks = memory_alloc(n, sizeof *s->sinks);
+    assert_non_null(s->sinks);
+    s->n_sinks = n;
+    for (size_t k = 0; k < n; k++)
+        scene_sink_init(&s->sinks[k]);
+}
+
+static void two_sinks(scene *s)
+{
+    add_sinks(s, 2);
+}
+
+static void three_sinks(scene *s)
+{
+    add_sinks(s, 3);
+}
+
+static void dispersive_sinks(scene *s)
+{
+    add_sinks(s, 1);
+    s->macro.closure = SCENE_DISPERSIVE;
+}
+
 static void fast_takeaway(scene *s)
 {
     static const vec2 half[] = { { 0.8, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.6 }, { 0.8, 0.6 } };
@@ -214,6 +240,9 @@ static const struct {
     { "another jam density", other_jam, false, 0.0, VALIDITY_CONSTANTS, true },
     { "a belt that is stopped", commanded_belt, false, 0.0, VALIDITY_SCHEDULES, false },
     { "who stops it", commanded_belt, false, 0.0, VALIDITY_COMMANDS, true },
+    { "two sinks", two_sinks, false, 0.0, INSIDE, false },
+    { "three sinks", three_sinks, false, 0.0, VALIDITY_SINKS, false },
+    { "a sink of the paper's closure", dispersive_sinks, false, 0.0, VALIDITY_SINKS, true },
     { "a fast takeaway", fast_takeaway, false, 0.0, VALIDITY_RATIO, false },
     { "its load", full_takeaway, false, 0.0, VALIDITY_TRANSFER, false },
     { "many guides", three_guides, false, 0.0, VALIDITY_GUIDES, false },
