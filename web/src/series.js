@@ -36,9 +36,9 @@ function wordsOf({ id }) {
 
 // [name, words] of the columns of a run's curve that count parts.
 export function columnsOf(scenario) {
-  const { counters, feeds = [] } = scenario;
+  const { counters, feeds = [], sinks = [] } = scenario;
   return [...counters.map((counter) => [counter.id, wordsOf(counter)]), ["left_domain", "left the belt"],
-    ...feeds.flatMap(({ id }) => balance.map((what) => [`${id}.${what}`, `${id}: ${what}`]))];
+    ...feeds.flatMap(({ id }) => balance.map((what) => [`${id}.${what}`, `${id}: ${what}`])), ...sinks.map(({ id }) => [`${id}.taken`, `${id}: taken`])];
 }
 
 // [words, values] of what flows through: the sums of the feeds, and what left the belt.
