@@ -237,7 +237,7 @@ static const member path_members[] = {
     MEMBER("width_m", number, AT(path.width), "of the belt", .unit = "m",
            .range = &scene_range_length),
 };
-static const member_table path_table = { MEMBER_TABLE("path", path_members),
+static const member_table path_table = { MEMBER_TABLE("beltPath", path_members),
                                          .size = sizeof(scene_belt), .init = init_belt };
 
 static const member belt_members[] = {
