@@ -309,6 +309,8 @@ static void look_up_sink(json_in *in, const json_t *object, scene *s, size_t k)
     const json_t *kinds = json_object_get(object, "kinds");
     const size_t mark = json_pointer_enter(&in->pointer, "kinds", strlen("kinds"));
 
+    if (kinds != NULL && json_array_size(kinds) == 0)
+        json_in_fault(in, "must have at least 1 id; without this member it takes all kinds");
     look_up_kinds(in, kinds, s, &s->sinks[k].kinds);
     s->sinks[k].n_kinds = json_array_size(kinds);
     json_pointer_leave(&in->pointer, mark);
