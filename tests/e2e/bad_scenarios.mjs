@@ -40,6 +40,7 @@ export function goodScenario() {
 }
 
 const arc = (changes) => ({ centre_m: [0.5, 0.3], inner_radius_m: 0.1, outer_radius_m: 0.3, from_deg: 0, to_deg: 90, ...changes });
+const path = (changes) => ({ points_m: [[0, 0.1], [0.5, 0.1], [0.5, 0.5], [0.9, 0.5]], radius_m: [0.15, 0.15], width_m: 0.1, ...changes });
 const polygon = (n) => Array.from({ length: n }, (_, k) => [
   0.5 + 0.3 * Math.cos((2 * Math.PI * k) / n),
   0.3 + 0.2 * Math.sin((2 * Math.PI * k) / n),
@@ -133,6 +134,14 @@ export const badScenarios = [
     (s) => Object.assign(s.belts[0], { arc: arc(), polygon_m: polygon(4) }), "/belts/0/arc"],
   ["an arc below another belt",
     (s) => s.belts.unshift({ id: "curve", velocity_m_s: [0.4, 0], arc: arc() }), "/belts/0/arc"],
+  ["a path with a bend too few", (s) => (s.belts[0].path = path({ radius_m: [0.15] })), "/belts/0/path/radius_m"],
+  ["a path with a bend that turns inside out", (s) => (s.belts[0].path = path({ radius_m: [0.15, 0.05] })), "/belts/0/path/radius_m/1"],
+  ["a path whose bends do not fit", (s) => (s.belts[0].path = path({ radius_m: [0.15, 0.3] })), "/belts/0/path/points_m/2"],
+  ["a path without a width", (s) => (s.belts[0].path = path({ width_m: undefined })), "/belts/0/path/width_m"],
+  ["a path of one point", (s) => (s.belts[0].path = path({ points_m: [[0, 0.1]] })), "/belts/0/path/points_m"],
+  ["a path that crosses itself", (s) => (s.belts[0].path = path({ points_m: [[0, 0.1], [0.5, 0.1], [0.5, 0.5], [0.1, -0.2]], radius_m: [0.06, 0.06] })), "/belts/0/path"],
+  ["a path with corners", (s) => Object.assign(s.belts[0], { path: path(), polygon_m: polygon(4) }), "/belts/0/path"],
+  ["a path and an arc", (s) => Object.assign(s.belts[0], { path: path(), arc: arc() }), "/belts/0/path"],
   ["a belt that never gets faster", (s) => (s.belts[0].acceleration_m_s2 = 0), "/belts/0/acceleration_m_s2"],
   ["a belt that gets slower backwards", (s) => (s.belts[0].deceleration_m_s2 = -1), "/belts/0/deceleration_m_s2"],
   ["a speed schedule without factors", (s) => (s.belts[0].speed_schedule = { t_s: [1] }),

@@ -3,7 +3,7 @@
 
 Lengths are in diameters d of the parts, times in d/v, v the speed of the belt, so that a row says what is the same for
 pills and for drums. Constants of the closure `congested` are chosen by the rows `development` alone; the rows `apart`
-are drawn at random, but for those of belts that run backwards, and nothing is fitted to them.
+are drawn at random, but for those of belts that run backwards and of paths, and nothing is fitted to them.
 """
 
 import math
@@ -42,6 +42,7 @@ class Line:
     sizes: tuple = (1.0,)  # of the kinds, d, in equal numbers
     box: float = 0.0  # length over width of boxes with the footprint of a cylinder of the diameter d, 0: cylinders
     turned: float = 0.0  # of the belt, degrees
+    bend: float = 0.0  # by which the belt goes aside before the plates, along a path, and back, degrees
     foot: float = 20.0  # of belt upstream of the plates, d
     ratio: float = 1.0  # speed of the second belt to that of the first
     incline: float = 0.0  # of the belt, degrees
@@ -67,6 +68,8 @@ class Line:
             told.append(f"foot {self.foot:g}")
         if self.turned:
             told.append(f"turned {self.turned:g}")
+        if self.bend:
+            told.append(f"bend {self.bend:g}")
         if self.ratio != 1.0:
             told.append(f"ratio {self.ratio:g}")
         if self.stagger:
@@ -132,7 +135,9 @@ class Line:
         ends = [s for path in paths for s, _ in path]
         length = (max(ends) if self.behind != 8.0 else max(ends + [0.0 if self.box else LENGTH - 8.0])) + self.behind
         warm_up, measured = (WARM_UP_OF_BOXES, MEASURED_OF_BOXES) if self.box else (WARM_UP, MEASURED)
+        warm_up += 60.0 if self.bend else 0.0  # until cargo has come along the path
         placed = self.shuttle() if self.layout == "shuttle" else self.transfer(length) if self.layout == "transfer" else (
+            self.along_path(paths, length) if self.bend else
             self.oblique(paths, length) if self.turned else self.straight(paths, length))
         if self.back:
             placed["belts"][-1].update(self.turns(warm_up + measured))
@@ -201,6 +206,34 @@ class Line:
             "belts": [{"velocity_m_s": [self.v * cos, self.v * sin]}],
             "obstacles": [{"path_m": [turned(place) for place in path]} for path in guides + paths],
             "feed": {"line_m": [turned((1.5, 1.0)), turned((1.5, self.width - 1.0))]},
+        }
+
+    def along_path(self, paths, length):
+        """An S between rails, which are in pieces of 5 degrees on its arcs; the plates stand on its last straight."""
+        d, w, bend, radius, before = self.d, self.width, math.radians(self.bend), 1.2 * self.width, 6.0
+        cut, cos, sin = radius * math.tan(bend / 2), math.cos(bend), math.sin(bend)
+        slant = before + 2 * cut
+        first = (before + cut, w / 2)
+        second = (first[0] + slant * cos, first[1] + slant * sin)
+        corners = [(0.0, w / 2), first, second, (second[0] + cut + length, second[1])]
+        start = second[0] + cut
+
+        def rail(side):
+            places, n = [(0.0, w / 2 + side * w / 2)], math.ceil(self.bend / 5)
+            for (x, y), inner, turn in (((before, w / 2 + radius), -side, 1), ((start, second[1] - radius), side, -1)):
+                r = radius + inner * w / 2
+                for k in range(n + 1):
+                    to = bend * (k if turn > 0 else n - k) / n
+                    places.append((x + turn * r * math.sin(to), y - turn * r * math.cos(to)))
+            return places + [(start + length, second[1] + side * w / 2)]
+
+        moved = [[(start + s, second[1] - w / 2 + e) for s, e in path] for path in paths]
+        return {
+            "domain": {"x_m": [0, (start + length) * d], "y_m": [-d, (second[1] + w / 2 + 1) * d]},
+            "belts": [{"velocity_m_s": [self.v, 0],
+                       "path": {"points_m": self.scaled(corners), "radius_m": [radius * d] * 2, "width_m": w * d}}],
+            "obstacles": [{"path_m": self.scaled(path)} for path in [rail(1), rail(-1)] + moved],
+            "feed": {"edge": "west", "y_m": [round(0.6 * d, 6), round((w - 0.6) * d, 6)]},
         }
 
     def transfer(self, length):
@@ -368,6 +401,10 @@ def apart():
         dict(layout="plate", opening=5.5, sinks=((14, 18, 0, 4, 0),)), dict(layout="plate", opening=5.5, sinks=((14, 18, 0, 4, 0),), d=.41),
         dict(boxes, opening=5.5, sinks=((4, 6, 0, 5.5, 0),)), dict(boxes, opening=5.5, sinks=((4, 6, 0, 11, .15),)),
         dict(boxes, opening=5.5, sinks=((6, 8, 0, 11, .15),), ends=True, load=.7))]
+    made += [Line("apart", "path", bend=bend, **row) for bend, row in (
+        (45, dict(layout="none", opening=WIDTH, load=.4)), (90, dict(layout="none", opening=WIDTH, load=.4)),
+        (45, dict()), (90, dict()), (45, dict(d=.41)), (30, dict(angle=75, opening=7)), (60, dict(load=.7)),
+        (45, dict(layout="funnel", angle=75, opening=7)), (45, dict(box=1.33, opening=5.5, angle=60, **BOXES)))]
     return made
 
 
