@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Writes core/run/comparisons_table.c: the lines of lines.py and the goods of goods.py, and how far off each model was.
 
-What was solved before is taken from the folder of results. Rows that fail or through which nothing passes are left out, and
-so are boxes among the goods, which take hours with contacts 100 times as hard. Goods have twice as many substreams as lines.
+What was solved before is taken from the folder of results. Rows that fail, through which nothing passes or of which validity tells
+no figure are left out, and so are boxes among the goods, which take hours with contacts 100 times as hard. Goods have twice as
+many substreams as lines.
 """
 
 import json
@@ -64,7 +65,7 @@ def rows(program, tool, model, subject, scenes, error_of, substreams, jobs):
     with ThreadPoolExecutor(jobs) as pool:
         errors = list(pool.map(error, scenes))
     for scene, off, values in zip(scenes, errors, values_of(tool, model, [scene.document(0) for scene in scenes])):
-        if off is not None:
+        if off is not None and set(values.split(", ")) != {"NAN"}:
             yield f"    {{ {subject}, {off:.4f}, {{ {values} }} }}, // {scene.name}\n"
 
 
