@@ -434,9 +434,18 @@ const member_table scenario__sink_members = { MEMBER_TABLE("sink", sink_members)
 #undef AT
 
 #define AT(place) offsetof(scene_action, place)
+static bool has_no_kind(const void *item)
+{
+    return ((const scene_action *)item)->kind == SCENE_KIND_ANY;
+}
+
 static const member when_members[] = {
     MEMBER_OF("photo_eye", &scenario__photo_eye_id, AT(eye), "id of the photo eye"),
     MEMBER("state", either, AT(when_blocked), "the state that begins", .words = state_words),
+    MEMBER_OF("kind", &scenario__kind_id, AT(kind),
+              "id of a kind of cargo: it acts for each part of it, by the state of this part alone",
+              .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_kind,
+              .default_text = "whatever breaks the beam"),
 };
 static const member_table when_table = { MEMBER_TABLE("actionWhen", when_members),
                                          .size = sizeof(scene_action) };

@@ -228,6 +228,15 @@ static void look_up_member(json_in *in, const json_t *object, const char *name, 
     json_pointer_leave(&in->pointer, mark);
 }
 
+// A member "kind" that may be missing.
+static void look_up_kind(json_in *in, const json_t *object, const scene *s, uint32_t *ret_kind)
+{
+    size_t kind = *ret_kind;
+
+    look_up_member(in, object, "kind", kinds_of(s), &kind);
+    *ret_kind = (uint32_t)kind;
+}
+
 // The kinds of a list of their ids; untouched if there are none.
 static void look_up_kinds(json_in *in, const json_t *list, const scene *s, uint32_t **ret_kinds)
 {
@@ -323,6 +332,7 @@ static void look_up_action(json_in *in, const json_t *object, scene *s, size_t k
 
     size_t mark = json_pointer_enter(&in->pointer, "when", strlen("when"));
     look_up_member(in, json_object_get(object, "when"), "photo_eye", eyes_of(s), &action->eye);
+    look_up_kind(in, json_object_get(object, "when"), s, &action->kind);
     json_pointer_leave(&in->pointer, mark);
     mark = json_pointer_enter(&in->pointer, "do", strlen("do"));
     look_up_member(in, target, "belt", belts_of(s), &action->target);
@@ -331,8 +341,14 @@ static void look_up_action(json_in *in, const json_t *object, scene *s, size_t k
     json_pointer_leave(&in->pointer, mark);
 }
 
+static void look_up_counter(json_in *in, const json_t *object, scene *s, size_t k)
+{
+    look_up_kind(in, object, s, &s->counters[k].kind);
+}
+
 void scenario__look_up(json_in *in, const json_t *document, scene *s)
 {
+    for_each(in, document, "counters", s, look_up_counter);
     for_each(in, document, "feeds", s, look_up_feed);
     for_each(in, document, "sinks", s, look_up_sink);
     for_each(in, document, "actions", s, look_up_action);

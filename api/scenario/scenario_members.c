@@ -238,6 +238,11 @@ static const member_table initial_table = { MEMBER_TABLE("initial", initial_memb
 #undef AT
 
 #define AT(place) offsetof(scene_counter, place)
+static bool counts_all(const void *item)
+{
+    return ((const scene_counter *)item)->kind == SCENE_KIND_ANY;
+}
+
 static const member counter_members[] = {
     MEMBER("id", text, AT(id), "its name, a column of the curve",
            .default_text = "upstream, upstream-2, ...", .least = 1, .limit = SCENE_ID_SIZE),
@@ -245,6 +250,8 @@ static const member counter_members[] = {
            .default_text = "the domain's"),
     MEMBER("y_m", interval, AT(rect.y_min), "parts from y on and before y", .unit = "m",
            .default_text = "the domain's"),
+    MEMBER_OF("kind", &scenario__kind_id, AT(kind), "id of the kind of cargo that it counts",
+              .flags = MEMBER_OMIT_EMPTY, .is_empty = counts_all, .default_text = "all kinds"),
 };
 // A curve event has these members beside one for each counter.
 static void refuse_reserved_id(json_in *in, const struct json_t *object, void *item)

@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 // Cells are filled up to this below 1, so that a feed alone never starts the dispersion.
 static const double below_saturated = 1e-12;
@@ -53,8 +54,9 @@ struct feed_density {
     size_t n_feeds;
     feed_line *lines;
     feed_state *states;
-    uint64_t n_turns; // calls of feed_density_advance()
-    cell_room *rooms; // scratch: as many as the longest line has cells
+    feed_cursor *cursors; // of the parts that enter; NULL: kinds are not told apart
+    uint64_t n_turns;     // calls of feed_density_advance()
+    cell_room *rooms;     // scratch: as many as the longest line has cells
 };
 
 // The part of a packed cell beside a side that its belt carries on in a step of dt, of the line's length in it.
@@ -161,11 +163,16 @@ bf_status feed_density_create(const scene *s, double dt, feed_density **ret_dens
         d->parts_per_cell = scene_packing_density(s) * grid.d1 * grid.d2;
         d->lines = memory_alloc(s->n_feeds, sizeof *d->lines);
         d->states = memory_alloc(s->n_feeds, sizeof *d->states);
+        if (scene_tells_kinds(s))
+            d->cursors = memory_alloc(s->n_feeds, sizeof *d->cursors);
     }
-    if (d == NULL || d->lines == NULL || d->states == NULL)
+    if (d == NULL || d->lines == NULL || d->states == NULL ||
+        (scene_tells_kinds(s) && d->cursors == NULL))
         status = bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu feeds", s->n_feeds);
     else
         status = make_lines(d, dt, err);
+    for (size_t k = 0; status == BF_OK && d->cursors != NULL && k < d->n_feeds; k++)
+        d->cursors[k] = feed_arrivals_first(d->lines[k].arrivals);
     if (status != BF_OK) {
         feed_density_destroy(d);
         return status;
@@ -184,6 +191,7 @@ feed_density *feed_density_destroy(feed_density *d)
     }
     memory_free(d->lines);
     memory_free(d->states);
+    memory_free(d->cursors);
     memory_free(d->rooms);
     memory_free(d);
     return NULL;
@@ -225,10 +233,55 @@ static bool find_rooms(const feed_density *d, const feed_line *line, double dema
     return is_enough;
 }
 
-// Spreads a demand, a sum of densities, over the cells of a line. Returns what they took.
-static double fill_line(feed_density *d, const feed_line *line, double demand,
-                        const feed_field *field)
+// What of each kind enters while S grows from one value to another.
+static void find_fractions(feed_density *d, size_t feed, double from, double to,
+                           double ret_fractions[SCENE_KINDS_MAX])
 {
+    feed_cursor *cursor = &d->cursors[feed];
+    const feed_arrivals *arrivals = d->lines[feed].arrivals;
+    double at = from;
+
+    memset(ret_fractions, 0, SCENE_KINDS_MAX * sizeof *ret_fractions);
+    while (isfinite(cursor->due)) {
+        const feed_part part = feed_arrivals_part(arrivals, cursor);
+        feed_cursor next = *cursor;
+        feed_arrivals_next(arrivals, &next);
+        // The last part stays for what rounding leaves.
+        const bool is_last = (double)part.number >= to || !isfinite(next.due);
+        const double end = is_last ? to : (double)part.number;
+        if (end > at) {
+            ret_fractions[part.kind] += (end - at) / (to - from);
+            at = end;
+        }
+        if (is_last)
+            return;
+        *cursor = next;
+    }
+    // There is no part, and next to nothing enters.
+    ret_fractions[0] = 1.0;
+}
+
+// Adds a density to a cell, of the kinds that are next when `taken` of this call have entered. Returns what has entered then.
+static double add_to_cell(feed_density *d, size_t feed, const cell_entry *c, size_t cell,
+                          double density, double taken, const feed_field *field)
+{
+    const feed_state *state = &d->states[feed];
+    const double served = state->admitted + state->discarded;
+    double fractions[SCENE_KINDS_MAX];
+
+    if (!(density > 0.0))
+        return taken;
+    if (d->cursors != NULL)
+        find_fractions(d, feed, served + d->parts_per_cell * taken,
+                       served + d->parts_per_cell * (taken + density), fractions);
+    field->add(field->context, cell, density, c->at, d->cursors != NULL ? fractions : NULL);
+    return taken + density;
+}
+
+// Spreads a demand, a sum of densities, over the cells of a feed's line. Returns what they took.
+static double fill_line(feed_density *d, size_t feed, double demand, const feed_field *field)
+{
+    const feed_line *line = &d->lines[feed];
     double left = demand, weight = line->weight, taken = 0.0;
 
     if (!find_rooms(d, line, demand, field))
@@ -241,10 +294,8 @@ static double fill_line(feed_density *d, const feed_line *line, double demand,
         // Adds a density to a cell as far as it is free, and the rest to the one behind it.
         const double first =
             c->inner != c->cell ? fmin(amount, free_in(d, c->cell, field)) : amount;
-        if (first > 0.0)
-            field->add(field->context, c->cell, first, c->at);
-        if (amount > first)
-            field->add(field->context, c->inner, amount - first, c->at);
+        (void)add_to_cell(d, feed, c, c->inner, amount - first,
+                          add_to_cell(d, feed, c, c->cell, first, taken, field), field);
         taken += amount;
         left = fmax(left - amount, 0.0);
         weight -= c->weight;
@@ -274,7 +325,7 @@ void feed_density_advance(feed_density *d, double t, const feed_field *field)
         const double waiting = state->offered - state->admitted - state->discarded;
         if (!state->is_held && waiting > 0.0)
             state->admitted +=
-                d->parts_per_cell * fill_line(d, &d->lines[k], waiting / d->parts_per_cell, field);
+                d->parts_per_cell * fill_line(d, k, waiting / d->parts_per_cell, field);
         discard(d, k, t);
     }
 }
@@ -330,10 +381,13 @@ void feed_density_save(const feed_density *d, checkpoint_writer *w)
 {
     checkpoint_write(w, &d->n_turns, sizeof d->n_turns);
     checkpoint_write(w, d->states, d->n_feeds * sizeof *d->states);
+    if (d->cursors != NULL)
+        checkpoint_write(w, d->cursors, d->n_feeds * sizeof *d->cursors);
 }
 
 bool feed_density_load(feed_density *d, checkpoint_reader *r)
 {
     return checkpoint_read(r, &d->n_turns, sizeof d->n_turns) &&
-           checkpoint_read(r, d->states, d->n_feeds * sizeof *d->states);
+           checkpoint_read(r, d->states, d->n_feeds * sizeof *d->states) &&
+           (d->cursors == NULL || checkpoint_read(r, d->cursors, d->n_feeds * sizeof *d->cursors));
 }

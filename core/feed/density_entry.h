@@ -18,6 +18,9 @@
 /// nothing, while parts go on to arrive. Within a call each feed has its turn once, and the one that is first changes
 /// from call to call, so that none starves where two share cells.
 ///
+/// Of which kind: where kinds are told apart (scene_tells_kinds()) what enters while S grows from k - 1 to k is of the kind of
+/// part k, so that kinds come in the order in which they come as parts.
+///
 /// rho_p is jam_density with the congested closure. With the dispersive one it is 1 - 1e-12: from a density of 1 on cargo
 /// disperses, and a feed alone must not start that.
 ///
@@ -43,8 +46,9 @@ typedef struct feed_field {
     /// The factor on the velocity of a belt in the step that begins now, below 0: it runs backwards and takes nothing from a
     /// feed on a side; n_belts: off every belt.
     double (*factor)(const void *context, size_t belt);
-    /// Add a density > 0 to a cell; it enters at a place on the feed's line, m.
-    void (*add)(void *context, size_t cell, double density, vec2 at);
+    /// Add a density > 0 to a cell; it enters at a place on the feed's line, m, and has these fractions of the kinds of cargo; NULL: they are
+    /// not told apart.
+    void (*add)(void *context, size_t cell, double density, vec2 at, const double *fractions);
 } feed_field;
 
 /// The entry of all feeds of a scene; opaque. It borrows the scene, which must outlive it.

@@ -125,7 +125,7 @@ bool figures_ends_warmup(const figures *f, double t)
     return !f->run.is_warm && t >= f->s->warmup;
 }
 
-void figures_add_cargo(figures *f, const figures_cargo *cargo)
+void figures_add_cargo(figures *f, const figures_cargo *cargo, const double *fractions)
 {
     const queue_state state = queue_state_of(cargo->speed, cargo->belt_speed);
 
@@ -133,9 +133,14 @@ void figures_add_cargo(figures *f, const figures_cargo *cargo)
     if (!isnan(cargo->age))
         figures_add_age(f, cargo->age, cargo->parts);
     f->run.has_cargo = 1;
-    for (size_t k = 0; k < f->s->n_counters; k++)
-        if (counter_holds(&f->s->counters[k], cargo->at))
-            f->counters[k].states[state] += cargo->parts;
+    for (size_t k = 0; k < f->s->n_counters; k++) {
+        const scene_counter *c = &f->s->counters[k];
+        if (!counter_holds(c, cargo->at))
+            continue;
+        f->counters[k].states[state] += c->kind == SCENE_KIND_ANY || fractions == NULL
+                                            ? cargo->parts
+                                            : cargo->parts * fractions[c->kind];
+    }
     if (state != QUEUE_FREE)
         queue_add(&f->queue, cargo->at, cargo->parts);
 }

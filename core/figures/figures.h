@@ -57,8 +57,8 @@ BF_MUST_CHECK bf_status figures_create(const scene *s, bool has_parts, figures *
 figures *figures_destroy(figures *f);
 
 /// Cargo that is in the domain at the sample that figures_sample() takes next. Models whose cargo has no speed leave
-/// it out.
-void figures_add_cargo(figures *f, const figures_cargo *cargo);
+/// it out. Of the kinds it has these fractions; NULL: they are not told apart.
+void figures_add_cargo(figures *f, const figures_cargo *cargo, const double *fractions);
 
 /// Take a sample; times rise. The first one is at t = 0.
 void figures_sample(figures *f, const figures_now *now);

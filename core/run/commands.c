@@ -46,13 +46,14 @@ static bf_status insert(commands *c, command new, bf_error *err)
     return BF_OK;
 }
 
-bf_status commands_note(commands *c, size_t eye, bool is_blocked, uint64_t step, bf_error *err)
+bf_status commands_note(commands *c, size_t eye, uint32_t kind, bool is_blocked, uint64_t step,
+                        bf_error *err)
 {
     bf_status status = BF_OK;
 
     for (size_t k = 0; k < c->scene->n_actions && status == BF_OK; k++) {
         const scene_action *a = &c->scene->actions[k];
-        if (a->eye == eye && a->when_blocked == is_blocked)
+        if (a->eye == eye && a->kind == kind && a->when_blocked == is_blocked)
             status = insert(c, (command){ step + run__steps_until(a->delay, c->dt), k }, err);
     }
     return status;

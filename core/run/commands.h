@@ -1,6 +1,7 @@
 /// Commands: what changes of photo eyes let happen, and when.
 ///
-/// A change of an eye's state gives a command for each action that waits for it, due `delay` later. Commands that
+/// A change of an eye's state gives a command for each action that waits for it, due `delay` later; with a kind, a change of its
+/// state of a part of this kind does. Commands that
 /// are due at a tick are carried out in the order in which they are due, those of one step in the order of the actions
 /// in the scene. A command that waits for its time is not taken back by later changes.
 ///
@@ -40,10 +41,11 @@ commands commands_of(const scene *s, double dt);
 /// Free what *c owns.
 void commands_fini(commands *c);
 
-/// Note the commands that follow from a change of an eye's state at a step. BF_ENOMEM; BF_ELIMIT: more than
+/// Note the commands that follow from a change of an eye's state at a step, of the state of a part of a kind, or of its own
+/// (SCENE_KIND_ANY). BF_ENOMEM; BF_ELIMIT: more than
 /// COMMANDS_MAX would wait.
-BF_MUST_CHECK bf_status commands_note(commands *c, size_t eye, bool is_blocked, uint64_t step,
-                                      bf_error *err);
+BF_MUST_CHECK bf_status commands_note(commands *c, size_t eye, uint32_t kind, bool is_blocked,
+                                      uint64_t step, bf_error *err);
 
 /// Take the next command that is due at a step. False: none is.
 bool commands_take(commands *c, uint64_t step, size_t *ret_action);

@@ -32,6 +32,7 @@ control control_of(const scene *s, bf_world *w, const run_backend *backend, cons
 void control_fini(control *c)
 {
     commands_fini(&c->commands);
+    photo_eyes_fini(&c->eyes);
     for (size_t k = 0; k < SCENE_EYES_MAX; k++)
         passages_fini(&c->passages[k]);
 }
@@ -77,6 +78,14 @@ static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, 
     if (status == BF_OK && c->backend->parts != NULL)
         status =
             passages_see(&c->passages[eye], (double)step * c->dt, &view.passages, eye, to, err);
+    if (status == BF_OK && c->eyes.tells_kinds[eye])
+        status = photo_eyes_see_parts(&c->eyes, eye, step, view.n_parts, view.parts, err);
+    for (size_t k = 0; k < c->eyes.parts[eye].n && status == BF_OK; k++) {
+        const photo_eye_known *of = &c->eyes.parts[eye].items[k];
+        if (of->is_new_state != 0)
+            status = commands_note(&c->commands, eye, (uint32_t)of->part.kind,
+                                   of->state.is_blocked != 0, step, err);
+    }
     if (status != BF_OK || !photo_eyes_see(&c->eyes, eye, step, view.is_broken))
         return status;
     figures_eye_state(to, eye, (double)step * c->dt, view.is_broken);
@@ -84,7 +93,9 @@ static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, 
                                   .item = (uint32_t)eye,
                                   .state = view.is_broken };
     status = emit_change(c, step, &change, c->scene->eyes[eye].id, sink, err);
-    return status == BF_OK ? commands_note(&c->commands, eye, view.is_broken, step, err) : status;
+    return status == BF_OK
+               ? commands_note(&c->commands, eye, SCENE_KIND_ANY, view.is_broken, step, err)
+               : status;
 }
 
 static bf_status command_due(control *c, void *solver, uint64_t step, const run_sink *sink,
@@ -204,10 +215,11 @@ bf_status control_load(control *c, checkpoint_reader *r, bf_error *err)
         return BF_OK;
     if (!checkpoint_read(r, &c->n_changes, sizeof c->n_changes) ||
         !checkpoint_read(r, c->drives, c->scene->n_obstacles * sizeof *c->drives) ||
-        (c->has_stops && !checkpoint_read(r, c->stops, c->scene->n_belts * sizeof *c->stops)) ||
-        !photo_eyes_load(&c->eyes, r))
+        (c->has_stops && !checkpoint_read(r, c->stops, c->scene->n_belts * sizeof *c->stops)))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
-    bf_status status = commands_load(&c->commands, r, err);
+    bf_status status = photo_eyes_load(&c->eyes, r, err);
+    if (status == BF_OK)
+        status = commands_load(&c->commands, r, err);
     for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++)
         status = passages_load(&c->passages[k], r, err);
     return status;

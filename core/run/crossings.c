@@ -14,8 +14,9 @@
 #include <string.h>
 
 enum {
-    HEADINGS = 64, ///< over half a turn, of a mean length
-    STEPS_ON = 32, ///< in which the end of the belts is looked for
+    HEADINGS = 64,      ///< over half a turn, of a mean length
+    STEPS_ON = 32,      ///< in which the end of the belts is looked for
+    PARTS_AT_ONCE = 64, ///< that are told of a step
 };
 
 /// A cell of a beam's line.
@@ -44,10 +45,18 @@ typedef struct crossing_way {
     double lanes;  // m
 } crossing_way;
 
+/// The parts of a step, and the one that broke the beam before.
+typedef struct crossing_parts {
+    size_t n;
+    photo_eye_part items[PARTS_AT_ONCE];
+    photo_eye_part last;
+} crossing_parts;
+
 typedef struct crossing {
     crossing_way ways[2]; // as the belts' velocities, and against them where one may run backwards
     draws from;
     crossing_state state;
+    crossing_parts parts;
 } crossing;
 
 struct crossings {
@@ -55,6 +64,7 @@ struct crossings {
     double packing; // sigma
     double dt;
     uint32_t shape; // of the gaps; 0: all are 1
+    bool tells_kinds;
     size_t n;
     crossing eyes[SCENE_EYES_MAX];
 };
@@ -223,6 +233,7 @@ bf_status crossings_create(const scene *s, crossings **ret_crossings, bf_error *
                       .packing = scene_packing_density(s),
                       .dt = scene_macro_step(s),
                       .shape = scene_gap_shape(s),
+                      .tells_kinds = scene_tells_kinds(s),
                       .n = s->n_eyes };
     for (size_t k = 0; k < c->n && status == BF_OK; k++)
         status = create_eye(c, k, err);
@@ -269,6 +280,35 @@ static crossing_flow flow_of(const crossings *c, const crossing_way *eye,
                             density > 0.0 ? carried / density : speed / eye->weight };
 }
 
+/// The kind of the part that comes to a beam now.
+static uint64_t kind_of(const crossings *c, const crossing *eye, const crossing_way *on,
+                        const crossings_field *field)
+{
+    const size_t n = c->scene->n_cargo;
+    double carried[SCENE_KINDS_MAX] = { 0.0 }, left = 0.0;
+
+    for (size_t k = 0; k < on->n; k++) {
+        const crossed_cell *of = &on->cells[k];
+        const double *fractions = field->fractions(field->context, of->cell);
+        const double flow = field->density(field->context, of->cell) * of->weight *
+                            fabs(of->speed * field->factor(field->context, of->belt));
+        for (size_t m = 0; m < n; m++)
+            carried[m] += flow * fractions[m];
+        left += flow;
+    }
+    left *= draws_unit(&eye->from, eye->state.part, DRAWS_KIND, 0);
+    uint64_t kind = 0;
+    while (kind + 1 < n && left >= carried[kind])
+        left -= carried[kind++];
+    return kind;
+}
+
+const photo_eye_part *crossings_parts(const crossings *c, size_t eye, size_t *ret_n)
+{
+    *ret_n = c->eyes[eye].parts.n;
+    return c->eyes[eye].parts.items;
+}
+
 bool crossings_advance(crossings *c, size_t index, const crossings_field *field)
 {
     crossing *eye = &c->eyes[index];
@@ -277,6 +317,7 @@ bool crossings_advance(crossings *c, size_t index, const crossings_field *field)
     const crossing_way *on = &eye->ways[0];
     bool was_free = false;
 
+    eye->parts.n = 0;
     if (on->n == 0)
         return false;
     crossing_flow flow = flow_of(c, on, field);
@@ -295,6 +336,11 @@ bool crossings_advance(crossings *c, size_t index, const crossings_field *field)
         const double came = travel + state->due / across;
         was_free = was_free || came > state->held;
         state->held = came + on->chord;
+        if (field->fractions != NULL) {
+            eye->parts.last = (photo_eye_part){ state->part, kind_of(c, eye, on, field) };
+            if (eye->parts.n < PARTS_AT_ONCE)
+                eye->parts.items[eye->parts.n++] = eye->parts.last;
+        }
         // The gap before the next part, where across * chord parts break the beam in the mean.
         const double fixed = pow(fmin(across * on->chord / on->lanes, 1.0), on->lanes);
         state->due += c->shape == 0 ? 1.0
@@ -303,6 +349,8 @@ bool crossings_advance(crossings *c, size_t index, const crossings_field *field)
         state->part++;
     }
     state->held = fmax(state->held - travel, 0.0);
+    if (field->fractions != NULL && state->held > 0.0 && eye->parts.n == 0)
+        eye->parts.items[eye->parts.n++] = eye->parts.last;
     return state->held > 0.0 && !(was_broken && was_free);
 }
 
@@ -310,6 +358,8 @@ void crossings_save(const crossings *c, checkpoint_writer *w)
 {
     for (size_t k = 0; k < c->n; k++)
         checkpoint_write(w, &c->eyes[k].state, sizeof c->eyes[k].state);
+    for (size_t k = 0; k < c->n && c->tells_kinds; k++)
+        checkpoint_write(w, &c->eyes[k].parts.last, sizeof c->eyes[k].parts.last);
 }
 
 bool crossings_load(crossings *c, checkpoint_reader *r)
@@ -318,5 +368,7 @@ bool crossings_load(crossings *c, checkpoint_reader *r)
 
     for (size_t k = 0; k < c->n && is_read; k++)
         is_read = checkpoint_read(r, &c->eyes[k].state, sizeof c->eyes[k].state);
+    for (size_t k = 0; k < c->n && c->tells_kinds && is_read; k++)
+        is_read = checkpoint_read(r, &c->eyes[k].parts.last, sizeof c->eyes[k].parts.last);
     return is_read;
 }

@@ -15,6 +15,10 @@
 /// A beam that was free between two steps counts as free at the second one. Where the belt stands, what breaks the beam
 /// goes on breaking it. Where it runs backwards, parts come from the other side; the last one goes back as far as it has come.
 ///
+/// Kinds    of a part that comes is drawn by the fractions of the kinds in what the belts carry to the beam then: where a fraction is 1 it
+///          is that kind, and in the mean as many parts of each kind come as the density has. A part ends to break the
+///          beam where the next one comes, too.
+///
 /// Choice   the length l of a part is its extent along the belt at the heading of the first feed; of random headings and
 ///          of cargo that is there at the start, the mean over all headings; of kinds, the mean by what feeds bring.
 /// Bits     draws are a function of the eye's id, the scenario's substream and the number of the part (core/base/draws.h).
@@ -24,6 +28,7 @@
 
 #include "core/base/checkpoint.h"
 #include "core/base/status.h"
+#include "core/run/photo_eyes.h"
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
@@ -37,6 +42,8 @@ typedef struct crossings_field {
     const void *context;                                 ///< of the functions
     double (*density)(const void *context, size_t cell); ///< of a cell of scene_grid()
     double (*factor)(const void *context, size_t belt);  ///< on the velocity of a belt
+    /// The fractions of the scene's kinds of cargo in a cell. NULL: they are not told apart.
+    const double *(*fractions)(const void *context, size_t cell);
 } crossings_field;
 
 /// Begin at t = 0 with free beams, for steps of the macroscopic model. The caller owns *ret_crossings: crossings_destroy(). BF_ENOMEM.
@@ -47,6 +54,10 @@ crossings *crossings_destroy(crossings *c);
 
 /// Let parts cross the beam of an eye for a step. True: one breaks it at the end.
 bool crossings_advance(crossings *c, size_t eye, const crossings_field *field);
+
+/// The parts that came to the beam of an eye in the last step, or else the one that still breaks it, *ret_n of them; only where kinds are told apart. Borrowed until the next
+/// call of crossings_advance().
+const photo_eye_part *crossings_parts(const crossings *c, size_t eye, size_t *ret_n);
 
 /// Append the state to a checkpoint, and take it from one of the same scene. False: it is damaged, and *c undefined.
 void crossings_save(const crossings *c, checkpoint_writer *w);

@@ -53,13 +53,26 @@ bf_status macro_flows_create(const scene *s, const macro_solver *solver, const u
     for (size_t k = 0; k <= s->n_sections; k++)
         f->outlet_of[k] = figure_outlet(s, k);
     for (size_t k = 0; k < s->n_counters; k++) {
-        const counter_cells c = counter_cells_of(&s->counters[k], &f->grid);
-        f->cells[k] = c;
+        f->cells[k] = counter_cells_of(&s->counters[k], &f->grid);
         f->counters[k].content =
-            f->packing * macro_mass_in(solver, c.i_min, c.i_max, c.j_min, c.j_max);
+            f->packing * macro_flows_mass_in(solver, s->counters[k].kind, &f->cells[k]);
     }
     *ret_flows = f;
     return BF_OK;
+}
+
+double macro_flows_mass_in(const macro_solver *solver, uint32_t kind, const counter_cells *c)
+{
+    return kind == SCENE_KIND_ANY
+               ? macro_mass_in(solver, c->i_min, c->i_max, c->j_min, c->j_max)
+               : macro_kind_mass_in(solver, kind, c->i_min, c->i_max, c->j_min, c->j_max);
+}
+
+double macro_flows_fallen_in(const macro_solver *solver, uint32_t kind, const counter_cells *c)
+{
+    return kind == SCENE_KIND_ANY
+               ? macro_fallen_in(solver, c->i_min, c->i_max, c->j_min, c->j_max)
+               : macro_kind_fallen_in(solver, kind, c->i_min, c->i_max, c->j_min, c->j_max);
 }
 
 macro_flows *macro_flows_destroy(macro_flows *f)
@@ -77,9 +90,29 @@ static double over(const macro_flows *f, size_t i, size_t j, scene_side side)
     return macro_flux(f->solver, i, j, side) * edge * dt * f->packing;
 }
 
-static void add_border(const macro_flows *f, counter_flow *c, size_t i, size_t j, scene_side side)
+// The fraction of a kind in what goes over a side of a cell, out of it or into it.
+static double fraction_over(const macro_flows *f, uint32_t kind, size_t i, size_t j,
+                            scene_side side, bool is_out)
 {
-    const double out = over(f, i, j, side);
+    const size_t n1 = f->grid.n1, n2 = f->grid.n2, cell = j * n1 + i;
+    const bool is_border = (side == SCENE_WEST && i == 0) || (side == SCENE_EAST && i + 1 == n1) ||
+                           (side == SCENE_SOUTH && j == 0) || (side == SCENE_NORTH && j + 1 == n2);
+    const size_t there = side == SCENE_WEST    ? cell - 1
+                         : side == SCENE_EAST  ? cell + 1
+                         : side == SCENE_SOUTH ? cell - n1
+                                               : cell + n1;
+
+    if (kind == SCENE_KIND_ANY)
+        return 1.0;
+    return macro_fractions(f->solver, is_out || is_border ? cell : there)[kind];
+}
+
+static void add_border(macro_flows *f, size_t counter, size_t i, size_t j, scene_side side)
+{
+    counter_flow *c = &f->counters[counter];
+    const double all = over(f, i, j, side);
+    const double out =
+        all * fraction_over(f, f->scene->counters[counter].kind, i, j, side, all > 0.0);
 
     c->out += fmax(out, 0.0);
     c->in += fmax(-out, 0.0);
@@ -88,17 +121,16 @@ static void add_border(const macro_flows *f, counter_flow *c, size_t i, size_t j
 static void follow_counter(macro_flows *f, size_t k)
 {
     const counter_cells *cells = &f->cells[k];
-    counter_flow *c = &f->counters[k];
 
     if (cells->i_min >= cells->i_max || cells->j_min >= cells->j_max)
         return;
     for (size_t j = cells->j_min; j < cells->j_max; j++) {
-        add_border(f, c, cells->i_min, j, SCENE_WEST);
-        add_border(f, c, cells->i_max - 1, j, SCENE_EAST);
+        add_border(f, k, cells->i_min, j, SCENE_WEST);
+        add_border(f, k, cells->i_max - 1, j, SCENE_EAST);
     }
     for (size_t i = cells->i_min; i < cells->i_max; i++) {
-        add_border(f, c, i, cells->j_min, SCENE_SOUTH);
-        add_border(f, c, i, cells->j_max - 1, SCENE_NORTH);
+        add_border(f, k, i, cells->j_min, SCENE_SOUTH);
+        add_border(f, k, i, cells->j_max - 1, SCENE_NORTH);
     }
 }
 
@@ -140,16 +172,27 @@ static bool holds(const counter_cells *c, const bf_grid *g, size_t cell)
     return c->i_min <= i && i < c->i_max && c->j_min <= j && j < c->j_max;
 }
 
-void macro_flows_add(macro_flows *f, size_t cell, double parts)
+// What of parts with these fractions of the kinds a counter counts in a cell; NULL: kinds are not told apart.
+static double counted(const macro_flows *f, size_t counter, size_t cell, double parts,
+                      const double *fractions)
 {
-    for (size_t k = 0; k < f->scene->n_counters; k++)
-        f->counters[k].added += holds(&f->cells[k], &f->grid, cell) ? parts : 0.0;
+    const uint32_t kind = f->scene->counters[counter].kind;
+
+    if (!holds(&f->cells[counter], &f->grid, cell))
+        return 0.0;
+    return kind == SCENE_KIND_ANY || fractions == NULL ? parts : parts * fractions[kind];
 }
 
-void macro_flows_take(macro_flows *f, size_t cell, double parts)
+void macro_flows_add(macro_flows *f, size_t cell, double parts, const double *fractions)
 {
     for (size_t k = 0; k < f->scene->n_counters; k++)
-        f->counters[k].taken += holds(&f->cells[k], &f->grid, cell) ? parts : 0.0;
+        f->counters[k].added += counted(f, k, cell, parts, fractions);
+}
+
+void macro_flows_take(macro_flows *f, size_t cell, double parts, const double *fractions)
+{
+    for (size_t k = 0; k < f->scene->n_counters; k++)
+        f->counters[k].taken += counted(f, k, cell, parts, fractions);
 }
 
 void macro_flows_settle(macro_flows *f, const double *contents, double left, double *ret_flows)
@@ -161,7 +204,7 @@ void macro_flows_settle(macro_flows *f, const double *contents, double left, dou
         counter_flow *c = &f->counters[k];
         const counter_cells *in = &f->cells[k];
         const double fallen =
-            f->packing * macro_fallen_in(f->solver, in->i_min, in->i_max, in->j_min, in->j_max);
+            f->packing * macro_flows_fallen_in(f->solver, f->scene->counters[k].kind, in);
         const double net = c->content + c->added - c->taken - (fallen - c->fallen) - contents[k];
         const double settled = c->out + c->in, of_out = settled > 0.0 ? c->out / settled : 1.0;
         c->left += fmax(c->out + of_out * (net - (c->out - c->in)), 0.0) + c->taken;

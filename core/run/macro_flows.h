@@ -1,5 +1,7 @@
 /// What leaves the counters and the outlets of a density.
 ///
+/// Of a counter of one kind of cargo all this is of that kind: its fraction in the cell that a flow comes from.
+///
 /// Over a side of a cell flows what the solver says of its last step (macro_flux()), with `congested` each fourth step for all
 /// four. These flows are only nearly those by which the density moved; so at each sample they are made to agree with what is
 /// known exactly:
@@ -34,11 +36,16 @@ macro_flows *macro_flows_destroy(macro_flows *f);
 /// A step was made.
 void macro_flows_follow(macro_flows *f);
 
-/// A feed put parts into a cell.
-void macro_flows_add(macro_flows *f, size_t cell, double parts);
+/// A feed put parts into a cell, of these fractions of the kinds of cargo; NULL: they are not told apart.
+void macro_flows_add(macro_flows *f, size_t cell, double parts, const double *fractions);
+
+/// Integral over some cells of the density of a kind of cargo, or of all (SCENE_KIND_ANY), and of what of it fell there since
+/// t = 0, m2.
+double macro_flows_mass_in(const macro_solver *solver, uint32_t kind, const counter_cells *c);
+double macro_flows_fallen_in(const macro_solver *solver, uint32_t kind, const counter_cells *c);
 
 /// A sink took parts out of a cell.
-void macro_flows_take(macro_flows *f, size_t cell, double parts);
+void macro_flows_take(macro_flows *f, size_t cell, double parts, const double *fractions);
 
 /// A sample: what the counters hold and what has left the domain over its sides since t = 0. Fills what has left each counter, then each outlet,
 /// since then.

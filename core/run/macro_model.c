@@ -15,6 +15,7 @@
 #include "core/scene/belt_slope.h"
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
+#include "core/scene/mix.h"
 #include "core/scene/placement.h"
 #include "core/scene/surroundings.h"
 
@@ -24,6 +25,7 @@
 typedef struct macro_run {
     macro_solver *solver;
     bool is_fed; // there are feeds
+    bool tells_kinds;
     size_t n_belts;
     const scene_belt *belts; // borrowed from the scene
     uint16_t *belt_of;       // under each cell, n_belts off every one; NULL without feeds
@@ -37,6 +39,7 @@ typedef struct macro_run {
     bf_grid grid;
     size_t n_counters;
     counter_cells counters[SCENE_COUNTERS_MAX];
+    uint32_t kinds[SCENE_COUNTERS_MAX]; // that they count
     size_t n_eyes;
     crossings *crossings;
     beam_cells beams[SCENE_EYES_MAX]; // of eyes that see a density
@@ -89,6 +92,20 @@ static void check_slopes(const scene *s, bf_faults *faults)
     }
 }
 
+// Kinds are carried by the fluxes of one closure and scheme (core/macro/kinds.h).
+static void check_kinds(const scene *s, bf_faults *faults)
+{
+    if (!scene_tells_kinds(s))
+        return;
+    if (s->macro.closure != SCENE_CONGESTED)
+        faults_add(
+            faults, "/macro/closure",
+            "the density model tells kinds of cargo apart with the closure 'congested' alone");
+    if (s->macro.scheme != SCENE_SCHEME_ROE)
+        faults_add(faults, "/macro/scheme",
+                   "the density model tells kinds of cargo apart with the scheme 'roe' alone");
+}
+
 static void check_scenario(const scene *s, bf_faults *faults)
 {
     const bool is_dispersive = s->macro.closure == SCENE_DISPERSIVE;
@@ -96,6 +113,7 @@ static void check_scenario(const scene *s, bf_faults *faults)
 
     check_step(s, faults);
     check_slopes(s, faults);
+    check_kinds(s, faults);
     macro_sinks_check(s, faults);
     if (is_dispersive && reach > MOLLIFIER_REACH_MAX)
         faults_add_limit(faults, "/macro/mollifier_per_m2",
@@ -154,6 +172,7 @@ static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
     def.closed2 = f->closed2;
     def.off = f->off;
     def.tracer_portion = tracer_portion(s, run);
+    def.n_kinds = run->tells_kinds ? s->n_cargo : 0;
     if (f->belt1 != NULL) {
         def.n_belts = s->n_sections;
         def.belts = run->moving != NULL && moving_field_belts(run->moving) != NULL
@@ -224,6 +243,43 @@ static bf_status add_density(const scene *s, const macro_run *run, const scene_p
     return status;
 }
 
+// Sets the kinds of the parts at the start, by the density (18) of those of each kind.
+static bf_status place_kinds(const scene *s, macro_run *run, const scene_placement *p,
+                             bf_error *err)
+{
+    const size_t n_cells = grid_cells(&run->grid), n = s->n_cargo;
+    double *of_kind = memory_alloc(n_cells, sizeof *of_kind);
+    double *fractions = memory_alloc(n_cells * n, sizeof *fractions);
+    scene_pose *poses = memory_alloc(p->n, sizeof *poses);
+    bf_status status = BF_OK;
+
+    if (of_kind == NULL || fractions == NULL || poses == NULL)
+        status = bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for %zu cells", n_cells);
+    for (size_t kind = 0; status == BF_OK && kind < n; kind++) {
+        size_t n_poses = 0;
+        for (size_t k = 0; k < p->n; k++)
+            if (mix_kind(p->kinds, k) == kind)
+                poses[n_poses++] = p->poses[k];
+        status = density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, poses,
+                                    n_poses, of_kind, err);
+        for (size_t c = 0; status == BF_OK && c < n_cells; c++)
+            fractions[c * n + kind] = of_kind[c];
+    }
+    for (size_t c = 0; status == BF_OK && c < n_cells; c++) {
+        double sum = 0.0;
+        for (size_t k = 0; k < n; k++)
+            sum += fractions[c * n + k];
+        for (size_t k = 0; sum > 0.0 && k < n; k++)
+            fractions[c * n + k] /= sum;
+        if (sum > 0.0)
+            macro_set_fractions(run->solver, c, fractions + c * n);
+    }
+    memory_free(of_kind);
+    memory_free(fractions);
+    memory_free(poses);
+    return status;
+}
+
 // Sets the density (18) of the parts at the start.
 static bf_status place_parts(const scene *s, macro_run *run, uint64_t *ret_n_parts, bf_error *err)
 {
@@ -242,6 +298,8 @@ static bf_status place_parts(const scene *s, macro_run *run, uint64_t *ret_n_par
         status = add_density(s, run, &p, is_off, rho, err);
     if (status == BF_OK)
         status = macro_set_density(run->solver, rho, n_cells, err);
+    if (status == BF_OK && run->tells_kinds && p.n > 0)
+        status = place_kinds(s, run, &p, err);
     if (status == BF_OK)
         *ret_n_parts = p.n;
     placement_fini(&p);
@@ -309,11 +367,14 @@ static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **r
     if (run == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a run");
     run->is_fed = s->n_feeds > 0;
+    run->tells_kinds = scene_tells_kinds(s);
     run->grid = scene_grid(s);
     run->packing = scene_packing_density(s);
     run->n_counters = s->n_counters;
-    for (size_t k = 0; k < s->n_counters; k++)
+    for (size_t k = 0; k < s->n_counters; k++) {
         run->counters[k] = counter_cells_of(&s->counters[k], &run->grid);
+        run->kinds[k] = s->counters[k].kind;
+    }
     if ((status = feed_density_create(s, scene_macro_step(s), &run->feeds, err)) != BF_OK ||
         (status = create_solver(s, w, n_threads, run, err)) != BF_OK ||
         (status = create_eyes(s, run, err)) != BF_OK ||
@@ -356,19 +417,28 @@ static double parts_of(const macro_run *run, double density)
     return run->packing * run->grid.d1 * run->grid.d2 * density;
 }
 
-static void add_to_cell(void *context, size_t cell, double density, vec2 at)
+static const double *fractions_of_cell(const void *context, size_t cell)
 {
     const macro_run *run = context;
 
-    macro_add(run->solver, cell, density, NULL);
+    return macro_fractions(run->solver, cell);
+}
+
+static void add_to_cell(void *context, size_t cell, double density, vec2 at,
+                        const double *fractions)
+{
+    const macro_run *run = context;
+
+    macro_add(run->solver, cell, density, fractions);
     macro_trace(run->solver, at, density);
-    macro_flows_add(run->flows, cell, parts_of(run, density));
+    macro_flows_add(run->flows, cell, parts_of(run, density), fractions);
 }
 
 static bf_status look_run(void *solver, size_t eye, run_view *ret_view, bf_error *err)
 {
     const macro_run *run = solver;
-    const crossings_field field = { run, density_of_cell, factor_of_belt };
+    const crossings_field field = { run, density_of_cell, factor_of_belt,
+                                    run->tells_kinds ? fractions_of_cell : NULL };
     const beam_cells *beam = &run->beams[eye];
     const double dense = run->broken_from[eye];
     bool is_broken = !(dense > 0.0) && crossings_advance(run->crossings, eye, &field);
@@ -377,6 +447,8 @@ static bf_status look_run(void *solver, size_t eye, run_view *ret_view, bf_error
     for (size_t i = 0; dense > 0.0 && i < beam->n && !is_broken; i++)
         is_broken = density_of_cell(run, beam->cells[i]) >= dense;
     *ret_view = (run_view){ .is_broken = is_broken };
+    if (run->tells_kinds)
+        ret_view->parts = crossings_parts(run->crossings, eye, &ret_view->n_parts);
     return BF_OK;
 }
 
@@ -457,9 +529,8 @@ static void count_parts(const void *solver, double *ret_parts)
     const macro_run *run = solver;
 
     for (size_t k = 0; k < run->n_counters; k++) {
-        const counter_cells *c = &run->counters[k];
         ret_parts[k] =
-            run->packing * macro_mass_in(run->solver, c->i_min, c->i_max, c->j_min, c->j_max);
+            run->packing * macro_flows_mass_in(run->solver, run->kinds[k], &run->counters[k]);
     }
 }
 
@@ -473,9 +544,9 @@ static void count_flows(void *solver, const double *contents, double left, doubl
 static double fallen_in(const void *solver, size_t counter)
 {
     const macro_run *run = solver;
-    const counter_cells *c = &run->counters[counter];
 
-    return run->packing * macro_fallen_in(run->solver, c->i_min, c->i_max, c->j_min, c->j_max);
+    return run->packing *
+           macro_flows_fallen_in(run->solver, run->kinds[counter], &run->counters[counter]);
 }
 
 static run_load measure_run(const void *solver)
@@ -544,7 +615,7 @@ static void tell_row(const macro_run *run, const double *speeds, size_t j, figur
                                                     fabs(macro_belt_factor(run->solver, belts[i])),
                                       .parts = parts * densities[i],
                                       .age = (double)NAN };
-        figures_add_cargo(to, &cargo);
+        figures_add_cargo(to, &cargo, macro_fractions(run->solver, j * g->n1 + i));
     }
 }
 

@@ -217,10 +217,15 @@ void macro_sinks_take(macro_sinks *m)
         }
         for (size_t k = 0; k < m->n_cells[sink]; k++) {
             const sink_cell *at = &m->cells[sink][k];
+            const double *fractions = macro_fractions(m->solver, at->cell);
+            const double of_all = eligible(m, at);
+            double of_taken[SCENE_KINDS_MAX] = { 0.0 };
+            for (size_t i = 0; fractions != NULL && of_all > 0.0 && i < m->scene->n_cargo; i++)
+                of_taken[i] = (at->kinds >> i & 1U) != 0 ? fractions[i] / of_all : 0.0;
             const double taken = m->parts * take_from(m, at, fraction);
             state->taken += taken;
             if (m->flows != NULL)
-                macro_flows_take(m->flows, at->cell, taken);
+                macro_flows_take(m->flows, at->cell, taken, fractions != NULL ? of_taken : NULL);
         }
     }
     macro_let_leave(m->solver, m->kept);

@@ -28,14 +28,16 @@ vec2 micro_feeds_counted_place(const scene *s, vec2 at)
     return (vec2){ fmin(fmax(at.x, d->x_min), d->x_max), fmin(fmax(at.y, d->y_min), d->y_max) };
 }
 
-// The counters that hold a part which is there.
-static uint32_t counters_at(const scene *s, vec2 at)
+// The counters that count a part of a kind which is there.
+static uint32_t counters_at(const scene *s, uint32_t kind, vec2 at)
 {
     const vec2 counted = micro_feeds_counted_place(s, at);
     uint32_t counters = 0;
 
     for (size_t k = 0; k < s->n_counters; k++)
-        counters |= (uint32_t)counter_holds(&s->counters[k], counted) << k;
+        counters |= (uint32_t)(counter_counts(&s->counters[k], kind) &&
+                               counter_holds(&s->counters[k], counted))
+                    << k;
     return counters;
 }
 
@@ -76,7 +78,8 @@ bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
         f->tags[k] = (micro_tag){ .feed = (uint32_t)s->n_feeds,
                                   .kind = mix_kind(placement->kinds, k),
                                   .counters = counters_at(
-                                      s, (vec2){ placement->poses[k].x, placement->poses[k].y }) };
+                                      s, mix_kind(placement->kinds, k),
+                                      (vec2){ placement->poses[k].x, placement->poses[k].y }) };
     if (status == BF_OK && s->n_feeds > 0)
         status = feed_parts_create(s, &f->entry, err);
     return status;
@@ -132,7 +135,7 @@ bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures, bf_
             continue;
         micro_tag *tag = &f->tags[k];
         const micro_part part = micro_part_of(f->solver, k);
-        const uint32_t now = counters_at(f->scene, (vec2){ part.x[0], part.x[1] });
+        const uint32_t now = counters_at(f->scene, tag->kind, (vec2){ part.x[0], part.x[1] });
         const uint32_t out = tag->counters & ~now, back = now & tag->left;
         add_left(f, out, 1.0);
         add_left(f, back, -1.0);
@@ -201,8 +204,8 @@ static bf_status admit(void *context, const feed_admission *part, bf_error *err)
         status = micro_admit(f->solver, &arrival, &handle, err);
     if (status != BF_OK)
         return status;
-    f->tags[handle] =
-        (micro_tag){ time_now(f), (uint32_t)part->feed, part->kind, counters_at(f->scene, at), 0 };
+    f->tags[handle] = (micro_tag){ time_now(f), (uint32_t)part->feed, part->kind,
+                                   counters_at(f->scene, part->kind, at), 0 };
     figures_wait(f->figures, part->feed, part->wait);
     return BF_OK;
 }

@@ -49,6 +49,8 @@ typedef struct micro_run {
     double bounding_radius; // no part extends farther from its centre, m
     passages_part *seen;    // at the beam looked at last
     size_t n_seen_max;
+    photo_eye_part *seen_kinds; // the same parts
+    size_t n_seen_kinds_max;
 } micro_run;
 
 static void destroy_run(void *solver)
@@ -64,6 +66,7 @@ static void destroy_run(void *solver)
     memory_free(run->poses);
     memory_free(run->rows);
     memory_free(run->seen);
+    memory_free(run->seen_kinds);
     memory_free(run);
 }
 
@@ -227,19 +230,25 @@ static void count_parts(const void *solver, double *ret_parts)
         const micro_part part = micro_part_of(run->solver, k);
         const vec2 at = micro_feeds_counted_place(s, (vec2){ part.x[0], part.x[1] });
         for (size_t c = 0; c < s->n_counters && !part.is_gone; c++)
-            ret_parts[c] += counter_holds(&s->counters[c], at) ? 1.0 : 0.0;
+            ret_parts[c] += counter_counts(&s->counters[c], run->feeds.tags[k].kind) &&
+                                    counter_holds(&s->counters[c], at)
+                                ? 1.0
+                                : 0.0;
     }
 }
 
 static double fallen_in(const void *solver, size_t counter)
 {
     const micro_run *run = solver;
+    const scene_counter *c = &run->scene->counters[counter];
     double n = 0.0;
 
     for (size_t k = 0; k < micro_parts(run->solver); k++) {
         const micro_part part = micro_part_of(run->solver, k);
         const vec2 at = { part.x[0], part.x[1] };
-        n += part.has_fallen && counter_holds(&run->scene->counters[counter], at) ? 1.0 : 0.0;
+        const bool is_counted =
+            part.has_fallen && counter_counts(c, run->feeds.tags[k].kind) && counter_holds(c, at);
+        n += is_counted ? 1.0 : 0.0;
     }
     return n;
 }
@@ -441,7 +450,9 @@ static void tell_cargo(const void *solver, figures *to)
             .parts = 1.0,
             .age = run->feeds.entry == NULL ? (double)NAN : micro_feeds_age(&run->feeds, k)
         };
-        figures_add_cargo(to, &cargo);
+        double fractions[SCENE_KINDS_MAX] = { 0.0 };
+        fractions[run->feeds.tags[k].kind] = 1.0;
+        figures_add_cargo(to, &cargo, fractions);
     }
 }
 
@@ -469,13 +480,19 @@ static void look_at_part(void *context, size_t part, const micro_place *place)
     const double speed = state.v[0] * l->across.x + state.v[1] * l->across.y;
     const double slowness = speed > 0.0 ? 1.0 / speed : (double)INFINITY; // s/m
 
-    l->has_memory = l->has_memory &&
-                    memory_reserve(&run->seen, &run->n_seen_max, l->n + 1, sizeof *run->seen) == 0;
-    if (l->has_memory)
-        run->seen[l->n++] =
-            (passages_part){ .id = micro_id_of(run->solver, part),
-                             .since = extent.most > 0.0 ? extent.most * slowness : 0.0,
-                             .left = extent.least < 0.0 ? -extent.least * slowness : 0.0 };
+    l->has_memory =
+        l->has_memory &&
+        memory_reserve(&run->seen, &run->n_seen_max, l->n + 1, sizeof *run->seen) == 0 &&
+        memory_reserve(&run->seen_kinds, &run->n_seen_kinds_max, l->n + 1,
+                       sizeof *run->seen_kinds) == 0;
+    if (!l->has_memory)
+        return;
+    const uint64_t id = micro_id_of(run->solver, part);
+    run->seen_kinds[l->n] = (photo_eye_part){ id, place->kind };
+    run->seen[l->n++] =
+        (passages_part){ .id = id,
+                         .since = extent.most > 0.0 ? extent.most * slowness : 0.0,
+                         .left = extent.least < 0.0 ? -extent.least * slowness : 0.0 };
 }
 
 static int compare_seen(const void *left, const void *right)
@@ -510,7 +527,9 @@ static bf_status look_at_beam(void *solver, size_t eye, run_view *ret_view, bf_e
         qsort(run->seen, l.n, sizeof *run->seen, compare_seen);
     *ret_view =
         (run_view){ .is_broken = l.n > 0,
-                    .passages = { .belt_speed = vec2_length(now), .n = l.n, .parts = run->seen } };
+                    .passages = { .belt_speed = vec2_length(now), .n = l.n, .parts = run->seen },
+                    .n_parts = l.n,
+                    .parts = run->seen_kinds };
     return BF_OK;
 }
 

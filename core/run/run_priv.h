@@ -11,6 +11,7 @@
 #include "core/micro/micro.h"
 #include "core/run/frame.h"
 #include "core/run/passages.h"
+#include "core/run/photo_eyes.h"
 #include "core/scene/placement.h"
 #include "core/scene/scene.h"
 #include "core/scene/surroundings.h"
@@ -63,8 +64,10 @@ typedef struct run_departures {
 
 /// What a photo eye sees, borrowed from the model until the next question.
 typedef struct run_view {
-    bool is_broken;         ///< the beam
-    passages_view passages; ///< of the parts that break it; models without parts leave it zero
+    bool is_broken;              ///< the beam
+    passages_view passages;      ///< of the parts that break it; models without parts leave it zero
+    size_t n_parts;              ///< that break it; of eyes that tell kinds alone
+    const photo_eye_part *parts; ///< which
 } run_view;
 
 /// A model. solver is what create() made.

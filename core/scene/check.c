@@ -164,6 +164,9 @@ static void check_counters(const scene *s, bf_faults *faults)
             faults_add(faults, pointer, "'%s' is a column of every curve", counter->id);
         check_interval(counter->rect.x_min, counter->rect.x_max, k, "x_m", faults);
         check_interval(counter->rect.y_min, counter->rect.y_max, k, "y_m", faults);
+        snprintf(pointer, sizeof pointer, "/counters/%zu/kind", k);
+        if (counter->kind != SCENE_KIND_ANY && counter->kind >= s->n_cargo)
+            faults_add(faults, pointer, "must be the id of a kind of cargo in the scenario");
     }
 }
 

@@ -374,6 +374,12 @@ void scene__check_actions(const scene *s, bf_faults *faults)
         snprintf(at, sizeof at, "%s/when/photo_eye", pointer);
         if (a->eye >= s->n_eyes)
             faults_add(faults, at, "must be the id of one in the scenario");
+        snprintf(at, sizeof at, "%s/when/kind", pointer);
+        if (a->kind != SCENE_KIND_ANY && a->kind >= s->n_cargo)
+            faults_add(faults, at, "must be the id of a kind of cargo in the scenario");
+        else if (a->kind != SCENE_KIND_ANY && a->eye < s->n_eyes &&
+                 s->eyes[a->eye].density_ratio != 0.0)
+            faults_add(faults, at, "an eye that sees a density (density_ratio) sees no parts");
         snprintf(at, sizeof at, "%s/do", pointer);
         if ((unsigned)a->type < SCENE_ACTION_COUNT)
             check_command(s, a, pointer, faults);

@@ -18,3 +18,9 @@ counter_cells counter_cells_of(const scene_counter *c, const bf_grid *grid);
 
 /// True if the point lies in the counter's rectangle.
 bool counter_holds(const scene_counter *c, vec2 at);
+
+/// True if it counts parts of a kind of cargo.
+static inline bool counter_counts(const scene_counter *c, uint32_t kind)
+{
+    return c->kind == SCENE_KIND_ANY || c->kind == kind;
+}

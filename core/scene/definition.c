@@ -176,6 +176,8 @@ static uint64_t add_equipment(uint64_t digest, const scene *s)
                              (double)a->target, a->value, a->over);
         if (a->type == SCENE_ACTION_SHIFT)
             digest = ADD_NUMBERS(digest, a->shift.x, a->shift.y);
+        if (a->kind != SCENE_KIND_ANY)
+            digest = ADD_NUMBERS(digest, a->kind);
     }
     return digest;
 }
@@ -211,8 +213,11 @@ uint64_t definition_digest(const scene *s)
         digest = ADD_ITEMS(digest, o->path, o->n_points);
     }
     digest = add_cargo(digest, s);
-    for (size_t k = 0; k < s->n_counters; k++)
+    for (size_t k = 0; k < s->n_counters; k++) {
         digest = ADD_ITEMS(digest, &s->counters[k].rect, 1);
+        if (s->counters[k].kind != SCENE_KIND_ANY)
+            digest = ADD_NUMBERS(digest, s->counters[k].kind);
+    }
     digest = ADD_NUMBERS(digest, s->duration, s->output.curve_every, s->output.snapshot_every);
     digest = ADD_NUMBERS(digest, cells_wanted(s), macro->step, macro->scheme, macro->heaviside,
                          macro->heaviside_width, macro->dispersion, macro->mollifier,

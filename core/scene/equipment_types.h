@@ -42,10 +42,15 @@ typedef enum scene_action_type {
     SCENE_ACTION_COUNT
 } scene_action_type;
 
+/// No kind of cargo in particular.
+#define SCENE_KIND_ANY UINT32_MAX
+
 /// What a photo eye commands. From the first command on, the target's own schedule has no effect.
 typedef struct scene_action {
-    size_t eye;             ///< index into scene.photo_eyes
-    bool when_blocked;      ///< acts when the state becomes blocked; else when it becomes clear
+    size_t eye;        ///< index into scene.photo_eyes
+    bool when_blocked; ///< acts when the state becomes blocked; else when it becomes clear
+    uint32_t
+        kind; ///< index into scene.cargo: acts for each part of this kind (default SCENE_KIND_ANY: for whatever breaks the beam)
     double delay;           ///< s after that, >= 0 (default 0)
     scene_action_type type; ///< see there
     size_t target;          ///< index of the belt, obstacle or feed

@@ -125,9 +125,12 @@ void scene_photo_eye_init(scene_photo_eye *e)
 
 void scene_action_init(scene_action *a)
 {
-    *a = (scene_action){
-        .eye = SIZE_MAX, .type = SCENE_ACTION_COUNT, .target = SIZE_MAX, .value = NAN, .over = 0.5
-    };
+    *a = (scene_action){ .eye = SIZE_MAX,
+                         .kind = SCENE_KIND_ANY,
+                         .type = SCENE_ACTION_COUNT,
+                         .target = SIZE_MAX,
+                         .value = NAN,
+                         .over = 0.5 };
 }
 
 void scene_output_window_init(scene_output_window *w)
@@ -137,7 +140,7 @@ void scene_output_window_init(scene_output_window *w)
 
 void scene_counter_init(scene_counter *c)
 {
-    *c = (scene_counter){ .rect = unknown_rect };
+    *c = (scene_counter){ .rect = unknown_rect, .kind = SCENE_KIND_ANY };
 }
 
 void scene_sink_init(scene_sink *sink)
@@ -202,6 +205,17 @@ static double mean_packing(const scene *s)
         area += s->cargo[k].share / shape_packing_density(&s->cargo[k].shape);
     }
     return sum / area;
+}
+
+bool scene_tells_kinds(const scene *s)
+{
+    bool tells = false;
+
+    for (size_t k = 0; k < s->n_actions; k++)
+        tells = tells || s->actions[k].kind != SCENE_KIND_ANY;
+    for (size_t k = 0; k < s->n_counters; k++)
+        tells = tells || s->counters[k].kind != SCENE_KIND_ANY;
+    return tells;
 }
 
 double scene_mean_footprint(const scene *s)

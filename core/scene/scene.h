@@ -78,6 +78,9 @@ double scene_cell_edge(const scene *s);
 /// calculates with 2004 parts/m2 for the 2004.69 of its cylinders, and its results depend on it.
 double scene_packing_density(const scene *s);
 
+/// True if what happens, or is told, depends on the kinds of the parts: the density then has one for each kind.
+bool scene_tells_kinds(const scene *s);
+
 /// Mean area of the footprint of a part, by the shares of the kinds, m2.
 double scene_mean_footprint(const scene *s);
 

@@ -147,6 +147,7 @@ typedef struct scene_initial {
 typedef struct scene_counter {
     char id[SCENE_ID_SIZE]; ///< unique, a column of the curve (default "upstream", "upstream-<n>")
     scene_rect rect;        ///< x_min <= x < x_max, same in y (default the domain's)
+    uint32_t kind;          ///< index of a kind, counted alone (default SCENE_KIND_ANY: all)
 } scene_counter;
 
 /// A span of time in which results are taken at other periods.

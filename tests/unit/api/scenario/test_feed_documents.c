@@ -204,6 +204,8 @@ static const struct {
     { "/actions/0/when/photo_eye",
       ACTION("'photo_eye': 'px', 'state': 'clear'", "'feed': 'in', 'hold': true"),
       "\"px\" is not the id of a photo eye; there are: pe" },
+    { "/actions/0/when/kind", ACTION(CLEAR ", 'kind': 'jar'", "'feed': 'in', 'hold': true"),
+      "\"jar\" is not the id of a kind of cargo" },
     { "/actions/0/when/state",
       ACTION("'photo_eye': 'pe', 'state': 'open'", "'feed': 'in', 'hold': true"), "\"clear\"" },
     { "/actions/0/do", ACTION(CLEAR, ""), "factor, turn_deg, present, hold, shift_m; not 0" },

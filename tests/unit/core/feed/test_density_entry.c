@@ -13,12 +13,13 @@
 
 #include <cmocka.h>
 
-enum { N1 = 10, N2 = 4 };
+enum { N1 = 10, N2 = 4, KINDS = 2 };
 
 typedef struct cells {
     double rho[N1 * N2];
     double factor;
     vec2 place[N1 * N2]; // where what a cell has got came in
+    double of_kind[KINDS];
 } cells;
 
 static double density(const void *context, size_t cell)
@@ -32,13 +33,15 @@ static double factor(const void *context, size_t belt)
     return ((const cells *)context)->factor;
 }
 
-static void add(void *context, size_t cell, double amount, vec2 at)
+static void add(void *context, size_t cell, double amount, vec2 at, const double *fractions)
 {
     cells *c = context;
 
     assert_true(amount > 0.0);
     c->place[cell] = at;
     c->rho[cell] += amount;
+    for (size_t k = 0; fractions != NULL && k < KINDS; k++)
+        c->of_kind[k] += amount * fractions[k];
 }
 
 static const double dt = 0.05;
@@ -308,6 +311,44 @@ static void out_of_memory_anywhere_is_an_error(void **state)
     scene_fini(&s);
 }
 
+// Parts 1 to 4 of kinds 0, 1, 1, 0 come at 1 to 4 s; of the 5th, at 5 s, the first half enters. With a bound of the belt of 4 times 0.25
+// of a cell of 100 parts a part enters in one step.
+static void what_enters_is_of_the_kinds_of_the_parts_in_their_order(void **state)
+{
+    static uint32_t kinds[] = { 0, 1, 1, 0, 1 };
+    static double times[] = { 1.0, 2.0, 3.0, 4.0, 5.0 };
+    static const double expected[][2] = {
+        { 1.0, 0.0 }, { 1.0, 1.0 }, { 1.0, 2.0 }, { 2.0, 2.0 }, { 2.0, 2.5 }
+    };
+    scene s;
+    cells c = { .factor = 1.0 };
+
+    (void)state;
+    make_scene(&s, 1, 1.0);
+    helper_scene_resolve(&s);
+    s.n_cargo = 2;
+    scene_action of_kind = { .kind = 1 };
+    s.n_actions = 1;
+    s.actions = &of_kind;
+    s.feeds[0].demand = SCENE_DEMAND_SCHEDULE;
+    s.feeds[0].schedule = (scene_arrival_list){ .n = 5, .times = times, .kinds = kinds };
+    feed_density *d = NULL;
+    assert_int_equal(feed_density_create(&s, dt, &d, NULL), BF_OK);
+    for (size_t k = 0; k < 5; k++) {
+        if (k == 4) // one cell that has room for half a part
+            for (size_t cell = 0; cell < N1 * N2; cell++)
+                c.rho[cell] = cell == 0 ? 0.995 : 1.0;
+        advance(d, 1.0 + (double)k, &c);
+        for (size_t kind = 0; kind < KINDS; kind++)
+            assert_near(c.of_kind[kind] * 100.0, expected[k][kind], 1e-9);
+    }
+    feed_density_destroy(d);
+    s.n_actions = 0;
+    s.actions = NULL;
+    s.feeds[0].schedule = (scene_arrival_list){ .n = 0 };
+    scene_fini(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -319,6 +360,7 @@ int main(void)
         cmocka_unit_test(a_line_inside_has_no_bound_but_its_room),
         cmocka_unit_test(waits_and_drops_follow_the_order_of_arrival),
         cmocka_unit_test(feeds_in_the_same_cells_take_turns),
+        cmocka_unit_test(what_enters_is_of_the_kinds_of_the_parts_in_their_order),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error),
     };
 

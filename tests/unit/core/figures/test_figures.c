@@ -211,20 +211,20 @@ static void parts_that_are_inside_stay_longer_than_their_age(void **state)
     fixture x;
     begin(&x, 1.0, true);
     sample(&x, 0.0, 1.0, 0.0);
-    figures_add_cargo(x.f, &at_first[0]);
+    figures_add_cargo(x.f, &at_first[0], NULL);
     sample(&x, 1.0, 1.0, 0.0);
     figures_exit(x.f, 1.0, 1.0);
     figures_exit(x.f, 3.0, 1.0);
     figures_exit(x.f, 5.0, 1.0);
-    figures_add_cargo(x.f, &at_last[0]);
-    figures_add_cargo(x.f, &at_last[1]);
+    figures_add_cargo(x.f, &at_last[0], NULL);
+    figures_add_cargo(x.f, &at_last[1], NULL);
     sample(&x, 6.0, 2.0, 3.0);
     assert_near(value(&x, FIGURE_RESIDENCE_MEAN, 0), 3.25, 0.02);
     assert_near(value(&x, FIGURE_RESIDENCE_P50, 0), 3.0, 3.0 / 256.0);
     assert_near(value(&x, FIGURE_RESIDENCE_P90, 0), 5.0, 5.0 / 256.0);
     // Nothing is known of when 90 % will have left where more than a tenth are inside for longer than all that left.
     for (size_t k = 0; k < 4; k++)
-        figures_add_cargo(x.f, &(figures_cargo){ { 0.1, 0.3 }, 0.4, 0.4, 1.0, 5.5 });
+        figures_add_cargo(x.f, &(figures_cargo){ { 0.1, 0.3 }, 0.4, 0.4, 1.0, 5.5 }, NULL);
     sample(&x, 7.0, 4.0, 3.0);
     assert_true(isnan(value(&x, FIGURE_RESIDENCE_P90, 0)));
     end(&x);
@@ -329,12 +329,11 @@ static void where_nothing_is_queued_there_is_no_jam_and_no_queue(void **state)
     for (int t = 0; t <= 120; t++) {
         const bool is_inside = t % 60 < 20 || (t >= 80 && t < 100);
         const bool is_held = t >= 80 && t < 100;
+        const figures_cargo one = {
+            { is_held ? 0.99 : 0.05 * (t % 60), 0.3 }, is_held ? 0.0 : 0.05, 0.05, 1.0, 0.0
+        };
         if (is_inside)
-            figures_add_cargo(x.f, &(figures_cargo){ { is_held ? 0.99 : 0.05 * (t % 60), 0.3 },
-                                                     is_held ? 0.0 : 0.05,
-                                                     0.05,
-                                                     1.0,
-                                                     0.0 });
+            figures_add_cargo(x.f, &one, NULL);
         sample(&x, t, is_inside, t < 20 ? 0.0 : t < 100 ? 1.0 : 2.0);
         if (t == 79) {
             assert_near(value(&x, FIGURE_JAM_COUNT, 0), 0.0, 0.0);
@@ -363,11 +362,11 @@ static void thin_ends_of_a_density_are_not_its_queue(void **state)
         helper_scene_add_obstacle(&x.s, plate, 2, SCENE_SEALED);
         assert_int_equal(figures_create(&x.s, false, &x.f, NULL), BF_OK);
         for (int k = 0; k < 500; k++)
-            figures_add_cargo(x.f,
-                              &(figures_cargo){ { 0.001 * k, 0.3 }, 0.0, 0.4, 0.4 / 500, 0.0 });
+            figures_add_cargo(x.f, &(figures_cargo){ { 1e-3 * k, 0.3 }, 0.0, 0.4, 0.4 / 500, 0.0 },
+                              NULL);
         for (int k = 0; k < 400 && !is_thin; k++)
-            figures_add_cargo(x.f,
-                              &(figures_cargo){ { 0.5 + 0.001 * k, 0.3 }, 0.0, 0.4, 0.25, 0.0 });
+            figures_add_cargo(
+                x.f, &(figures_cargo){ { 0.5 + 0.001 * k, 0.3 }, 0.0, 0.4, 0.25, 0.0 }, NULL);
         sample(&x, 0.0, 100.0, 0.0);
         assert_near(value(&x, FIGURE_QUEUE_END, 0), is_thin ? 0.875 : 0.4, 1.0 / 256.0);
         end(&x);
@@ -416,7 +415,7 @@ static void states_go_by_the_speed_of_the_belt(void **state)
     begin(&x, 0.0, true);
     for (int t = 0; t < 2; t++) {
         for (size_t k = 0; k < sizeof cargo / sizeof *cargo; k++)
-            figures_add_cargo(x.f, &cargo[k]);
+            figures_add_cargo(x.f, &cargo[k], NULL);
         sample(&x, t, 4.0, 0.0);
     }
     assert_near(value(&x, FIGURE_STATE_FREE, 0), 0.25, 1e-15);
@@ -453,7 +452,7 @@ static void a_queue_reaches_from_the_next_plate_to_its_last_slow_part(void **sta
     sample(&x, 0.0, 3.0, 0.0);
     assert_true(isnan(value(&x, FIGURE_QUEUE_END, 0))); // of cargo nothing was said
     for (size_t k = 0; k < sizeof cargo / sizeof *cargo; k++)
-        figures_add_cargo(x.f, &cargo[k]);
+        figures_add_cargo(x.f, &cargo[k], NULL);
     sample(&x, 1.0, 3.0, 0.0);
     sample(&x, 2.0, 3.0, 0.0); // the queue has gone; the largest counts
     assert_near(value(&x, FIGURE_QUEUE_END, 0), 0.45, 1e-12);
@@ -607,7 +606,7 @@ static void go_on(fixture *x, bool has_parts, int first, int last)
 {
     for (int k = first; k < last; k++) {
         const figures_cargo cargo = { { 0.02 * k, 0.3 }, 0.01 * k, 0.4, 1.0, 0.0 };
-        figures_add_cargo(x->f, &cargo);
+        figures_add_cargo(x->f, &cargo, NULL);
         if (has_parts && x->s.n_feeds > 0) {
             figures_exit(x->f, 0.3 * k + 0.1, 1.0);
             figures_wait(x->f, 0, 0.01 * k);

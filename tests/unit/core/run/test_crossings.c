@@ -53,7 +53,7 @@ typedef struct sight {
 
 static sight look(const scene *s, even_field now, size_t n_steps)
 {
-    const crossings_field field = { &now, even_density, even_factor };
+    const crossings_field field = { &now, even_density, even_factor, NULL };
     crossings *c = NULL;
     bool was_broken = false;
     sight seen = { 0.0, 0.0 };
@@ -134,7 +134,7 @@ static void make_reversing_scene(scene *s)
 static void where_the_belt_runs_backwards_parts_come_from_the_other_side(void **unused)
 {
     even_field now;
-    const crossings_field field = { &now, density_behind, even_factor };
+    const crossings_field field = { &now, density_behind, even_factor, NULL };
     crossings *c = NULL;
     int n[2] = { 0, 0 };
     scene s;
@@ -161,7 +161,7 @@ static void where_the_belt_runs_backwards_parts_come_from_the_other_side(void **
 static void a_part_goes_back_as_far_as_it_has_come(void **unused)
 {
     even_field now;
-    const crossings_field field = { &now, even_density, even_factor };
+    const crossings_field field = { &now, even_density, even_factor, NULL };
     crossings *c = NULL;
     int n = 0;
     scene s;
@@ -186,7 +186,7 @@ static void packed_parts_and_parts_that_stand_break_it_all_the_time(void **unuse
 {
     const even_field packed = { 1.0, 1.0 };
     even_field now = packed;
-    const crossings_field field = { &now, even_density, even_factor };
+    const crossings_field field = { &now, even_density, even_factor, NULL };
     crossings *c = NULL;
     scene s;
 
@@ -236,7 +236,7 @@ static void an_eye_beside_the_belts_sees_nothing(void **unused)
 static void a_saved_eye_goes_on_as_it_would_have(void **unused)
 {
     const even_field now = { 0.02, 1.0 };
-    const crossings_field field = { &now, even_density, even_factor };
+    const crossings_field field = { &now, even_density, even_factor, NULL };
     crossings *c = NULL, *copy = NULL;
     bf_buffer saved = { .n = 0 };
     checkpoint_writer w;
@@ -281,6 +281,56 @@ static void no_memory_is_reported(void **unused)
     scene_fini(&s);
 }
 
+typedef struct field_of_kinds {
+    even_field even;
+    size_t which; // of the fractions below
+} field_of_kinds;
+
+// Kinds of what crosses: the first one, the second one, or a quarter of the second one.
+static const double *fractions_of(const void *context, size_t cell)
+{
+    static const double of[][2] = { { 1.0, 0.0 }, { 0.0, 1.0 }, { 0.75, 0.25 } };
+
+    (void)cell;
+    return of[((const field_of_kinds *)context)->which];
+}
+
+// 4,000 draws with probability 1/4 have a deviation of sqrt(4000 * 3/16) = 27.
+static void parts_are_of_the_kinds_that_cross(void **state)
+{
+    static const double least[] = { 0.0, 4000.0, 1000.0 - 4.0 * 27.0 },
+                        most[] = { 0.0, 4000.0, 1000.0 + 4.0 * 27.0 };
+    scene s;
+
+    (void)state;
+    make_scene(&s, 0.1, SCENE_ARRIVALS_REGULAR, 0.5);
+    s.cargo[1] = s.cargo[0];
+    s.n_cargo = 2;
+    for (size_t k = 0; k < 3; k++) {
+        const field_of_kinds now = { { density_of(&s, 0.1, 2.0), 1.0 }, k };
+        const crossings_field field = { &now, even_density, even_factor, fractions_of };
+        crossings *c = NULL;
+        uint64_t last = 0;
+        double n = 0.0, of_second = 0.0;
+        assert_int_equal(crossings_create(&s, &c, NULL), BF_OK);
+        while (n < 4000.0) {
+            size_t n_parts;
+            (void)crossings_advance(c, 0, &field);
+            const photo_eye_part *parts = crossings_parts(c, 0, &n_parts);
+            for (size_t i = 0; i < n_parts; i++) {
+                if (parts[i].id == last)
+                    continue;
+                last = parts[i].id;
+                n += 1.0;
+                of_second += parts[i].kind == 1 ? 1.0 : 0.0;
+            }
+        }
+        assert_true(of_second >= least[k] && of_second <= most[k]);
+        crossings_destroy(c);
+    }
+    scene_fini(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +343,7 @@ int main(void)
         cmocka_unit_test(parts_that_leave_break_a_beam_for_less),
         cmocka_unit_test(an_eye_beside_the_belts_sees_nothing),
         cmocka_unit_test(a_saved_eye_goes_on_as_it_would_have),
+        cmocka_unit_test(parts_are_of_the_kinds_that_cross),
         cmocka_unit_test(no_memory_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -70,10 +70,88 @@ static void a_saved_eye_goes_on_as_it_would_have(void **state)
     photo_eyes_save(&eyes, &w);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
     assert_int_equal(checkpoint_open(&r, out.bytes, out.n, CHECKPOINT_RUN, 1, NULL), BF_OK);
-    assert_true(photo_eyes_load(&loaded, &r));
-    assert_false(photo_eyes_load(&loaded, &r)); // nothing is left
+    assert_int_equal(photo_eyes_load(&loaded, &r, NULL), BF_OK);
+    assert_int_equal(photo_eyes_load(&loaded, &r, NULL), BF_ECORRUPT); // nothing is left
     assert_false(photo_eyes_see(&loaded, 0, 7, true));
     assert_true(photo_eyes_see(&loaded, 0, 8, true));
+    buffer_fini(&out);
+}
+
+// An eye at which an action acts for parts of kind 1.
+static scene scene_of_kinds(void)
+{
+    static scene_action of_kind = { .eye = 0, .kind = 1, .when_blocked = true };
+    scene s = scene_with_eye();
+
+    s.n_actions = 1;
+    s.actions = &of_kind;
+    return s;
+}
+
+// How many parts of a kind became blocked, or clear, at the last tick.
+static size_t count_new(const photo_eyes *eyes, uint64_t kind, bool is_blocked)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < eyes->parts[0].n; k++) {
+        const photo_eye_known *of = &eyes->parts[0].items[k];
+        n += of->is_new_state != 0 && of->part.kind == kind &&
+             (of->state.is_blocked != 0) == is_blocked;
+    }
+    return n;
+}
+
+// Part 7 of kind 1 and part 8 of kind 0 break the beam at once, part 9 of kind 1 follows 7 without a gap; part 10 is too short.
+static void each_part_of_a_kind_has_a_state_of_its_own(void **state)
+{
+    static const photo_eye_part parts[] = { { 7, 1 }, { 8, 0 }, { 9, 1 }, { 10, 1 } };
+    static const struct {
+        size_t n, first; // of parts
+        size_t blocked, clear, others;
+    } ticks[] = {
+        { 2, 0, 0, 0, 0 }, { 2, 0, 0, 0, 0 }, { 2, 0, 0, 0, 0 }, { 2, 0, 1, 0, 1 }, // 0.3 s later
+        { 1, 2, 0, 0, 0 }, { 1, 2, 0, 0, 0 }, { 1, 2, 0, 1, 0 }, // 7 has been away for 0.2 s
+        { 1, 2, 1, 0, 0 }, { 1, 3, 0, 0, 0 }, { 0, 0, 0, 0, 0 }, { 0, 0, 0, 1, 0 },
+        { 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0 },
+    };
+    const scene s = scene_of_kinds();
+    photo_eyes eyes = photo_eyes_of(&s, 0.1);
+
+    (void)state;
+    assert_true(eyes.tells_kinds[0]);
+    for (uint64_t k = 0; k < sizeof ticks / sizeof *ticks; k++) {
+        assert_int_equal(
+            photo_eyes_see_parts(&eyes, 0, k, ticks[k].n, parts + ticks[k].first, NULL), BF_OK);
+        assert_int_equal(count_new(&eyes, 1, true), ticks[k].blocked);
+        assert_int_equal(count_new(&eyes, 1, false), ticks[k].clear);
+        assert_int_equal(count_new(&eyes, 0, true), ticks[k].others);
+    }
+    assert_int_equal(eyes.parts[0].n, 0);
+    photo_eyes_fini(&eyes);
+}
+
+static void saved_parts_at_an_eye_go_on_as_they_would_have(void **state)
+{
+    static const photo_eye_part part = { 3, 1 };
+    const scene s = scene_of_kinds();
+    photo_eyes eyes = photo_eyes_of(&s, 0.1), loaded = photo_eyes_of(&s, 0.1);
+    checkpoint_writer w;
+    checkpoint_reader r;
+    bf_buffer out = { 0 };
+
+    (void)state;
+    assert_int_equal(photo_eyes_see_parts(&eyes, 0, 5, 1, &part, NULL), BF_OK);
+    checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
+    photo_eyes_save(&eyes, &w);
+    assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
+    assert_int_equal(checkpoint_open(&r, out.bytes, out.n, CHECKPOINT_RUN, 1, NULL), BF_OK);
+    assert_int_equal(photo_eyes_load(&loaded, &r, NULL), BF_OK);
+    assert_int_equal(photo_eyes_see_parts(&loaded, 0, 7, 1, &part, NULL), BF_OK);
+    assert_int_equal(count_new(&loaded, 1, true), 0);
+    assert_int_equal(photo_eyes_see_parts(&loaded, 0, 8, 1, &part, NULL), BF_OK);
+    assert_int_equal(count_new(&loaded, 1, true), 1);
+    photo_eyes_fini(&eyes);
+    photo_eyes_fini(&loaded);
     buffer_fini(&out);
 }
 
@@ -128,10 +206,10 @@ static void a_beam_has_the_cells_that_it_crosses_or_touches(void **state)
 
 // Four actions of two eyes.
 static scene_action actions[] = {
-    { .eye = 0, .when_blocked = true, .delay = 0.2 },
-    { .eye = 1, .when_blocked = true, .delay = 0.1 },
-    { .eye = 0, .when_blocked = true, .delay = 0.0 },
-    { .eye = 0, .when_blocked = false, .delay = 0.1 },
+    { .eye = 0, .kind = SCENE_KIND_ANY, .when_blocked = true, .delay = 0.2 },
+    { .eye = 1, .kind = SCENE_KIND_ANY, .when_blocked = true, .delay = 0.1 },
+    { .eye = 0, .kind = SCENE_KIND_ANY, .when_blocked = true, .delay = 0.0 },
+    { .eye = 0, .kind = SCENE_KIND_ANY, .when_blocked = false, .delay = 0.1 },
 };
 static const scene commanded = { .n_actions = 4, .actions = actions };
 
@@ -149,11 +227,12 @@ static void commands_come_when_due_and_those_of_a_step_in_the_order_of_actions(v
     size_t action;
 
     (void)state;
-    assert_int_equal(commands_note(&c, 0, true, 10, NULL), BF_OK); // 2 at step 10, 0 at step 12
+    assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, 10, NULL),
+                     BF_OK); // 2 at step 10, 0 at step 12
     assert_taken(&c, 10, 2);
     assert_false(commands_take(&c, 11, &action));
-    assert_int_equal(commands_note(&c, 0, false, 11, NULL), BF_OK); // 3 at step 12
-    assert_int_equal(commands_note(&c, 1, true, 11, NULL), BF_OK);  // 1 at step 12
+    assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, false, 11, NULL), BF_OK); // 3 at step 12
+    assert_int_equal(commands_note(&c, 1, SCENE_KIND_ANY, true, 11, NULL), BF_OK);  // 1 at step 12
     assert_taken(&c, 13, 0);
     assert_taken(&c, 13, 1);
     assert_taken(&c, 13, 3);
@@ -170,7 +249,7 @@ static void saved_commands_come_as_they_would_have(void **state)
     size_t action;
 
     (void)state;
-    assert_int_equal(commands_note(&c, 0, true, 10, NULL), BF_OK);
+    assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, 10, NULL), BF_OK);
     checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
     commands_save(&c, &w);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
@@ -194,7 +273,7 @@ static void an_action_that_is_not_in_the_scene_is_damage(void **state)
     bf_buffer out = { 0 };
 
     (void)state;
-    assert_int_equal(commands_note(&c, 0, true, 10, NULL), BF_OK);
+    assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, 10, NULL), BF_OK);
     checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
     commands_save(&c, &w);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
@@ -208,15 +287,15 @@ static void an_action_that_is_not_in_the_scene_is_damage(void **state)
 
 static void more_commands_than_may_wait_end_the_run(void **state)
 {
-    scene_action late = { .when_blocked = true, .delay = 1e9 };
+    scene_action late = { .kind = SCENE_KIND_ANY, .when_blocked = true, .delay = 1e9 };
     const scene s = { .n_actions = 1, .actions = &late };
     commands c = commands_of(&s, 0.1);
     bf_error err;
 
     (void)state;
     for (uint64_t k = 0; k < COMMANDS_MAX; k++)
-        assert_int_equal(commands_note(&c, 0, true, k, NULL), BF_OK);
-    assert_int_equal(commands_note(&c, 0, true, COMMANDS_MAX, &err), BF_ELIMIT);
+        assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, k, NULL), BF_OK);
+    assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, COMMANDS_MAX, &err), BF_ELIMIT);
     assert_string_equal(err.pointer, "/actions");
     commands_fini(&c);
 }
@@ -227,11 +306,15 @@ static void no_memory_is_reported(void **state)
     const vec2 line[2] = { { 0.05, 0.05 }, { 0.05, 0.25 } };
     commands c = commands_of(&commanded, 0.1);
     beam_cells cells = { .n = 99 };
+    const scene s = scene_of_kinds();
+    photo_eyes eyes = photo_eyes_of(&s, 0.1);
 
     (void)state;
     memory_plan_fault(1, 1);
     assert_int_equal(beam_cells_of(line, &grid, &cells, NULL), BF_ENOMEM);
-    assert_int_equal(commands_note(&c, 0, true, 10, NULL), BF_ENOMEM);
+    assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, 10, NULL), BF_ENOMEM);
+    assert_int_equal(photo_eyes_see_parts(&eyes, 0, 5, 1, &(photo_eye_part){ 3, 1 }, NULL),
+                     BF_ENOMEM);
     memory_plan_fault(0, 0);
     assert_int_equal(cells.n, 99);
     assert_int_equal(c.n, 0);
@@ -289,6 +372,8 @@ int main(void)
         cmocka_unit_test(a_state_changes_when_the_beam_has_been_so_for_its_time),
         cmocka_unit_test(times_that_rounding_touches_end_at_their_step),
         cmocka_unit_test(a_saved_eye_goes_on_as_it_would_have),
+        cmocka_unit_test(each_part_of_a_kind_has_a_state_of_its_own),
+        cmocka_unit_test(saved_parts_at_an_eye_go_on_as_they_would_have),
         cmocka_unit_test(a_disk_breaks_the_beams_that_it_touches),
         cmocka_unit_test(a_box_breaks_the_beams_that_it_touches_as_it_is_turned),
         cmocka_unit_test(a_beam_has_the_cells_that_it_crosses_or_touches),

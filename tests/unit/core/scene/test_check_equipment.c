@@ -120,6 +120,8 @@ SPOIL(bad_block, eye->block_time = -1.0)
 SPOIL(bad_clear, eye->clear_time = INFINITY)
 SPOIL(bad_ratio, eye->density_ratio = 1.5)
 SPOIL(no_eye, of_belt->eye = 2)
+SPOIL(no_kind, of_belt->kind = 1)
+SPOIL(kind_of_density, (of_belt->kind = 0, s->eyes[0].density_ratio = 0.5))
 SPOIL(no_target, of_belt->target = 1)
 SPOIL(no_obstacle, turn->target = 1)
 SPOIL(no_feed, s->actions[SCENE_ACTION_FEED].target = 1)
@@ -236,6 +238,8 @@ static void what_is_wrong_is_pointed_at(void **unused)
         { bad_clear, "/photo_eyes/0/clear_time_s", "" },
         { bad_ratio, "/photo_eyes/0/density_ratio", "" },
         { no_eye, "/actions/0/when/photo_eye", "" },
+        { no_kind, "/actions/0/when/kind", "a kind of cargo" },
+        { kind_of_density, "/actions/0/when/kind", "sees no parts" },
         { no_target, "/actions/0/do/belt", "" },
         { no_obstacle, "/actions/1/do/obstacle", "" },
         { no_feed, "/actions/3/do/feed", "" },
