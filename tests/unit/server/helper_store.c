@@ -6,6 +6,7 @@
 #include "api/scenario/submission.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "server/store/backup.h"
 #include "server/store/page_sums.h"
 
 #include <dirent.h>
@@ -65,6 +66,29 @@ int helper_store_teardown(void **state)
     helper_store_remove_directory(h->directory);
     free(h);
     return 0;
+}
+
+static void note_finding(void *context, const char *name, const char *claim, const char *finding)
+{
+    (void)context;
+    if (finding != NULL)
+        fail_msg("%s: %s: %s", name, claim, finding);
+}
+
+void helper_store_verify_file(const char *path)
+{
+    bool is_sound = false;
+
+    assert_int_equal(store_verify(path, note_finding, NULL, &is_sound, NULL), BF_OK);
+    assert_true(is_sound);
+}
+
+void helper_store_verify(const helper_store *h)
+{
+    char path[128];
+
+    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
+    helper_store_verify_file(path);
 }
 
 int64_t helper_store_sql(const helper_store *h, const char *sql)

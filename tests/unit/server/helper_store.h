@@ -36,6 +36,10 @@ void helper_store_remove_directory(const char *path);
 void helper_store_open(helper_store *h);
 void helper_store_close(helper_store *h);
 
+/// Verify a store's file, or that of a test's store: it breaks no invariant.
+void helper_store_verify_file(const char *path);
+void helper_store_verify(const helper_store *h);
+
 /// Run SQL on the file while the store is closed (or reading while it is open): the first column of
 /// the first row as an integer, -1 if there is no row.
 int64_t helper_store_sql(const helper_store *h, const char *sql);

@@ -116,22 +116,10 @@ static int64_t size_of(const helper_store *h, const char *suffix)
     return info.st_size;
 }
 
-static void take_finding(void *context, const char *name, const char *claim, const char *finding)
-{
-    (void)context;
-    if (finding != NULL)
-        fail_msg("%s, %s: %s", name, claim, finding);
-}
-
 static void assert_is_sound(helper_store *h)
 {
-    char path[128];
-    bool is_sound = false;
-
     helper_store_close(h);
-    (void)snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
-    assert_int_equal(store_verify(path, take_finding, NULL, &is_sound, NULL), BF_OK);
-    assert_true(is_sound);
+    helper_store_verify(h);
 }
 
 // File and heap are as large at the end of the day as they were in the morning; a tenth is for the moment at which they

@@ -40,20 +40,10 @@ static int count_reserved(const char *path)
     return header[RESERVED_AT];
 }
 
-static void note_fault(void *context, const char *name, const char *claim, const char *finding)
-{
-    (void)context;
-    if (finding != NULL)
-        fail_msg("%s: %s: %s", name, claim, finding);
-}
-
 static void assert_checked(const char *path)
 {
-    bool is_sound = false;
-
     assert_int_equal(count_reserved(path), SUM_BYTES);
-    assert_int_equal(store_verify(path, note_fault, NULL, &is_sound, NULL), BF_OK);
-    assert_true(is_sound);
+    helper_store_verify_file(path);
 }
 
 static void write_file(const char *path, const char *text)

@@ -328,13 +328,6 @@ static void check_replay(store *s)
     assert_int_equal(store_submit(s, &submission, &accepted, NULL), BF_EINPUT);
 }
 
-static void note_fault(void *context, const char *name, const char *claim, const char *finding)
-{
-    (void)context;
-    if (finding != NULL)
-        fail_msg("%s: %s: %s", name, claim, finding);
-}
-
 static void check_half_way(helper_store *h)
 {
     store_job job = { 0 };
@@ -371,8 +364,6 @@ static void a_store_of_version_4_is_there_with_all_it_had(void **state)
     helper_store *h = *state;
     api_measurement about;
     api_curve curve = { 0 };
-    char path[128];
-    bool is_sound = false;
 
     helper_golden_put(h, 4);
     // Its answers to idempotency keys are as old as the file is.
@@ -381,9 +372,7 @@ static void a_store_of_version_4_is_there_with_all_it_had(void **state)
                                     .idempotency_ms = INT64_C(1) << 42 };
     assert_int_equal(store_open(&options, &h->store, NULL), BF_OK);
     check_soundness(h);
-    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
-    assert_int_equal(store_verify(path, note_fault, NULL, &is_sound, NULL), BF_OK);
-    assert_true(is_sound);
+    helper_store_verify(h);
     assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM runs"), 6);
     assert_int_equal(helper_find(h->store, kept).state, RUN_SUCCEEDED);
     assert_true(helper_find(h->store, shared).is_cached);

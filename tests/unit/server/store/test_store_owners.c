@@ -48,23 +48,6 @@ static void expect_claims(store *s, const char *owners)
     }
 }
 
-static void note_fault(void *context, const char *name, const char *claim, const char *finding)
-{
-    (void)context;
-    if (finding != NULL)
-        fail_msg("%s: %s: %s", name, claim, finding);
-}
-
-static void check_soundness(const helper_store *h)
-{
-    char path[128];
-    bool is_sound = false;
-
-    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
-    assert_int_equal(store_verify(path, note_fault, NULL, &is_sound, NULL), BF_OK);
-    assert_true(is_sound);
-}
-
 static void owners_take_turns(void **state)
 {
     store *s = ((helper_store *)*state)->store;
@@ -282,7 +265,7 @@ static void results_count_until_they_are_removed(void **state)
     assert_int_equal(store_remove(s, first.id, API_ANY_REVISION, NULL), BF_OK);
     assert_int_equal(quotas_of(s, "alice").bytes.used, two - one);
     assert_int_equal(submit(s, "alice", 0), BF_OK);
-    check_soundness(h);
+    helper_store_verify(h);
 }
 
 static void runs_wait_until_there_are_bytes_left(void **state)
@@ -349,7 +332,7 @@ static void shared_results_count_once_for_each_owner(void **state)
     assert_true(bobs > 2 * HELPER_N1 * HELPER_N2 && bobs <= one);
     assert_int_equal(store_remove(s, first.id, API_ANY_REVISION, NULL), BF_OK);
     assert_true(quotas_of(s, "alice").bytes.used > 2 * HELPER_N1 * HELPER_N2);
-    check_soundness(h);
+    helper_store_verify(h);
     assert_int_equal(store_remove(s, again.id, API_ANY_REVISION, NULL), BF_OK);
     assert_int_equal(quotas_of(s, "alice").bytes.used, 0);
     assert_int_equal(quotas_of(s, "bob").bytes.used, bobs);
@@ -387,7 +370,7 @@ static void what_nobody_uses_any_more_is_forgotten(void **state)
     move_use_by_hours(h, -24); // opening looks for what is to be removed
     helper_await_sql(h, "SELECT count(*) FROM cpu_sums", 0);
     helper_await_sql(h, "SELECT count(*) FROM owners", 1);
-    check_soundness(h);
+    helper_store_verify(h);
 }
 
 static bf_status add_measurement(store *s, const char *owner, api_measurement *ret_added)

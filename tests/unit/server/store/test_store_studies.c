@@ -159,23 +159,6 @@ static api_study find_study(store *s, const char *id)
     return found;
 }
 
-static void note_fault(void *context, const char *name, const char *claim, const char *finding)
-{
-    (void)context;
-    if (finding != NULL)
-        fail_msg("%s: %s: %s", name, claim, finding);
-}
-
-static void check_soundness(const helper_store *h)
-{
-    char path[128];
-    bool is_sound = false;
-
-    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
-    assert_int_equal(store_verify(path, note_fault, NULL, &is_sound, NULL), BF_OK);
-    assert_true(is_sound);
-}
-
 static void a_study_is_there_with_its_texts_after_a_restart(void **state)
 {
     helper_store *h = *state;
@@ -276,7 +259,7 @@ static void trials_are_read_by_number_by_end_and_as_far_as_they_are_open(void **
     assert_int_equal(after.n_trials, 3);
     assert_int_equal(after.n_ended[API_TRIAL_SUCCEEDED], 1);
     assert_int_equal(after.n_ended[API_TRIAL_FAILED], 1);
-    check_soundness(h);
+    helper_store_verify(h);
 }
 
 static void a_page_of_trials_has_a_limit(void **state)
@@ -395,7 +378,7 @@ static void a_trial_takes_the_room_of_what_it_differs_in(void **state)
         assert_int_equal(bytes_of(h, runs[k], "texts"), 0);
         assert_in_range(bytes_of(h, runs[k], "text_deltas"), 1, 500);
     }
-    check_soundness(h);
+    helper_store_verify(h);
     for (int k = 0; k < 3; k++)
         buffer_fini(&texts[k]);
 }
@@ -630,7 +613,7 @@ static void a_study_goes_with_all_it_has_when_its_runs_have_gone(void **state)
     assert_int_equal(store_remove_runs_of_study(s, of.id, &has_runs, NULL), BF_OK);
     assert_false(has_runs);
     assert_int_equal(store_forget_study(s, of.id, NULL), BF_OK);
-    check_soundness(h);
+    helper_store_verify(h);
     helper_store_close(h);
     assert_int_equal(helper_store_sql(h, "SELECT (SELECT count(*) FROM studies) + (SELECT count(*) "
                                          "FROM trials) + (SELECT count(*) FROM study_texts) + "

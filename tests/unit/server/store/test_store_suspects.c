@@ -77,22 +77,10 @@ static void await_suspect(store *s, const api_run *record)
     HELPER_AWAIT(is_suspect(s, record));
 }
 
-static void note(void *context, const char *name, const char *claim, const char *finding)
-{
-    (void)context;
-    if (finding != NULL)
-        fail_msg("%s, %s: %s", name, claim, finding);
-}
-
 static void close_and_verify(helper_store *h)
 {
-    char path[128];
-    bool is_sound = false;
-
     helper_store_close(h);
-    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
-    assert_int_equal(store_verify(path, note, NULL, &is_sound, NULL), BF_OK);
-    assert_true(is_sound);
+    helper_store_verify(h);
 }
 
 // Also what another run has of it, what several workers sent, and what was under way.
