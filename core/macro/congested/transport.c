@@ -89,16 +89,20 @@ static double density_at(const macro_solver *s, ptrdiff_t i, ptrdiff_t j)
 }
 
 // How much of a cell's cargo is loose: as much as the cells ahead lack of rho_j, of which its belt leads to one along each axis.
-// There is no room behind a closed face.
+// There is no room behind a closed face, and nothing to tell beyond the grid and where no belt moves.
 static double loose_part(const macro_solver *s, const congested *c, const scene_belt *belt,
                          ptrdiff_t i, ptrdiff_t j)
 {
-    const double here = density_at(s, i, j);
-    const vec2 v = belt_velocity(
-        belt, (vec2){ grid_x1(&s->def.grid, (size_t)i), grid_x2(&s->def.grid, (size_t)j) });
+    const bf_grid *g = &s->def.grid;
+    const vec2 centre = { g->lower1 + ((double)i + 0.5) * g->d1,
+                          g->lower2 + ((double)j + 0.5) * g->d2 };
+    const vec2 v = belt_velocity(belt, centre);
     const double speed[2] = { v.x, v.y };
     double loose = 0.0;
 
+    if (i < 0 || i >= s->n1 || j < 0 || j >= s->n2 || (v.x == 0.0 && v.y == 0.0))
+        return 1.0;
+    const double here = density_at(s, i, j);
     for (int axis = 0; axis < 2; axis++) {
         const ptrdiff_t up = speed[axis] > 0.0, by = up ? 1 : -1;
         const ptrdiff_t at = axis == 0 ? j * (s->n1 + 1) + i + up : (j + up) * s->n1 + i;

@@ -391,6 +391,38 @@ static void nothing_of_a_heap_stays_beside_a_plate(void **state)
         check_last_of_heap(angles_deg[k], k % 2 != 0);
 }
 
+// What slides along them comes from, or leaves to, beyond the grid.
+static void plates_may_begin_and_end_at_open_sides(void **state)
+{
+    const vec2 directions[] = {
+        { 0.4, 0.0 }, { -0.4, 0.0 }, { 0.0, 0.4 }, { 0.0, -0.4 }, { 0.3, -0.2 }
+    };
+    const vec2 rising[] = { { 0.0, 0.0 }, { 0.4, 0.4 } },
+               falling[] = { { 0.02, 0.38 }, { 0.38, 0.02 } };
+
+    (void)state;
+    for (size_t k = 0; k < 5; k++) {
+        scene s;
+        helper_scene_belt(&s, 0.4, 0.4, 0.01, &somewhere, 1);
+        s.macro.closure = SCENE_CONGESTED;
+        for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+            s.edges[side] = SCENE_EDGE_OUTFLOW;
+        helper_scene_add_belt(&s, directions[k], NULL, 0);
+        helper_scene_add_obstacle(&s, rising, 2, SCENE_WALL);
+        helper_scene_add_obstacle(&s, falling, 2, SCENE_WALL);
+        helper_scene_resolve(&s);
+        macro_solver *solver = helper_macro_create(&s, 1);
+        helper_congested_fill(&s, everywhere, 0.5, solver);
+        const double mass = macro_measure(solver).mass;
+        while (macro_time(solver) < 0.5)
+            macro_step(solver);
+        assert_true(macro_measure(solver).mass < mass);
+        assert_nowhere_negative(solver);
+        macro_destroy(solver);
+        scene_fini(&s);
+    }
+}
+
 // Packed cargo on a belt of 0.4 m/s, L long, goes onto one that all but stands across its way, is full over its width D, and ends
 // in an open edge. All moves at u: the first belt drives it by chi (v - u) over L, the other one brakes it by u over D. So
 // u = chi v L/(chi L + D), and as dL/dt = -u, chi (L_0 - L) + D ln(L_0/L) = chi v t. The first belt has these corners, or lies
@@ -656,6 +688,7 @@ int main(void)
         cmocka_unit_test(what_is_not_on_the_belt_has_left_over_its_end),
         cmocka_unit_test(a_thin_stream_lies_against_a_plate),
         cmocka_unit_test(nothing_of_a_heap_stays_beside_a_plate),
+        cmocka_unit_test(plates_may_begin_and_end_at_open_sides),
         cmocka_unit_test(what_comes_onto_another_belt_is_braked_less_than_slip_by_slip),
         cmocka_unit_test(what_is_pushed_against_a_closed_end_leaves_over_every_cell_of_open_sides),
         cmocka_unit_test(nothing_leaks_through_a_plate_that_closes_the_belt),
