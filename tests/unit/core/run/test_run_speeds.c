@@ -2,6 +2,7 @@
 
 #include "core/run/run.h"
 
+#include "core/base/memory.h"
 #include "core/figures/figure.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
@@ -74,6 +75,52 @@ static void a_run_stopped_in_a_ramp_resumes_to_the_same_results(void **state)
     }
 }
 
+// An S on which an eye lets the belt run back before its parts come to the first bend; all its sections are told.
+static void make_path(scene *s, int solver)
+{
+    const vec2 points[] = { { 0.0, 0.2 }, { 0.3, 0.2 }, { 0.5, 0.4 }, { 0.8, 0.4 } };
+
+    helper_scene_belt(s, 0.8, 0.6, 0.01, (scene_pose[]){ { 0.2, 0.2, 0.0 }, { 0.33, 0.23, 0.0 } },
+                      2);
+    helper_scene_add_path(s, 0.4, 0.2, 0.15, points, 4)->acceleration = 4.0;
+    s->duration = 0.3;
+    s->output.curve_every = 0.01;
+    s->macro.closure = SCENE_CONGESTED;
+    s->micro.path = solvers[solver].path;
+    s->micro.integrator = solvers[solver].integrator;
+    s->micro.step = solvers[solver].step;
+    s->micro.modulus_reduction = 1e6;
+    s->n_eyes = s->n_actions = 1;
+    s->eyes = memory_alloc(1, sizeof *s->eyes);
+    s->actions = memory_alloc(1, sizeof *s->actions);
+    assert_true(s->eyes != NULL && s->actions != NULL);
+    scene_photo_eye_init(&s->eyes[0]);
+    s->eyes[0].line[0] = (vec2){ 0.23, 0.1 };
+    s->eyes[0].line[1] = (vec2){ 0.23, 0.3 };
+    s->eyes[0].density_ratio = 0.01;
+    scene_action_init(&s->actions[0]);
+    s->actions[0] = (scene_action){
+        .when_blocked = true, .delay = 0.02, .type = SCENE_ACTION_BELT, .value = -0.5, .over = 0.5
+    };
+    helper_scene_resolve(s);
+}
+
+static void a_run_along_a_path_that_an_eye_commands_resumes_to_the_same_results(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k += 2) {
+        scene s;
+        make_path(&s, k);
+        helper_run_log *log = helper_run_check_stops(
+            &s, solvers[k].model, 4, 1, (helper_run_threads){ .before = 1, .after = 2 });
+        const uint32_t speed = log->begin.n_columns - 1;
+        assert_near(log->values[0][speed], 0.4, 1e-12);
+        assert_near(helper_run_at(log, 0.3)[speed], -0.2, 1e-12);
+        helper_run_free(log);
+        scene_fini(&s);
+    }
+}
+
 // From 0.0395 m/s at 0.11 s the belt has 0.3995 m/s at 0.17 s, and stands 0.0799 s later, until 0.26 s.
 static void speeds_and_stops_of_a_belt_are_told(void **state)
 {
@@ -142,6 +189,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_stopped_in_a_ramp_resumes_to_the_same_results),
+        cmocka_unit_test(a_run_along_a_path_that_an_eye_commands_resumes_to_the_same_results),
         cmocka_unit_test(speeds_and_stops_of_a_belt_are_told),
         cmocka_unit_test(a_checkpoint_fits_no_other_schedule),
         cmocka_unit_test(while_a_belt_stands_the_curve_does_not_move),
