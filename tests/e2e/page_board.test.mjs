@@ -105,6 +105,9 @@ test("things are doubled, mirrored, turned and deleted; rules are told in words 
   await thing.getByLabel("Delay").pressSequentially("12.5");
   assert.equal(await thing.getByLabel("Delay").inputValue(), "12.5");
   await page.getByRole("button", { name: "Rule When eye-1 is blocked for 12.5 s: stop infeed" }).waitFor();
+  await thing.getByLabel("Kind").selectOption("cargo");
+  await page.getByRole("button", { name: "Rule When eye-1 sees cargo, 12.5 s later: stop infeed" }).waitFor();
+  await thing.getByLabel("Kind").selectOption("");
   await page.getByRole("button", { name: "Plate plate-2" }).click();
   await thing.getByText("More", { exact: true }).click();
   await thing.getByRole("button", { name: "Give motion" }).click();

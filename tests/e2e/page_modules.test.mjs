@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { lineOf } from "../../web/src/board/lines.js";
+import { nameOfThing, rename } from "../../web/src/board/things.js";
 import { cargoOf } from "../../web/src/cargo.js";
 import { chipsOf, differences, nameOfVariant } from "../../web/src/differences.js";
 import { Equipment, isPresentAt, placeAt } from "../../web/src/equipment.js";
@@ -31,6 +32,17 @@ test("parts of a mix are of the kinds that the server names, told by the heights
   const { shape: [n, columns], data } = readNpy(bytesOf(await d.get(`/v1/runs/${run.id}/parts/0`)));
   const { kindOfPart } = cargoOf(example, (await d.get(`/v1/runs/${run.id}/snapshots`)).json.kinds);
   for (let k = 0; k < n; k++) near(data[k * columns + 2], example.cargo[kindOfPart(k)].shape.height_m / 2, 1e-6);
+});
+
+test("a rule says which kind its photo eye sees, and follows another id of it, as a counter does", () => {
+  const when = { photo_eye: "camera", state: "blocked", kind: "jar" };
+  const scenario = { actions: [{ when, delay_s: 1.5, do: { obstacle: "arm", turn_deg: 28 } }, { when: { ...when, state: "clear" }, do: { feed: "in", hold: true } }],
+    counters: [{ kind: "jar" }, { kind: "can" }, {}] };
+  assert.equal(nameOfThing(scenario, null, "actions", 0), "When camera sees jar, 1.5 s later: turn arm to 28°");
+  assert.equal(nameOfThing(scenario, null, "actions", 1), "When camera has seen jar: hold in");
+  rename(scenario, "kinds", "jar", "glass");
+  assert.deepEqual(scenario.actions.map((action) => action.when.kind), ["glass", "glass"]);
+  assert.deepEqual(scenario.counters, [{ kind: "glass" }, { kind: "can" }, {}]);
 });
 
 test("a line that is called by the name of its scenario has whole characters and 100 bytes at most", () => {

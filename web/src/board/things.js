@@ -141,15 +141,17 @@ function does({ belt, factor, obstacle, turn_deg: turn, shift_m: shift, present,
 // What a thing is called: a rule in words, all others by their ids.
 export function nameOfThing(scenario, resolved, list, k) {
   const { when, do: what, delay_s: delay } = scenario[list][k];
+  if (when?.kind && what) return `When ${when.photo_eye} ${when.state === "blocked" ? "sees" : "has seen"} ${when.kind}${delay ? `, ${delay} s later` : ""}: ${does(what)}`;
   if (when && what) return `When ${when.photo_eye} is ${when.state}${delay ? ` for ${delay} s` : ""}: ${does(what)}`;
   return idOf(scenario, resolved, list, k) ?? String(k + 1);
 }
 
-// Another id, also where rules, feeds and sinks name it.
+// Another id, also where rules, feeds, counters and sinks name it.
 export function rename(scenario, list, from, to) {
   const member = list.replace(/s$/, "");
   for (const share of (scenario.feeds ?? []).flatMap(({ cargo }) => cargo ?? [])) if (share[member] === from) share[member] = to;
   for (const sink of scenario.sinks ?? []) if (list === "kinds" && sink.kinds) sink.kinds = sink.kinds.map((id) => (id === from ? to : id));
+  for (const counter of scenario.counters ?? []) if (list === "kinds" && counter.kind === from) counter.kind = to;
   for (const { when, do: what } of scenario.actions ?? []) {
     for (const part of [when, what]) if (part?.[member] === from) part[member] = to;
   }
