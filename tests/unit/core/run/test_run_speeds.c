@@ -99,9 +99,11 @@ static void make_path(scene *s, int solver)
     s->eyes[0].line[1] = (vec2){ 0.23, 0.3 };
     s->eyes[0].density_ratio = 0.01;
     scene_action_init(&s->actions[0]);
-    s->actions[0] = (scene_action){
-        .when_blocked = true, .delay = 0.02, .type = SCENE_ACTION_BELT, .value = -0.5, .over = 0.5
-    };
+    s->actions[0].eye = s->actions[0].target = 0;
+    s->actions[0].when_blocked = true;
+    s->actions[0].delay = 0.02;
+    s->actions[0].type = SCENE_ACTION_BELT;
+    s->actions[0].value = -0.5;
     helper_scene_resolve(s);
 }
 
