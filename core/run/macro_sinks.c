@@ -52,14 +52,7 @@ void macro_sinks_check(const scene *s, bf_faults *faults)
     char pointer[BF_POINTER_SIZE];
 
     for (size_t k = 0; k < s->n_sinks; k++) {
-        bool has_cells = false, takes_all = true;
-        for (size_t kind = 0; kind < s->n_cargo; kind++)
-            takes_all = takes_all && sink_takes(&s->sinks[k], kind);
-        snprintf(pointer, sizeof pointer, "/sinks/%zu/kinds", k);
-        if (!takes_all)
-            faults_add(faults, pointer,
-                       "a density has no kinds of which some could be taken: solve it with the "
-                       "microscopic model");
+        bool has_cells = false;
         snprintf(pointer, sizeof pointer, "/sinks/%zu/polygon_m", k);
         if (sink_visit_cells(&s->sinks[k], &g, stop, &has_cells) == BF_OK && !has_cells)
             faults_add(faults, pointer,
@@ -211,7 +204,7 @@ void macro_sinks_take(macro_sinks *m)
             inside += m->parts * density_of(m, at->cell) * eligible(m, at);
         }
         if (rate != INFINITY) {
-            state->credit = fmin(state->credit + rate * dt, whole_part);
+            state->credit = fmin(state->credit + rate * dt, fmax(whole_part, rate * dt));
             fraction = inside > state->credit ? state->credit / inside : 1.0;
             state->credit = fmax(state->credit - inside, 0.0);
         }

@@ -1,7 +1,8 @@
 /// Sinks of the macroscopic model (core/scene/sink.h): what they take off the cells whose centres are in them.
 ///
 /// After each step a sink takes all that is in its cells, or with a rate at most its credit, the same share of each cell. The credit
-/// grows by the rate up to one part: as a part that comes to a sink which has been idle for 1/rate is taken at once.
+/// grows by the rate up to one part, or to what the rate is in a step: as a part that comes to a sink which has been idle for 1/rate is
+/// taken at once. Of some kinds it takes the same share of each.
 ///
 /// Units    parts.
 
@@ -18,7 +19,7 @@
 /// The sinks of a run; opaque, on the heap.
 typedef struct macro_sinks macro_sinks;
 
-/// Note sinks that a density cannot have: of some of several kinds, and of no cell.
+/// Note sinks of no cell, which a density cannot have.
 void macro_sinks_check(const scene *s, bf_faults *faults);
 
 /// Begin with a solver at t = 0, which must outlive them, as the flows, NULL without feeds. The caller owns *ret_sinks:

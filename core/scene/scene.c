@@ -10,6 +10,7 @@
 #include "core/scene/placement.h"
 #include "core/scene/plate_range.h"
 #include "core/scene/shape.h"
+#include "core/scene/sink.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -215,6 +216,9 @@ bool scene_tells_kinds(const scene *s)
         tells = tells || s->actions[k].kind != SCENE_KIND_ANY;
     for (size_t k = 0; k < s->n_counters; k++)
         tells = tells || s->counters[k].kind != SCENE_KIND_ANY;
+    for (size_t k = 0; k < s->n_sinks; k++)
+        for (size_t kind = 0; kind < s->n_cargo; kind++)
+            tells = tells || !sink_takes(&s->sinks[k], kind);
     return tells;
 }
 
