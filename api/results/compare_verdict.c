@@ -16,6 +16,7 @@
 static const double open_fraction =
     0.9; // of what is offered, that comes through where nothing holds it up
 static const double most_counted = 1e5;  // parts; their number differs by 0.3 % from its mean
+static const double two_sided_95 = 1.96; // of the normal distribution
 static const double chance_told = 0.005; // of the mean of what arrives
 static const double nothing = 1e-9;      // relative: figures are written with 12 digits
 
@@ -70,7 +71,8 @@ static bf_status make_side(run_model model, scene *s, const json_t *figures, com
                                 .arrived = 1.0,
                                 .throughput_per_h = values[FIGURE_SUSTAINED],
                                 .error_per_h = values[FIGURE_THROUGHPUT_ERROR],
-                                .needs_s = values[FIGURE_THROUGHPUT_NEEDS] };
+                                .needs_s = values[FIGURE_THROUGHPUT_NEEDS],
+                                .counted_h = (s->duration - s->warmup) / 3600.0 };
     bf_status status = find_arrivals(s, ret_side, err);
     if (status == BF_OK)
         status = review_side(s, ret_side, err);
@@ -294,14 +296,24 @@ void compare_verdict_find(const compare_side *a, const compare_side *b, verdicts
         say_difference(a, b, half, ret_verdicts);
 }
 
+// Half the width of the interval of a side's flow; NAN: not known.
+static double half_width_of_flow(const compare_side *side, double error_per_h, double most_per_h)
+{
+    if (!side->has_chance)
+        return 0.0;
+    return isnan(error_per_h) && side->counted_h > 0.0
+               ? two_sided_95 * sqrt(most_per_h / side->counted_h)
+               : error_per_h;
+}
+
 // By which fraction of the larger one two flows differ, beyond what chance leaves open; 0: not beyond it, or it is not known.
 static double differ_by(const compare_side *a, const compare_side *b, const compare_flow_pair *pair)
 {
-    const double half =
-        hypot(a->has_chance ? pair->a_error : 0.0, b->has_chance ? pair->b_error : 0.0);
-    const double gap = fabs(pair->gap_per_h);
+    const double most = fmax(pair->a_per_h, pair->b_per_h), gap = fabs(pair->gap_per_h);
+    const double half = hypot(half_width_of_flow(a, pair->a_error, most),
+                              half_width_of_flow(b, pair->b_error, most));
 
-    return gap > half ? gap / fmax(pair->a_per_h, pair->b_per_h) : 0.0;
+    return gap > half ? gap / most : 0.0;
 }
 
 void compare_verdict_flows(const compare_side *a, const compare_side *b,

@@ -10,7 +10,8 @@
 ///     too_early        both models of one line, not within that, and the belt of one was still filling while its throughput was
 ///                      counted
 ///     no_throughput    nothing came through in either, or nothing has left of one of them, or its curve is of what is inside while cargo enters and leaves
-///     flows_differ     flows of counters or outlets differ by more than chance leaves open, and by more than the throughputs do
+///     flows_differ     flows of counters or outlets differ by more than chance leaves open, and by more than the throughputs do. Of a flow
+///                      without an interval n parts were counted, and 1.96 sqrt(n) of them are left to chance (Poisson)
 
 #pragma once
 
@@ -39,6 +40,7 @@ typedef struct compare_side {
     double throughput_per_h; ///< NAN: nothing left
     double error_per_h;      ///< half width of its interval of 95 %; NAN: there is none
     double needs_s;          ///< how long a run has to be for one; NAN: not known
+    double counted_h;        ///< for how long its flows were counted, h; 0: not known
 } compare_side;
 
 /// The side of a run, from its resolved scenario and its key figures (n_figures = 0: none), and its flows; also of a run that

@@ -209,6 +209,32 @@ static void flows_within_their_intervals_or_without_any_do_not_differ(void **unu
     assert_int_equal(all.n, 0);
 }
 
+// 0.03 h: of 231 /h 7 parts were counted, and 5 of them are chance; of 1832 /h 55, and 15 are.
+static void flows_without_intervals_differ_by_more_than_counts_of_parts_may(void **unused)
+{
+    static compare_flows of_a, of_b;
+    compare_side a = run_of(RUN_MICRO, 1, 3600.0, (double)NAN),
+                 b = run_of(RUN_MACRO, 2, 3600.0, (double)NAN);
+
+    (void)unused;
+    a.counted_h = b.counted_h = 0.03;
+    b.has_chance = false;
+    of_a = flows_of(1832.0, 0.0, 1.0, (double)NAN);
+    of_b = flows_of(1577.0, 231.0, 1.0, (double)NAN);
+    all = (verdicts){ 0 };
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 1);
+    assert_non_null(strstr(all.items[0].text, ": 231 against 0 parts/h at counter 'second'."));
+    of_b.items[1].per_h = 150.0; // 4.5 parts of 4.2
+    all = (verdicts){ 0 };
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 1);
+    of_b.items[1].per_h = 120.0; // 3.6 parts of 3.7
+    all = (verdicts){ 0 };
+    compare_verdict_flows(&a, &b, &of_a, &of_b, &all);
+    assert_int_equal(all.n, 0);
+}
+
 static void of_many_flows_that_differ_three_are_named(void **unused)
 {
     static compare_flows of_a, of_b;
@@ -308,6 +334,7 @@ int main(void)
         cmocka_unit_test(there_is_nothing_to_compare_where_nothing_comes_through),
         cmocka_unit_test(flows_that_differ_more_than_the_throughputs_are_told),
         cmocka_unit_test(flows_within_their_intervals_or_without_any_do_not_differ),
+        cmocka_unit_test(flows_without_intervals_differ_by_more_than_counts_of_parts_may),
         cmocka_unit_test(of_many_flows_that_differ_three_are_named),
         cmocka_unit_test(models_are_not_compared_while_the_belt_fills),
         cmocka_unit_test(a_side_is_read_from_a_summary),
