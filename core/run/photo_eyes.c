@@ -3,8 +3,6 @@
 #include "core/base/memory.h"
 #include "core/run/run_priv.h"
 
-enum { PARTS_MAX = 1 << 20 }; // that a checkpoint may have of an eye
-
 photo_eyes photo_eyes_of(const scene *s, double dt)
 {
     photo_eyes eyes = { .n = s->n_eyes };
@@ -106,7 +104,7 @@ bf_status photo_eyes_load(photo_eyes *eyes, checkpoint_reader *r, bf_error *err)
         uint64_t n = 0;
         if (!eyes->tells_kinds[k])
             continue;
-        is_read = checkpoint_read(r, &n, sizeof n) && n <= PARTS_MAX;
+        is_read = checkpoint_read(r, &n, sizeof n) && n <= r->n_left / sizeof *known->items;
         const bf_status status = is_read ? reserve(known, (size_t)n, err) : BF_OK;
         if (status != BF_OK)
             return status;

@@ -60,7 +60,7 @@ bf_status review_sinks(const scene *s, review_warnings *ret_warnings, bf_error *
     search f = { .around = surroundings_of(s), .domain = &s->domain, .steps_of_place = 1.0 };
     char pointer[BF_POINTER_SIZE];
 
-    for (size_t k = 0; k < s->n_belts; k++)
+    for (size_t k = 0; k < s->n_sections; k++)
         f.steps_of_place += 1.0 + (double)s->belts[k].n_points;
     for (size_t k = 0; k < s->n_sinks && !f.is_left_out; k++) {
         f.places = places_of(&s->sinks[k]);
