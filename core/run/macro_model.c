@@ -106,6 +106,30 @@ static void check_kinds(const scene *s, bf_faults *faults)
                    "the density model tells kinds of cargo apart with the scheme 'roe' alone");
 }
 
+enum { CELL_BYTES = 80, CONGESTED_CELL_BYTES = 265 }; // see SCENE_CELLS_MAX
+
+// Cells of which kinds and sinks have something are larger, so fewer of them fit the memory of a solver.
+static void check_cells(const scene *s, bf_faults *faults)
+{
+    const bool is_congested = s->macro.closure == SCENE_CONGESTED, is_told = scene_tells_kinds(s);
+    const bf_grid grid = scene_grid(s);
+    const double n_kinds = is_told ? (double)s->n_cargo : 1.0, n_cells = (double)grid_cells(&grid);
+    const double bytes = is_congested ? CONGESTED_CELL_BYTES : CELL_BYTES;
+    double most = is_congested ? SCENE_CONGESTED_CELLS_MAX : SCENE_CELLS_MAX, more = 0.0;
+
+    // Fractions before and after a step, while parts are placed once more, and what fell; three numbers for all kinds.
+    if (is_told)
+        more += sizeof(double) * ((s->may_drop ? 4.0 : 3.0) * n_kinds + 3.0);
+    // An array that grows, and its copy, of a sink's cells for each kind; two numbers for all sinks.
+    if (s->n_sinks > 0)
+        more += 36.0 * n_kinds + 12.0;
+    most = floor(most * bytes / (bytes + more));
+    if (n_cells > most)
+        faults_add_limit(faults, "/macro/cell_m",
+                         "%.10g cells with kinds of cargo or sinks, the limit is %.10g", n_cells,
+                         most);
+}
+
 static void check_scenario(const scene *s, bf_faults *faults)
 {
     const bool is_dispersive = s->macro.closure == SCENE_DISPERSIVE;
@@ -114,6 +138,7 @@ static void check_scenario(const scene *s, bf_faults *faults)
     check_step(s, faults);
     check_slopes(s, faults);
     check_kinds(s, faults);
+    check_cells(s, faults);
     macro_sinks_check(s, faults);
     if (is_dispersive && reach > MOLLIFIER_REACH_MAX)
         faults_add_limit(faults, "/macro/mollifier_per_m2",

@@ -49,8 +49,17 @@ static bool stop(void *context, size_t j, size_t first, size_t last)
 void macro_sinks_check(const scene *s, bf_faults *faults)
 {
     const bf_grid g = scene_grid(s);
+    double steps = 0.0; // of sink_visit_cells(): each row with each side
     char pointer[BF_POINTER_SIZE];
 
+    for (size_t k = 0; k < s->n_sinks; k++)
+        steps += (double)g.n2 * (double)s->sinks[k].n_points;
+    if (steps > SCENE_CHECK_STEPS_MAX) {
+        faults_add_limit(faults, "/sinks",
+                         "%.3g corners of sinks times rows of cells, the limit is %.3g", steps,
+                         SCENE_CHECK_STEPS_MAX);
+        return;
+    }
     for (size_t k = 0; k < s->n_sinks; k++) {
         bool has_cells = false;
         snprintf(pointer, sizeof pointer, "/sinks/%zu/polygon_m", k);
@@ -77,6 +86,7 @@ typedef struct finding {
     uint32_t kinds;    // that the sink takes
     uint32_t *claimed; // of each cell: kinds that later sinks take there
     size_t n, n_max;   // cells found, and for which there is room
+    bf_status status;  // BF_ENOMEM: some are missing
 } finding;
 
 static bool add_cells(void *context, size_t j, size_t first, size_t last)
@@ -85,7 +95,7 @@ static bool add_cells(void *context, size_t j, size_t first, size_t last)
     sink_cell **cells = &f->of->cells[f->sink];
 
     if (memory_reserve(cells, &f->n_max, f->n + last - first, sizeof **cells) != 0) {
-        f->n_max = 0;
+        f->status = BF_ENOMEM;
         return false;
     }
     for (size_t i = first; i < last; i++) {
@@ -113,8 +123,8 @@ static bf_status find_cells(macro_sinks *m)
     for (size_t k = m->scene->n_sinks; k-- > 0 && status == BF_OK;) {
         finding f = { .of = m, .sink = k, .kinds = kinds_of(m->scene, k), .claimed = claimed };
         status = sink_visit_cells(&m->scene->sinks[k], &m->grid, add_cells, &f);
-        if (status == BF_OK && m->cells[k] != NULL && f.n_max == 0)
-            status = BF_ENOMEM;
+        if (status == BF_OK)
+            status = f.status;
         m->n_cells[k] = f.n;
     }
     memory_free(claimed);

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/figures/figure.h"
+#include "core/run/macro_sinks.h"
 #include "core/run/run.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
@@ -335,6 +336,77 @@ static void a_density_has_cells_and_kinds_by_congested_alone(void **state)
     scene_fini(&s);
 }
 
+// 0.01 m cells, 80 in a row. A cell of n kinds under sinks has 8 (3 n + 3) + 36 n + 12 bytes more than 265.
+static void kinds_and_sinks_leave_memory_for_fewer_cells(void **state)
+{
+    static const size_t n_kinds[] = { 2, SCENE_KINDS_MAX };
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double most = 30e6 * 265.0 / (265.0 + 60.0 * (double)n_kinds[k] + 36.0);
+        bf_faults faults = { 0 };
+        scene s;
+        make_belt(&s, 1, NULL, 0);
+        helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
+        s.duration = 1.0;
+        s.is_mix = true;
+        for (; s.n_cargo < n_kinds[k]; s.n_cargo++)
+            scene_cargo_init(&s.cargo[s.n_cargo]);
+        add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, 1);
+        s.domain.y_max = 0.01 * floor(most / 80.0);
+        helper_scene_resolve(&s);
+        run_check(&s, RUN_MACRO, &faults);
+        assert_int_equal(faults.n, 0);
+        s.domain.y_max += 0.01;
+        check_says(&s, "/macro/cell_m");
+        scene_fini(&s);
+    }
+}
+
+// Each side of a sink is compared with each row of cells: 400,000 rows, and sinks of 4 sides.
+static void cells_of_sinks_are_looked_for_within_a_number_of_steps(void **state)
+{
+    bf_faults faults = { 0 };
+    scene s;
+
+    (void)state;
+    make_belt(&s, 1, NULL, 0);
+    s.domain.y_max = 4000.0;
+    for (int k = 0; k < 62; k++)
+        add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, UINT32_MAX);
+    helper_scene_resolve(&s);
+    macro_sinks_check(&s, &faults);
+    assert_int_equal(faults.n, 0);
+    add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, UINT32_MAX);
+    macro_sinks_check(&s, &faults);
+    assert_int_equal(faults.n, 1);
+    assert_int_equal(faults.items[0].code, BF_ELIMIT);
+    assert_string_equal(faults.items[0].pointer, "/sinks");
+    scene_fini(&s);
+}
+
+static void a_run_with_sinks_begins_with_all_its_memory_or_not_at_all(void **state)
+{
+    size_t n_failed = 1;
+    scene s;
+
+    (void)state;
+    make_belt(&s, 1, NULL, 0);
+    add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, UINT32_MAX);
+    s.duration = 1.0;
+    helper_scene_resolve(&s);
+    for (size_t n = 1; n_failed > 0; n++) {
+        run *begun = NULL;
+        memory_plan_fault(n, 0);
+        const bf_status status = run_create(&s, RUN_MACRO, 1, &begun, NULL);
+        n_failed = memory_faults();
+        memory_plan_fault(0, 0);
+        assert_int_equal(status, n_failed > 0 ? BF_ENOMEM : BF_OK);
+        run_destroy(begun);
+    }
+    scene_fini(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -347,6 +419,9 @@ int main(void)
         cmocka_unit_test(a_density_goes_to_the_later_of_two_sinks),
         cmocka_unit_test(a_run_stopped_anywhere_takes_the_same),
         cmocka_unit_test(a_density_has_cells_and_kinds_by_congested_alone),
+        cmocka_unit_test(kinds_and_sinks_leave_memory_for_fewer_cells),
+        cmocka_unit_test(cells_of_sinks_are_looked_for_within_a_number_of_steps),
+        cmocka_unit_test(a_run_with_sinks_begins_with_all_its_memory_or_not_at_all),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
