@@ -4,6 +4,7 @@
 #include "core/scene/sink.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 _Static_assert(sizeof(micro_sinks_tag) == 24, "no padding");
 
@@ -17,6 +18,7 @@ void micro_sinks_init(micro_sinks *m, const scene *s, micro_solver *solver)
 void micro_sinks_fini(micro_sinks *m)
 {
     memory_free(m->tags);
+    memory_free(m->waiting);
     *m = (micro_sinks){ .scene = NULL };
 }
 
@@ -44,44 +46,60 @@ static void find_sinks(micro_sinks *m, double t)
     }
 }
 
-// The part that has been in a sink for longest, of several the one with the lowest id; n_tags: there is none.
-static size_t find_first(const micro_sinks *m, size_t sink)
+// By sinks, then by how long parts have been there, then by ids.
+static int compare_waiting(const void *left, const void *right)
 {
-    size_t first = m->n_tags;
+    const micro_sinks_tag *a = &((const micro_sinks_waiting *)left)->tag,
+                          *b = &((const micro_sinks_waiting *)right)->tag;
+
+    if (a->sink != b->sink)
+        return a->sink < b->sink ? -1 : 1;
+    if (a->since != b->since)
+        return a->since < b->since ? -1 : 1;
+    return (a->id > b->id) - (a->id < b->id);
+}
+
+// The parts in sinks that are free at t, those first that come first.
+static bf_status find_waiting(micro_sinks *m, double t, size_t *ret_n, bf_error *err)
+{
+    size_t n = 0;
 
     for (size_t k = 0; k < m->n_tags; k++) {
         const micro_sinks_tag *tag = &m->tags[k];
-        if (tag->sink != sink || micro_is_gone(m->solver, k))
+        if (micro_is_gone(m->solver, k) || tag->sink >= m->scene->n_sinks ||
+            m->free_at[tag->sink] > t)
             continue;
-        const micro_sinks_tag *best = first < m->n_tags ? &m->tags[first] : NULL;
-        if (best == NULL || tag->since < best->since ||
-            (tag->since == best->since && tag->id < best->id))
-            first = k;
+        if (memory_reserve(&m->waiting, &m->n_waiting_max, n + 1, sizeof *m->waiting) != 0)
+            return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts in sinks", n + 1);
+        m->waiting[n++] = (micro_sinks_waiting){ k, *tag };
     }
-    return first;
+    if (n > 0)
+        qsort(m->waiting, n, sizeof *m->waiting, compare_waiting);
+    *ret_n = n;
+    return BF_OK;
 }
 
 bf_status micro_sinks_take(micro_sinks *m, bf_error *err)
 {
     const double t = (double)micro_steps(m->solver) * micro_dt(m->solver);
-    const bf_status status = reserve_tags(m, micro_parts(m->solver), err);
+    size_t n = 0;
+    bf_status status = reserve_tags(m, micro_parts(m->solver), err);
 
     if (status != BF_OK)
         return status;
     find_sinks(m, t);
-    for (size_t sink = 0; sink < m->scene->n_sinks; sink++) {
-        while (m->free_at[sink] <= t) {
-            const size_t part = find_first(m, sink);
-            if (part == m->n_tags)
-                break;
-            micro_take_out(m->solver, part);
-            m->tags[part].is_taken = 1;
-            m->taken[sink] += 1.0;
-            m->free_at[sink] =
-                fmax(m->free_at[sink], m->tags[part].since) + 1.0 / m->scene->sinks[sink].rate;
-        }
+    status = find_waiting(m, t, &n, err);
+    for (size_t k = 0; status == BF_OK && k < n; k++) {
+        const micro_sinks_waiting *next = &m->waiting[k];
+        double *free_at = &m->free_at[next->tag.sink];
+        if (*free_at > t)
+            continue;
+        micro_take_out(m->solver, next->part);
+        m->tags[next->part].is_taken = 1;
+        m->taken[next->tag.sink] += 1.0;
+        *free_at = fmax(*free_at, next->tag.since) + 1.0 / m->scene->sinks[next->tag.sink].rate;
     }
-    return BF_OK;
+    return status;
 }
 
 bool micro_sinks_took(const micro_sinks *m, size_t part, uint64_t id)

@@ -20,6 +20,12 @@ typedef struct micro_sinks_tag {
     uint32_t is_taken; ///< by this sink
 } micro_sinks_tag;
 
+/// A part in a sink that is free.
+typedef struct micro_sinks_waiting {
+    size_t part;         ///< its handle
+    micro_sinks_tag tag; ///< what is known of it
+} micro_sinks_waiting;
+
 /// The sinks of a run. Zero-initialise; micro_sinks_init(), micro_sinks_fini().
 typedef struct micro_sinks {
     const scene *scene;              ///< must outlive it
@@ -29,6 +35,8 @@ typedef struct micro_sinks {
     size_t n_tags;                   ///< handles that were ever seen
     size_t n_tags_max;               ///< that there is room for
     micro_sinks_tag *tags;           ///< by handle
+    size_t n_waiting_max;            ///< that there is room for
+    micro_sinks_waiting *waiting;    ///< scratch
 } micro_sinks;
 
 /// Begin at t = 0.
