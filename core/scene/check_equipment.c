@@ -56,8 +56,46 @@ static void check_arc(const scene_belt *belt, const char *pointer, bf_faults *fa
                    "is more than a whole turn from from_deg: the arc would lie on itself");
 }
 
+/// Bounds of the places under a belt or section with an outline.
+static scene_rect bounds_of(const scene_belt *belt)
+{
+    const double outer = belt->arc.outer_radius;
+    const vec2 first = belt->arc.is_given ? belt->centre : belt->polygon[0];
+    scene_rect all = { first.x, first.x, first.y, first.y };
+
+    if (belt->arc.is_given)
+        return (scene_rect){ first.x - outer, first.x + outer, first.y - outer, first.y + outer };
+    for (size_t k = 1; k < belt->n_points; k++) {
+        const vec2 at = belt->polygon[k];
+        all = (scene_rect){ fmin(all.x_min, at.x), fmax(all.x_max, at.x), fmin(all.y_min, at.y),
+                            fmax(all.y_max, at.y) };
+    }
+    return all;
+}
+
+/// The others that may lie within a margin of a belt or section with an outline: the indices of *ret_n. Returns the steps to look
+/// for a place on each of them.
+static double find_near(const scene *s, size_t belt, double margin, size_t *ret_near, size_t *ret_n)
+{
+    const scene_rect own = bounds_of(&s->belts[belt]);
+    double steps = 0.0;
+
+    *ret_n = 0;
+    for (size_t k = 0; k < s->n_sections; k++) {
+        const scene_belt *other = &s->belts[k];
+        const scene_rect at = other->n_points > 0 ? bounds_of(other) : own;
+        if (k == belt || at.x_min > own.x_max + margin || at.x_max < own.x_min - margin ||
+            at.y_min > own.y_max + margin || at.y_max < own.y_min - margin)
+            continue;
+        ret_near[(*ret_n)++] = k;
+        steps += 1.0 + (other->arc.is_given ? 0.0 : (double)other->n_points);
+    }
+    return steps;
+}
+
 /// A belt or section that covers a place on an arc or a straight of a path, or beside one of its borders, as well; SCENE_BELTS_MAX: there is none.
-static size_t find_overlapped(const scene *s, size_t belt, vec2 *ret_at)
+/// Adds its steps to *steps, and looks for nothing beyond SCENE_CHECK_STEPS_MAX.
+static size_t find_overlapped(const scene *s, size_t belt, double *steps, vec2 *ret_at)
 {
     const scene_belt *of = &s->belts[belt];
     const scene_arc *arc = &of->arc;
@@ -67,7 +105,12 @@ static size_t find_overlapped(const scene *s, size_t belt, vec2 *ret_at)
     const double end = arc->is_given ? margin / arc->inner_radius : margin;
     const double first = arc->is_given ? fmin(arc->from, arc->to) : 0.0;
     const double length = (arc->is_given ? belt_arc_angle(arc) : of->leg.length) - 2.0 * end;
+    size_t near[SCENE_BELTS_MAX], n_near = 0;
 
+    *steps += ARC_SAMPLES * ARC_SAMPLES_ACROSS *
+              find_near(s, belt, margin + SCENE_TOLERANCE, near, &n_near);
+    if (*steps > SCENE_CHECK_STEPS_MAX)
+        return SCENE_BELTS_MAX;
     for (int i = 0; i < ARC_SAMPLES && length > 0.0; i++) {
         const double along = first + end + length * i / (ARC_SAMPLES - 1.0);
         for (int k = 0; k < ARC_SAMPLES_ACROSS; k++) {
@@ -75,9 +118,9 @@ static size_t find_overlapped(const scene *s, size_t belt, vec2 *ret_at)
             const vec2 start = vec2_add(of->leg.start, vec2_scale(of->leg.along, along));
             *ret_at = arc->is_given ? vec2_add(of->centre, (vec2){ q * cos(along), q * sin(along) })
                                     : vec2_sub(start, vec2_scale(vec2_turn_left(of->leg.along), q));
-            for (size_t m = 0; m < s->n_sections; m++)
-                if (m != belt && belt_holds(&s->belts[m], *ret_at))
-                    return m;
+            for (size_t m = 0; m < n_near; m++)
+                if (belt_holds(&s->belts[near[m]], *ret_at))
+                    return near[m];
         }
     }
     return SCENE_BELTS_MAX;
@@ -87,6 +130,7 @@ static size_t find_overlapped(const scene *s, size_t belt, vec2 *ret_at)
 static void check_overlaps(const scene *s, bf_faults *faults)
 {
     const size_t n_before = faults->n;
+    double steps = 0.0;
     char pointer[BF_POINTER_SIZE];
 
     for (size_t k = 0; k < s->n_sections; k++) {
@@ -95,7 +139,7 @@ static void check_overlaps(const scene *s, bf_faults *faults)
         const bool is_path = s->belts[of].path.n_points > 0;
         vec2 at = { 0.0, 0.0 };
         const size_t other = section->arc.is_given || section->leg.is_given
-                                 ? find_overlapped(s, k, &at)
+                                 ? find_overlapped(s, k, &steps, &at)
                                  : SCENE_BELTS_MAX;
         snprintf(pointer, sizeof pointer, "/belts/%zu/%s", of, is_path ? "path" : "arc");
         if (other == SCENE_BELTS_MAX || (of != k && faults->n > n_before))
@@ -109,6 +153,11 @@ static void check_overlaps(const scene *s, bf_faults *faults)
                        "meet %s at its ends",
                        s->belts[other].id, at.x, at.y, is_path ? "a path" : "an arc");
     }
+    if (steps > SCENE_CHECK_STEPS_MAX)
+        faults_add_limit(faults, "/belts",
+                         "outlines near curves and paths have too many points to check whether "
+                         "they overlap: %.3g steps, the limit is %.3g",
+                         steps, SCENE_CHECK_STEPS_MAX);
 }
 
 // Ids of failures name figures and seed their draws, so they are unique in the scenario.

@@ -277,6 +277,38 @@ static void cargo_may_come_over_the_side_of_a_straight_along_an_axis(void **stat
     helper_faults_none(&s);
 }
 
+// Each of 61 sections has 181 x 9 places that are looked for in 599 sides around it, or in twice as many.
+static void outlines_beside_paths_are_looked_at_within_a_number_of_steps(void **state)
+{
+    enum { CORNERS = 32, ALONG = 594 };
+    vec2 corners[CORNERS], beside[ALONG + 5];
+    scene s;
+
+    (void)state;
+    for (int k = 0; k < CORNERS; k++)
+        corners[k] = (vec2){ 1.0 + 2.0 * k, 3.0 + k % 2 };
+    for (int k = 0; k < ALONG; k++)
+        beside[k] = (vec2){ 0.1 * k, 0.0 };
+    memcpy(beside + ALONG,
+           (vec2[]){ { 99.0, 0.0 }, { 99.0, 9.0 }, { 98.0, 9.0 }, { 98.0, 1.0 }, { 0.0, 1.0 } },
+           5 * sizeof *beside);
+    helper_scene_belt(&s, 99.0, 9.0, 0.05, (scene_pose[]){ { 2.0, 3.5, 0.0 } }, 1);
+    helper_scene_add_path(&s, 0.4, 0.5, 0.6, corners, CORNERS);
+    helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, beside, ALONG + 5);
+    helper_faults_none(&s);
+    helper_scene_belt(&s, 99.0, 9.0, 0.05, (scene_pose[]){ { 2.0, 3.5, 0.0 } }, 1);
+    helper_scene_add_path(&s, 0.4, 0.5, 0.6, corners, CORNERS);
+    helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, beside, ALONG + 5);
+    helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, beside, ALONG + 5);
+    helper_scene_resolve(&s);
+    bf_faults faults = { .n = 0 };
+    scene_check(&s, &faults);
+    assert_int_equal(faults.n, 1);
+    assert_int_equal(faults.items[0].code, BF_ELIMIT);
+    assert_string_equal(faults.items[0].pointer, "/belts");
+    scene_fini(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -289,6 +321,7 @@ int main(void)
         cmocka_unit_test(without_memory_for_its_sections_a_scene_says_so),
         cmocka_unit_test(what_is_wrong_with_a_path_is_pointed_at),
         cmocka_unit_test(cargo_may_come_over_the_side_of_a_straight_along_an_axis),
+        cmocka_unit_test(outlines_beside_paths_are_looked_at_within_a_number_of_steps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
