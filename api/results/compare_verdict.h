@@ -10,7 +10,7 @@
 ///     too_early        both models of one line, not within that, and the belt of one was still filling while its throughput was
 ///                      counted
 ///     no_throughput    nothing came through in either, or nothing has left of one of them, or its curve is of what is inside while cargo enters and leaves
-///     flows_differ     flows of counters or outlets differ by more than chance leaves open, and by more than the throughputs do. Of a flow
+///     flows_differ     flows of counters, outlets or sinks differ by more than chance leaves open, and by more than the throughputs do. Of a flow
 ///                      without an interval n parts were counted, and 1.96 sqrt(n) of them are left to chance (Poisson)
 
 #pragma once
