@@ -3,6 +3,7 @@
 #include "api/scenario/scenario.h"
 #include "api/study/study_priv.h"
 #include "core/feed/arrivals.h"
+#include "core/run/columns.h"
 #include "core/scene/regime.h"
 
 #include <jansson.h>
@@ -173,13 +174,26 @@ static void check_demand(json_in *in, study_document *d, const scene *s)
     }
 }
 
+// The column of a curve that a measured one can be compared with: a counter's, or one that counts parts; columns_count(): none.
+static size_t find_column(const scene *s, const char *name)
+{
+    char column[COLUMN_NAME_SIZE];
+
+    for (size_t k = 0; k < columns_count(s); k++) {
+        columns_name(s, k, column);
+        if (strcmp(column, name) == 0 && (k < s->n_counters || columns_is_count(column)))
+            return k;
+    }
+    return columns_count(s);
+}
+
 static void check_curve(json_in *in, study_document *d, const scene *s, size_t k)
 {
     study_document_curve *c = &d->curves[k];
     char place[BF_POINTER_SIZE];
 
     snprintf(place, sizeof place, "/curves/%zu", k);
-    if ((c->column = find_id(s, FIGURE_OF_COUNTER, c->counter)) == s->n_counters)
+    if ((c->column = find_column(s, c->counter)) == columns_count(s))
         faults_add(in->faults, place, "the scenario has no counter \"%.64s\"", c->counter);
     if (c->n_t != c->n_count)
         faults_add(in->faults, place, "there are %zu times, and %zu counts", c->n_t, c->n_count);

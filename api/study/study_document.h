@@ -69,7 +69,7 @@ typedef struct study_document_curve {
     size_t n_t;                  ///< how many
     const double *count;         ///< parts in the counter, one for each
     size_t n_count;              ///< how many
-    size_t column;               ///< index of the counter
+    size_t column;               ///< index of the column
 } study_document_curve;
 
 /// How points are chosen.

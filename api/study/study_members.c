@@ -201,11 +201,12 @@ static const char *const sampled_form[] = { "t_s", "count", NULL };
 static const char *const stored_form[] = { "measurement", NULL };
 static const char *const *const curve_forms[] = { sampled_form, stored_form, NULL };
 static const member curve_members[] = {
-    MEMBER("counter", text, AT(counter), "id of the counter that was measured", .least = 1,
-           .limit = SCENE_ID_SIZE),
+    MEMBER("counter", text, AT(counter),
+           "id of the counter that was measured, or a column that counts parts: left_domain",
+           .least = 1, .limit = SCENE_ID_SIZE),
     MEMBER("t_s", numbers, AT(t), "rising times of the run", .offset_n = AT(n_t), .unit = "s",
            .least = 2, .limit = STUDY_DOCUMENT_SAMPLES),
-    MEMBER("count", numbers, AT(count), "parts in the counter, one for each time",
+    MEMBER("count", numbers, AT(count), "parts in the counter, or since t = 0, one for each time",
            .offset_n = AT(n_count), .least = 2, .limit = STUDY_DOCUMENT_SAMPLES),
     MEMBER("measurement", stored, 0, "both from a stored measurement, in the service"),
 };

@@ -232,6 +232,21 @@ test("what both models say of the best points, and how a fit agrees with the cou
   assert.deepEqual((await d.get(`/v1/studies/${id}/document`)).json.curves, [{ counter: "upstream", t_s: curve.t_s, count: curve.columns.upstream }]);
   await page.locator(".fit .plot-legend", { hasText: "computed" }).waitFor();
   await page.getByRole("row", { name: /^belt speed .* m\/s/ }).waitFor();
+
+  // Parts that left are counts, too: what was counted follows from the counts that are chosen.
+  const left = await d.post("/v1/measurements", { label: "at the end", counter: "left_domain", t_s: curve.t_s, count: curve.columns.left_domain.map((n) => Math.max(0, n)) });
+  assert.equal(left.status, 201, left.text);
+  await visit(page, `#/studies/new?from=${run.id}`);
+  await page.locator("[name=method]").selectOption("Fit to counts");
+  await counts.selectOption("hall.csv");
+  assert.equal(await page.locator("[name=counter]").inputValue(), "upstream");
+  await counts.selectOption("at the end");
+  assert.equal(await page.locator("[name=counter]").inputValue(), "left_domain");
+  await page.locator("[name=trials]").fill("4");
+  await start.click();
+  await page.locator(".pill", { hasText: "succeeded" }).waitFor();
+  const other = /studies\/([^?]*)/.exec(page.url())[1];
+  assert.deepEqual((await d.get(`/v1/studies/${other}/document`)).json.curves, [{ counter: "left_domain", t_s: left.json.t_s, count: left.json.count }]);
 });
 
 test("what a study advises is made by a button, and a report of it stands alone", async (t) => {

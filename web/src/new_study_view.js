@@ -10,6 +10,7 @@ import { readNumber, writeNumber } from "./numbers.js";
 import { askForCounts } from "./paste_counts.js";
 import { address, go } from "./router.js";
 import { ScenarioSource } from "./scenario_source.js";
+import { columnsOf } from "./series.js";
 import { studyParameters } from "./study_parameters.js";
 import { VaryRows } from "./study_vary.js";
 import { segments } from "./transport.js";
@@ -95,7 +96,7 @@ export class NewStudyView {
       second: this.field("Then", this.secondBox, "decides between equals; both are weighed against each other"),
       demand: this.field("At least", this.demandBox, "asks for the least parameter; a number, or offered; empty: the best"),
       indifference: this.field("Does not matter below", this.indifferenceBox, "a difference of the figure", this.indifferenceUnit),
-      counter: this.field("Counter", this.counterBox, "where parts were counted"),
+      counter: this.field("Counted", this.counterBox, "parts in a counter, or those that left"),
       counts: this.countsField(),
     };
     const card = (id, title, ...children) => h("section", { class: "card", "aria-labelledby": id }, h("h2", { id }, title), ...children);
@@ -115,7 +116,7 @@ export class NewStudyView {
 
   // Which of the stored counts, or a file of them.
   countsField() {
-    this.countsBox = h("select", { name: "counts", "aria-label": "Counts" });
+    this.countsBox = h("select", { name: "counts", "aria-label": "Counts", on: { change: () => this.chooseCounts() } });
     this.noCounts = h("small", { class: "hint" }, "No counts are stored yet.");
     this.countsNote = h("small", { role: "alert" });
     const hint = h("small", { class: "hint", id: "counts-hint" }, "a CSV: times in seconds, then counts of parts");
@@ -134,6 +135,12 @@ export class NewStudyView {
       h("option", { value: id }, label || `${counter}, ${id.slice(-8)}`)));
     this.countsBox.hidden = this.counts.length === 0;
     this.noCounts.hidden = !this.countsBox.hidden;
+  }
+
+  // What was counted is known of stored counts.
+  chooseCounts() {
+    const counter = this.counts.find(({ id }) => id === this.countsBox.value)?.counter;
+    if ([...this.counterBox.options].some(({ value }) => value === counter)) this.counterBox.value = counter;
   }
 
   // store(counter, isCounter): stores them, for this counter or the one that they name.
@@ -175,7 +182,9 @@ export class NewStudyView {
 
   fill() {
     const counters = (this.resolved ?? this.scenario).counters ?? [{ id: "upstream" }];
-    this.counterBox.replaceChildren(...counters.map(({ id }) => h("option", { value: id }, id)));
+    const columns = columnsOf({ ...this.resolved, counters }).filter(([name]) => !name.endsWith(".waiting"));
+    this.counterBox.replaceChildren(...columns.map(([name, words]) => h("option", { value: name }, words)));
+    this.chooseCounts();
     const figure = this.figureBox.value;
     const known = studied.filter(({ isFed }) => !isFed || this.scenario.feeds?.length > 0);
     this.figureBox.replaceChildren(...known.flatMap((one) => (one.of ? counters.map(({ id }) => ({ ...one, name: `${one.figure}:${id}` })) : [{ ...one, name: one.figure }]))

@@ -217,6 +217,9 @@ static const struct {
     { WITH("", ANGLE, "", "'type': 'calibrate'",
            ", 'curves': [{'counter': 'c', 't_s': [0, 1], 'count': [1, 0]}]"),
       "/curves/0" },
+    { FED("", ANGLE, "", "'type': 'calibrate'",
+          ", 'curves': [{'counter': 'feed-1.waiting', 't_s': [0, 1], 'count': [1, 0]}]"),
+      "/curves/0" },
     { WITH("", ANGLE, "", "'type': 'calibrate'",
            ", 'curves': [{'counter': 'a', 't_s': [0, 0], 'count': [1, 0]}]"),
       "/curves/0" },
@@ -355,20 +358,23 @@ static void lists_beyond_their_limits_are_refused(void **state)
     assert_true(document_has_fault(&faults, "/parameters"));
 }
 
-// One curve of 1 part more than computed until 1 s, where it ends: its mean square is 1; objectives are key figures.
+// One curve of 1 part more than computed until 1 s, where it ends: its mean square is 1. What left is as computed. Objectives are
+// key figures.
 static void values_are_key_figures_or_distances_of_curves(void **state)
 {
     (void)state;
-    static const double t[] = { 0, 1, 2 }, columns[] = { 9, 4, 9, 3, 9, 0 };
+    static const double t[] = { 0, 1, 2 }, columns[] = { 9, 4, 0, 9, 3, 1, 9, 0, 4 };
     const double point = 0.5;
     study_document d =
         read_good(WITH("", ANGLE, "", "'type': 'calibrate'",
-                       ", 'curves': [{'counter': 'b', 't_s': [0, 0.5, 1], 'count': [5, 4.5, 4]}]"));
-    study_document_outcome outcome = { .n = 3, .t = t, .n_columns = 2, .columns = columns };
+                       ", 'curves': [{'counter': 'b', 't_s': [0, 0.5, 1], 'count': [5, 4.5, 4]}, "
+                       "{'counter': 'left_domain', 't_s': [0, 1, 2], 'count': [0, 1, 4]}]"));
+    study_document_outcome outcome = { .n = 3, .t = t, .n_columns = 3, .columns = columns };
     double values[STUDY_VALUES];
     assert_int_equal(study_document_values(&d, &outcome, values, NULL), BF_OK);
     assert_true(fabs(values[0] - 1.0) < 1e-14);
-    assert_true(study_document_definition(&d).n_independent == 20.0);
+    assert_true(values[1] == 0.0);
+    assert_true(study_document_definition(&d).n_independent == 40.0); // 20 of each curve
     study_document_fini(&d);
 
     d = read_good(
