@@ -385,26 +385,32 @@ static void cells_of_sinks_are_looked_for_within_a_number_of_steps(void **state)
     scene_fini(&s);
 }
 
-static void a_run_with_sinks_begins_with_all_its_memory_or_not_at_all(void **state)
+// The part is in the sink at the start.
+static void out_of_memory_anywhere_ends_a_run_with_sinks(void **state)
 {
-    size_t n_failed = 1;
-    scene s;
+    static const scene_pose pose = { 0.45, 0.08, 0.0 };
 
     (void)state;
-    make_belt(&s, 1, NULL, 0);
-    add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, UINT32_MAX);
-    s.duration = 1.0;
-    helper_scene_resolve(&s);
-    for (size_t n = 1; n_failed > 0; n++) {
-        run *begun = NULL;
-        memory_plan_fault(n, 0);
-        const bf_status status = run_create(&s, RUN_MACRO, 1, &begun, NULL);
-        n_failed = memory_faults();
-        memory_plan_fault(0, 0);
-        assert_int_equal(status, n_failed > 0 ? BF_ENOMEM : BF_OK);
-        run_destroy(begun);
+    for (int k = 1; k < SOLVERS; k++) {
+        size_t n_failed = 1;
+        scene s;
+        make_belt(&s, k, &pose, 1);
+        s.duration = 0.05;
+        add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, UINT32_MAX);
+        helper_scene_resolve(&s);
+        for (size_t n = 1; n_failed > 0; n++) {
+            helper_run_log *log = calloc(1, sizeof *log);
+            assert_non_null(log);
+            log->model = solvers[k].model;
+            memory_plan_fault(n, 0);
+            const bf_status status = helper_run(&s, 1, 0, log);
+            n_failed = memory_faults();
+            memory_plan_fault(0, 0);
+            assert_int_equal(status, n_failed > 0 ? BF_ENOMEM : BF_OK);
+            helper_run_free(log);
+        }
+        scene_fini(&s);
     }
-    scene_fini(&s);
 }
 
 int main(void)
@@ -421,7 +427,7 @@ int main(void)
         cmocka_unit_test(a_density_has_cells_and_kinds_by_congested_alone),
         cmocka_unit_test(kinds_and_sinks_leave_memory_for_fewer_cells),
         cmocka_unit_test(cells_of_sinks_are_looked_for_within_a_number_of_steps),
-        cmocka_unit_test(a_run_with_sinks_begins_with_all_its_memory_or_not_at_all),
+        cmocka_unit_test(out_of_memory_anywhere_ends_a_run_with_sinks),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
