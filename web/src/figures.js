@@ -28,7 +28,7 @@ export function figureNames({ objectives = [], curves = [] }) {
 // "Throughput", "Parts inside, mean, of upstream", "Distance from the counts, upstream".
 export function figureTitle(name) {
   const [figure, of] = name.split(":");
-  if (figure === "mse") return `Mean square distance from the counts, ${of}`;
+  if (figure === "mse") return `Mean square distance from the counts, ${of === "left_domain" ? "left the belt" : of}`;
   const title = words[figure] ?? figure.replace(/_(per_h|s|m)\b/g, "").replaceAll(/[_.]/g, " ");
   return of ? `${title}, of ${of}` : title;
 }
