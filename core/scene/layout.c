@@ -465,6 +465,28 @@ static void measure_plates(const measuring *m, layout *out)
     out->n_guides -= out->n_plates;
 }
 
+static bool is_beside_wall(const measuring *m, const piece *p)
+{
+    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++)
+        for (int k = 0; k < CORNERS && is_wall(m, side); k++)
+            if (-surroundings_excess(&m->around, side, p->corners[k]) < m->least_width)
+                return true;
+    return false;
+}
+
+static void measure_free(const measuring *m, layout *out)
+{
+    for (size_t k = 0; k < m->n; k++) {
+        const piece *p = &m->pieces[k];
+        bool is_free = p->deflects;
+        for (size_t i = 0; i < m->n && is_free; i++)
+            is_free = body_of(m, i) != body_of(m, k) || !is_beside_wall(m, &m->pieces[i]);
+        const double angle = angle_of(p->along, p->belt);
+        if (is_free && angle > out->free.value)
+            out->free = (layout_figure){ angle, p->obstacle };
+    }
+}
+
 static void measure_stagger(const measuring *m, layout *out)
 {
     double nearest = INFINITY;
@@ -543,6 +565,7 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
         out.gap = m.gap;
         measure_bends(&m, &out);
         measure_plates(&m, &out);
+        measure_free(&m, &out);
         measure_stagger(&m, &out);
         measure_walls(&m, &out);
         if (out.opening.value > 0.0 && isfinite(out.gap.value) &&

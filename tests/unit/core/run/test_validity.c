@@ -324,6 +324,33 @@ static void staggered_plates_were_not_compared_where_cargo_queues(void **state)
     scene_fini(&s);
 }
 
+// From 0.2 m, 8 diameters, beside one wall to as much beside the other, at 75 degrees and at 45.
+static void a_steep_plate_with_two_free_ends_was_not_compared_where_cargo_queues(void **state)
+{
+    static const double angles[] = { 75.0, 45.0 };
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double foot = 0.5 - 0.2 / tan(angles[k] * M_PI / 180.0);
+        const vec2 path[] = { { foot, 0.2 }, { 0.5, 0.4 } };
+        scene s;
+        make_plate(&s, 45.0, 0.2);
+        memcpy(s.obstacles[0].path, path, sizeof path);
+        helper_scene_resolve(&s);
+        s.macro.closure = SCENE_CONGESTED;
+        const validity of = validity_now(&s);
+        bool is_told = false;
+        for (size_t i = 0; i < of.n; i++)
+            is_told = is_told || of.items[i].figure == VALIDITY_FREE;
+        assert_int_equal(is_told, k == 0);
+        s.obstacles[0].path[0].y = 0.005; // a gap that nothing fits through
+        const validity beside = validity_now(&s);
+        for (size_t i = 0; i < beside.n; i++)
+            assert_int_not_equal(beside.items[i].figure, VALIDITY_FREE);
+        scene_fini(&s);
+    }
+}
+
 // The plate ends at x = 0.75 m, 4 diameters of 24 mm before the end of the domain.
 static void a_plate_at_the_end_of_the_belt_was_not_compared(void **state)
 {
@@ -624,6 +651,7 @@ int main(void)
         cmocka_unit_test(a_belt_against_a_wall_was_not_compared),
         cmocka_unit_test(a_funnel_was_not_compared),
         cmocka_unit_test(staggered_plates_were_not_compared_where_cargo_queues),
+        cmocka_unit_test(a_steep_plate_with_two_free_ends_was_not_compared_where_cargo_queues),
         cmocka_unit_test(a_plate_at_the_end_of_the_belt_was_not_compared),
         cmocka_unit_test(a_plate_that_is_bent_twice_was_not_compared),
         cmocka_unit_test(parts_of_another_size_were_not_compared),
