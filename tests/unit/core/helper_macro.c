@@ -1,5 +1,6 @@
 #include "tests/unit/core/helper_macro.h"
 
+#include "core/base/buffer.h"
 #include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/macro/closed_lines.h"
@@ -142,6 +143,18 @@ void helper_macro_advance(macro_solver *solver, int n_steps)
 {
     for (int k = 0; k < n_steps; k++)
         macro_step(solver);
+}
+
+uint64_t helper_macro_digest_of_both(macro_solver *first, int n, macro_solver *second, int n_steps)
+{
+    bf_buffer saved = { 0 };
+
+    helper_macro_advance(first, n);
+    BF_CHECK(macro_save(first, &saved, NULL) == BF_OK);
+    BF_CHECK(macro_load(second, saved.bytes, saved.n, NULL) == BF_OK);
+    buffer_fini(&saved);
+    helper_macro_advance(second, n_steps - n);
+    return macro_digest(second);
 }
 
 double helper_macro_bump(double x1, double x2, double deviation)

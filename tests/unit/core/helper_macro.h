@@ -33,6 +33,10 @@ bool helper_macro_is_closed(const scene *s, vec2 from, vec2 to);
 /// Make n steps.
 void helper_macro_advance(macro_solver *solver, int n_steps);
 
+/// The digest of a run whose first n steps one solver makes, and the other ones up to n_steps a second one of the same scene, from what the
+/// first one saved.
+uint64_t helper_macro_digest_of_both(macro_solver *first, int n, macro_solver *second, int n_steps);
+
 /// A Gaussian about the origin with a peak of 0.8, which is packed nowhere.
 double helper_macro_bump(double x1, double x2, double deviation);
 

@@ -322,8 +322,6 @@ static void a_queue_on_an_arc_grows_with_the_speed_of_its_shock(void **state)
 
 static uint64_t digest_of_run(int n_threads, int n_first)
 {
-    enum { STEPS = 60 };
-    bf_buffer saved = { 0 };
     world w, next;
 
     make_scene(&w.s, 0.0, 90.0, 0.01, SCENE_CONGESTED, SCENE_SCHEME_ROE);
@@ -332,12 +330,7 @@ static uint64_t digest_of_run(int n_threads, int n_first)
     w.s.domain.x_min = next.s.domain.x_min = 0.0;
     start(&w, full, n_threads);
     start(&next, full, n_threads);
-    helper_macro_advance(w.solver, n_first);
-    assert_int_equal(macro_save(w.solver, &saved, NULL), BF_OK);
-    assert_int_equal(macro_load(next.solver, saved.bytes, saved.n, NULL), BF_OK);
-    helper_macro_advance(next.solver, STEPS - n_first);
-    const uint64_t digest = macro_digest(next.solver);
-    buffer_fini(&saved);
+    const uint64_t digest = helper_macro_digest_of_both(w.solver, n_first, next.solver, 60);
     finish(&next);
     finish(&w);
     return digest;

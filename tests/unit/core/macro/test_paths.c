@@ -6,6 +6,7 @@
 #include "core/scene/belt.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -283,20 +284,13 @@ static void a_straight_path_has_the_field_of_a_straight_belt(void **state)
 
 static uint64_t digest_of_run(int n_threads, int n_first)
 {
-    enum { STEPS = 60 };
-    bf_buffer saved = { 0 };
     world w, next;
 
     make_s(&w.s, 0.02, SCENE_SCHEME_ROE);
     make_s(&next.s, 0.02, SCENE_SCHEME_ROE);
     start(&w, half_full, n_threads);
     start(&next, half_full, n_threads);
-    helper_macro_advance(w.solver, n_first);
-    assert_int_equal(macro_save(w.solver, &saved, NULL), BF_OK);
-    assert_int_equal(macro_load(next.solver, saved.bytes, saved.n, NULL), BF_OK);
-    helper_macro_advance(next.solver, STEPS - n_first);
-    const uint64_t digest = macro_digest(next.solver);
-    buffer_fini(&saved);
+    const uint64_t digest = helper_macro_digest_of_both(w.solver, n_first, next.solver, 60);
     finish(&next);
     finish(&w);
     return digest;
@@ -307,8 +301,8 @@ static void threads_and_resumes_change_no_bit_on_a_path(void **state)
     (void)state;
     const uint64_t digest = digest_of_run(1, 0);
 
-    assert_true(digest_of_run(2, 20) == digest);
-    assert_true(digest_of_run(3, 47) == digest);
+    for (int n_threads = HELPER_AMOUNT(2, 3); n_threads <= 3; n_threads++)
+        assert_true(digest_of_run(n_threads, 20 * n_threads - 13) == digest);
 }
 
 int main(void)
