@@ -108,6 +108,12 @@ test("several parameters are varied in the form, and two figures are weighed aga
   await page.getByRole("button", { name: "Vary another one, too" }).click();
   await second.getByLabel("Parameter").selectOption("tip y");
   await page.getByText("At most 18 runs").waitFor(); // 6 angles by 3 tips
+  // However many there are, the name that says them is as long as a name may be.
+  const more = page.getByRole("button", { name: "Vary another one, too" });
+  while (await more.isVisible()) await more.click();
+  const named = Buffer.byteLength(await page.locator("[name=name]").inputValue());
+  assert.ok(named > 95 && named <= 100, `${named} bytes`);
+  while (await page.getByRole("group", { name: "Parameter 3" }).count() > 0) await page.getByRole("group", { name: "Parameter 3" }).getByRole("button").click();
 
   await page.locator("[name=method]").selectOption("Listed values");
   await first.locator("[name=values]").fill("60 75 90");

@@ -27,7 +27,15 @@ const methods = [
 ];
 const SPREAD = ["sobol", "lhs"];
 const CONFIRMED = 3;
-const NAME_MOST = 100;
+const NAME_MOST = 100; // bytes
+
+// At most so many bytes of UTF-8.
+function cut(text, most) {
+  const encoder = new TextEncoder();
+  let n = text.length;
+  while (encoder.encode(text.slice(0, n)).length > most) n--;
+  return text.slice(0, n);
+}
 
 const numberIn = (box) => readNumber(box.value).value;
 
@@ -259,7 +267,7 @@ export class NewStudyView {
     const varied = this.vary.words();
     if (!this.isNamed && varied !== "") {
       const goal = this.method === "calibrate" ? "Fit" : figureTitle(this.figureBox.value);
-      this.nameBox.value = `${goal}, ${varied}`.slice(0, NAME_MOST);
+      this.nameBox.value = cut(`${goal}, ${varied}`, NAME_MOST);
     }
     clearTimeout(this.timer);
     if (!this.hasBadNumbers()) this.timer = setTimeout(() => this.predict(), 300);
