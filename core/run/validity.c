@@ -174,8 +174,8 @@ static void note_heap(findings *f, const layout *of)
     if (queues && isfinite(of->stagger.value))
         note(f, VALIDITY_STAGGER, of->stagger.value / f->diameter, "/obstacles/%zu",
              of->stagger.index);
-    if (queues && of->n_plates == 1 && of->free.value > 0.0)
-        note(f, VALIDITY_FREE, of->free.value, "/obstacles/%zu", of->free.index);
+    if (queues && of->n_plates == 1 && of->free_ends.value > 0.0)
+        note(f, VALIDITY_FREE_ENDS, of->free_ends.value, "/obstacles/%zu", of->free_ends.index);
     if (queues && isfinite(of->run_out.value))
         note(f, VALIDITY_RUN_OUT, fmin(of->run_out.value / f->diameter, LONG_ENOUGH),
              "/obstacles/%zu", of->run_out.index);

@@ -40,7 +40,7 @@ typedef enum validity_figure {
     VALIDITY_OPENING, ///< the narrowest of a single plate, diameters
     VALIDITY_FUNNEL,  ///< the narrowest of several plates, diameters
     VALIDITY_STAGGER, ///< of two plates before which cargo queues, diameters (layout.h)
-    VALIDITY_FREE, ///< angle of a single plate with two free ends before which cargo queues, degrees (layout.h)
+    VALIDITY_FREE_ENDS, ///< angle of a single plate with two free ends before which cargo queues, degrees (layout.h)
     VALIDITY_RUN_OUT, ///< belt behind a plate before which cargo queues, diameters (layout.h)
     VALIDITY_BRIDGES, ///< queues before the narrowest opening that stop for good within 1,000 parts, % (bridges.h)
     VALIDITY_SWEPT, ///< the narrowest that plates come to where they move, diameters

@@ -474,7 +474,7 @@ static bool is_beside_wall(const measuring *m, const piece *p)
     return false;
 }
 
-static void measure_free(const measuring *m, layout *out)
+static void measure_free_ends(const measuring *m, layout *out)
 {
     for (size_t k = 0; k < m->n; k++) {
         const piece *p = &m->pieces[k];
@@ -482,8 +482,8 @@ static void measure_free(const measuring *m, layout *out)
         for (size_t i = 0; i < m->n && is_free; i++)
             is_free = body_of(m, i) != body_of(m, k) || !is_beside_wall(m, &m->pieces[i]);
         const double angle = angle_of(p->along, p->belt);
-        if (is_free && angle > out->free.value)
-            out->free = (layout_figure){ angle, p->obstacle };
+        if (is_free && angle > out->free_ends.value)
+            out->free_ends = (layout_figure){ angle, p->obstacle };
     }
 }
 
@@ -565,7 +565,7 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
         out.gap = m.gap;
         measure_bends(&m, &out);
         measure_plates(&m, &out);
-        measure_free(&m, &out);
+        measure_free_ends(&m, &out);
         measure_stagger(&m, &out);
         measure_walls(&m, &out);
         if (out.opening.value > 0.0 && isfinite(out.gap.value) &&

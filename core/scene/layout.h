@@ -12,8 +12,8 @@
 ///              between guides, or a guide and a wall, to which no belt brings cargo
 ///     stagger  how far two bodies with plates are apart along the belt where they are nearest to each other: 0 where the ends of a
 ///              funnel's plates are opposite each other
-///     free     a body with plates that touches no wall, and leaves each of them a gap that a part fits through: cargo gets past both
-///              of its ends
+///     free ends    of a body with plates that touches no wall, and leaves each of them a gap that a part fits through: cargo gets
+///              past both
 ///     run-out  the way along the belt from the downstream end of a plate, unless that closes the belt or ends in a corner, to where
 ///              the domain ends
 ///
@@ -54,7 +54,7 @@ typedef struct layout {
     layout_figure gap;      ///< the same of gaps that no part fits through
     layout_figure stagger;  ///< of the two nearest to each other, m, INFINITY: no two; index of one
     layout_figure
-        free; ///< largest angle of such a piece of a free body, 0: there is none; index of the obstacle
+        free_ends; ///< largest angle of such a piece of a free body, 0: there is none; index of the obstacle
     layout_figure run_out;    ///< the least, m, INFINITY: to walls alone; index of the obstacle
     layout_figure wall_angle; ///< largest angle at which a belt runs against a wall, 0: none does;
                               ///< index of the side

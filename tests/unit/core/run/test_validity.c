@@ -341,12 +341,12 @@ static void a_steep_plate_with_two_free_ends_was_not_compared_where_cargo_queues
         const validity of = validity_now(&s);
         bool is_told = false;
         for (size_t i = 0; i < of.n; i++)
-            is_told = is_told || of.items[i].figure == VALIDITY_FREE;
+            is_told = is_told || of.items[i].figure == VALIDITY_FREE_ENDS;
         assert_int_equal(is_told, k == 0);
         s.obstacles[0].path[0].y = 0.005; // a gap that nothing fits through
         const validity beside = validity_now(&s);
         for (size_t i = 0; i < beside.n; i++)
-            assert_int_not_equal(beside.items[i].figure, VALIDITY_FREE);
+            assert_int_not_equal(beside.items[i].figure, VALIDITY_FREE_ENDS);
         scene_fini(&s);
     }
 }
