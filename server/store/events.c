@@ -305,34 +305,26 @@ bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_
     return status;
 }
 
-static bf_status copy_changes(store__connection *reader, const char *id, event_merge *merge,
-                              bf_error *err)
-{
-    bf_status status = store__find_row(reader, id, &merge->rows[0], err);
-    if (status != BF_OK)
-        return status;
-    store__query q = store__start(reader, STORE__SQL_LIST_CHANGES, INTEGER(merge->rows[0].rowid));
-    while (store__next(&q, &status, err)) {
-        merge->heads[0] = (uint64_t)sqlite3_column_int64(q.statement, 0);
-        status = copy_event(&q, 1, merge, 0, err);
-    }
-    return status;
-}
-
 bf_status store_read_changes(store *s, const char *id, api_event_fn *take, void *take_context,
                              bf_error *err)
 {
     char runs[1][API_ID_SIZE];
     store__connection *reader = NULL;
-    store__row row;
+    store__row row = { .rowid = 0 };
     event_merge merge = { .n_runs = 1, .rows = &row };
 
     snprintf(runs[0], sizeof runs[0], "%s", id);
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status == BF_OK) {
-        status = copy_changes(reader, id, &merge, err);
-        store__release_reader(&s->pool, reader);
+    if (status != BF_OK)
+        return status;
+    status = store__find_row(reader, id, &row, err);
+    store__query q = store__start(reader, STORE__SQL_LIST_CHANGES, INTEGER(row.rowid));
+    while (store__next(&q, &status, err)) {
+        merge.heads[0] = (uint64_t)sqlite3_column_int64(q.statement, 0);
+        status = copy_event(&q, 1, &merge, 0, err);
     }
+    store__end(&q);
+    store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         status = pass_events(&merge, (const char(*)[API_ID_SIZE])runs, take, take_context, err);
     buffer_fini(&merge.copied);

@@ -131,11 +131,15 @@ static bf_status read_samples(const store__query *q, const api_measurement *abou
 }
 
 // Reads the measurement, and its samples into *curve unless that is NULL.
-static bf_status read_measurement(store__connection *reader, const char *id, api_curve *curve,
+static bf_status read_measurement(store *s, const char *id, api_curve *curve,
                                   api_measurement *ret_about, bf_error *err)
 {
+    store__connection *reader = NULL;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
     store__query q = store__start(reader, STORE__SQL_FIND_MEASUREMENT, TEXT(id));
-    bf_status status = BF_OK;
     const bool has_row = store__next(&q, &status, err);
     if (status == BF_OK && !has_row)
         status = fail_absent(id, err);
@@ -144,18 +148,6 @@ static bf_status read_measurement(store__connection *reader, const char *id, api
     if (status == BF_OK && curve != NULL)
         status = read_samples(&q, ret_about, curve, err);
     store__end(&q);
-    return status;
-}
-
-static bf_status take_and_read(store *s, const char *id, api_curve *curve,
-                               api_measurement *ret_about, bf_error *err)
-{
-    store__connection *reader = NULL;
-
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = read_measurement(reader, id, curve, ret_about, err);
     store__release_reader(&s->pool, reader);
     return status;
 }
@@ -163,12 +155,7 @@ static bf_status take_and_read(store *s, const char *id, api_curve *curve,
 bf_status store_find_measurement(store *s, const char *id, api_measurement *ret_measurement,
                                  bf_error *err)
 {
-    api_measurement about;
-
-    bf_status status = take_and_read(s, id, NULL, &about, err);
-    if (status == BF_OK)
-        *ret_measurement = about;
-    return status;
+    return read_measurement(s, id, NULL, ret_measurement, err);
 }
 
 bf_status store_read_measurement(store *s, const char *id, api_curve *ret_curve, bf_error *err)
@@ -176,7 +163,7 @@ bf_status store_read_measurement(store *s, const char *id, api_curve *ret_curve,
     api_curve curve = { 0 };
     api_measurement about;
 
-    bf_status status = take_and_read(s, id, &curve, &about, err);
+    bf_status status = read_measurement(s, id, &curve, &about, err);
     if (status == BF_OK)
         *ret_curve = curve;
     else

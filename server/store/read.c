@@ -21,32 +21,26 @@ bf_status store_find(store *s, const char *id, api_run *ret_run, bf_error *err)
     return status;
 }
 
-static bf_status read_text(store__connection *reader, const char *id, api_text which,
-                           bf_buffer *out, bf_error *err)
-{
-    store__row row;
-
-    bf_status status = store__find_row(reader, id, &row, err);
-    if (status != BF_OK)
-        return status;
-    if (which == API_TEXT_SCENARIO)
-        return store__get_run_text(reader, &row, STORE__TEXT_SCENARIO, out, err);
-    const bool is_summary = which == API_TEXT_SUMMARY;
-    if (is_summary ? !row.run.has_summary : row.run.figures[0] == '\0')
-        return bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no %s yet",
-                       run_state_word(row.run.state), is_summary ? "summary" : "key figures");
-    return store__get_run_text(reader, &row, is_summary ? STORE__TEXT_SUMMARY : STORE__TEXT_FIGURES,
-                               out, err);
-}
-
 bf_status store_read_text(store *s, const char *id, api_text which, bf_buffer *out, bf_error *err)
 {
+    static const store__text kinds[] = { [API_TEXT_SCENARIO] = STORE__TEXT_SCENARIO,
+                                         [API_TEXT_SUMMARY] = STORE__TEXT_SUMMARY,
+                                         [API_TEXT_FIGURES] = STORE__TEXT_FIGURES };
     store__connection *reader = NULL;
+    store__row row;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_text(reader, id, which, out, err);
+    status = store__find_row(reader, id, &row, err);
+    if (status == BF_OK && which == API_TEXT_SUMMARY && !row.run.has_summary)
+        status = bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no summary yet",
+                         run_state_word(row.run.state));
+    if (status == BF_OK && which == API_TEXT_FIGURES && row.run.figures[0] == '\0')
+        status = bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no key figures yet",
+                         run_state_word(row.run.state));
+    if (status == BF_OK)
+        status = store__get_run_text(reader, &row, kinds[which], out, err);
     store__release_reader(&s->pool, reader);
     return status;
 }
@@ -78,37 +72,28 @@ static bf_status take_samples(const store__query *q, uint64_t first, uint64_t n_
     return BF_OK;
 }
 
-static bf_status read_curve(store__connection *reader, const char *id, uint64_t first,
-                            uint64_t n_most, api_curve *curve, bf_error *err)
-{
-    store__row row;
-
-    bf_status status = store__find_row(reader, id, &row, err);
-    if (status == BF_OK)
-        status = store__get_text(reader, row.rowid, STORE__TEXT_COLUMNS, &curve->columns, err);
-    if (status != BF_OK)
-        return status;
-    curve->n_columns = api_count_columns(&curve->columns);
-    if (first >= row.run.n_samples)
-        return BF_OK;
-    store__query q =
-        store__start(reader, STORE__SQL_LIST_SAMPLES, INTEGER(row.results), INTEGER(first));
-    while (curve->n < n_most && store__next(&q, &status, err))
-        status = take_samples(&q, first, n_most, curve, err);
-    store__end(&q);
-    return status;
-}
-
 bf_status store_read_curve(store *s, const char *id, uint64_t first, uint64_t n_most,
                            api_curve *ret_curve, bf_error *err)
 {
     store__connection *reader = NULL;
     api_curve curve = { 0 };
+    store__row row;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_curve(reader, id, first, n_most, &curve, err);
+    status = store__find_row(reader, id, &row, err);
+    if (status == BF_OK)
+        status = store__get_text(reader, row.rowid, STORE__TEXT_COLUMNS, &curve.columns, err);
+    if (status == BF_OK)
+        curve.n_columns = api_count_columns(&curve.columns);
+    if (status == BF_OK && first < row.run.n_samples) {
+        store__query q =
+            store__start(reader, STORE__SQL_LIST_SAMPLES, INTEGER(row.results), INTEGER(first));
+        while (curve.n < n_most && store__next(&q, &status, err))
+            status = take_samples(&q, first, n_most, &curve, err);
+        store__end(&q);
+    }
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_curve = curve;
@@ -127,36 +112,27 @@ static api_snapshot read_snapshot_row(const store__query *q)
     };
 }
 
-static bf_status read_snapshot_list(store__connection *reader, const char *id,
-                                    api_snapshot_list *list, bf_error *err)
-{
-    store__row row;
-
-    bf_status status = store__find_row(reader, id, &row, err);
-    if (status != BF_OK)
-        return status;
-    list->grid = row.run.grid;
-    list->parts = row.run.parts;
-    store__query q = store__start(reader, STORE__SQL_LIST_SNAPSHOTS, INTEGER(row.results));
-    while (store__next(&q, &status, err)) {
-        api_snapshot snapshot = read_snapshot_row(&q);
-        if (buffer_append(&list->items, &snapshot, sizeof snapshot) != BF_OK)
-            status = bf_fail_memory(err);
-        else
-            list->n++;
-    }
-    return status;
-}
-
 bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_list, bf_error *err)
 {
     store__connection *reader = NULL;
     api_snapshot_list list = { 0 };
+    store__row row = { .rowid = 0 };
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_snapshot_list(reader, id, &list, err);
+    status = store__find_row(reader, id, &row, err);
+    list.grid = row.run.grid;
+    list.parts = row.run.parts;
+    store__query q = store__start(reader, STORE__SQL_LIST_SNAPSHOTS, INTEGER(row.results));
+    while (store__next(&q, &status, err)) {
+        api_snapshot snapshot = read_snapshot_row(&q);
+        if (buffer_append(&list.items, &snapshot, sizeof snapshot) != BF_OK)
+            status = bf_fail_memory(err);
+        else
+            list.n++;
+    }
+    store__end(&q);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_list = list;

@@ -375,31 +375,22 @@ bf_status store_remove_study(store *s, const char *id, uint64_t revision, bf_err
     return store__write_freeing(s, apply_remove, &context, err);
 }
 
-static bf_status read_text(store__connection *reader, const char *id, api_study_text which,
-                           bf_buffer *out, bf_error *err)
-{
-    store__study row;
-    bool has_row = false;
-
-    bf_status status = store__find_study(reader, id, &row, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_bytes(reader, STORE__SQL_GET_STUDY_TEXT, out, &has_row, err,
-                               INTEGER(row.rowid), INTEGER(which));
-    if (status == BF_OK && !has_row)
-        return bf_fail(err, BF_ECONFLICT, "", "no trial of the study has ended yet");
-    return status;
-}
-
 bf_status store_read_study(store *s, const char *id, api_study_text which, bf_buffer *out,
                            bf_error *err)
 {
     store__connection *reader = NULL;
+    store__study row;
+    bool has_row = false;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_text(reader, id, which, out, err);
+    status = store__find_study(reader, id, &row, err);
+    if (status == BF_OK)
+        status = store__find_bytes(reader, STORE__SQL_GET_STUDY_TEXT, out, &has_row, err,
+                                   INTEGER(row.rowid), INTEGER(which));
+    if (status == BF_OK && !has_row)
+        status = bf_fail(err, BF_ECONFLICT, "", "no trial of the study has ended yet");
     store__release_reader(&s->pool, reader);
     return status;
 }
