@@ -39,7 +39,6 @@ static bf_status take(void *context, const frame *f, bf_error *err)
 {
     progress *l = context;
 
-    (void)err;
     if (f->type == FRAME_END)
         l->end = f->end;
     for (uint32_t k = 0; f->type == FRAME_CURVE && k < f->curve.n; k++) {
@@ -53,7 +52,6 @@ static bf_status take(void *context, const frame *f, bf_error *err)
 // Makes the curve arrive sample by sample.
 static unsigned requested(void *context)
 {
-    (void)context;
     return RUN_REPORT;
 }
 

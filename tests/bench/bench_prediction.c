@@ -33,9 +33,6 @@ static double now_s(void)
 
 static bf_status take(void *context, const frame *f, bf_error *err)
 {
-    (void)context;
-    (void)f;
-    (void)err;
     return BF_OK;
 }
 

@@ -39,7 +39,6 @@ static bf_status take_checkpoint(void *context, const frame *f, bf_error *err)
 {
     bf_buffer *checkpoint = context;
 
-    (void)err;
     if (f->type != FRAME_CHECKPOINT)
         return BF_OK;
     checkpoint->n = 0;
@@ -48,7 +47,6 @@ static bf_status take_checkpoint(void *context, const frame *f, bf_error *err)
 
 static unsigned request_checkpoint(void *context)
 {
-    (void)context;
     return RUN_CHECKPOINT;
 }
 

@@ -226,7 +226,6 @@ static void require_answer(bf_status status)
 
 static bf_status take_event(void *context, const api_event *event, bf_error *err)
 {
-    (void)err;
     fuzz_require((unsigned)event->type < API_EVENT_TYPE_COUNT, "events have a type");
     append(context, event->data, event->n);
     return BF_OK;

@@ -13,12 +13,9 @@
 #include "core/base/memory.h"
 #include "core/base/random.h"
 #include "core/micro/micro.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 enum { RUNS = 3, SPEEDS = 3, HEAPS = 2, ANGLES = 5, OPENINGS = 2 };
 
@@ -205,7 +202,6 @@ static void the_rate_through_a_straight_opening_follows_the_belt_not_the_heap(vo
     trial t = { .opening = 12.0 * radius, .first = 60, .last = 180 };
     double rates[SPEEDS][HEAPS];
 
-    (void)state;
     print_message("rate/(v D), parts/m2, by belt speed, of 600 and 1200 parts:\n");
     for (int v = 0; v < SPEEDS; v++) {
         for (int n = 0; n < HEAPS; n++) {
@@ -251,7 +247,6 @@ static void a_steeper_funnel_passes_more_and_then_levels_off(void **state)
     static const double openings[OPENINGS] = { 6.0, 10.0 };
     trial t = { .speed = 0.2, .n_parts = 640, .first = 60, .last = 420 };
 
-    (void)state;
     for (int d = 0; d < OPENINGS; d++) {
         double rates[ANGLES];
         t.opening = openings[d] * 2.0 * radius;

@@ -9,15 +9,10 @@
 
 #include "core/base/random.h"
 #include "tests/unit/core/helper_outflow.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { N_TIMES = 6, N_OUTCOMES = 5 };
 
@@ -106,7 +101,6 @@ static void check_answer(const answer *a)
 
 static void most_outcomes_of_the_examples_agree_with_the_reference(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < sizeof answers / sizeof *answers; k++)
         check_answer(&answers[k]);
 }

@@ -8,17 +8,12 @@
 
 #include "core/micro/micro.h"
 #include "tests/unit/core/helper_outflow.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { RUNS = 6, REFERENCE_RUNS = 6, BEGIN_SAMPLES = 16 };
 
@@ -62,7 +57,6 @@ static void boxes_flow_out_as_with_explicit_steps(void **state)
 {
     double expected[HELPER_OUTFLOW_SAMPLES], u[HELPER_OUTFLOW_SAMPLES];
 
-    (void)state;
     sum_up(MICRO_IMPLICIT, 5e-4, RUNS, u);
     for (int k = 0; k < HELPER_OUTFLOW_SAMPLES; k++) {
         u[k] /= RUNS;
@@ -80,7 +74,6 @@ static void the_stored_curve_is_that_of_explicit_steps(void **state)
     helper_outflow *e = malloc(sizeof *e);
     double u[HELPER_OUTFLOW_SAMPLES];
 
-    (void)state;
     assert_non_null(e);
     set_up(e, 0);
     e->def.integrator = MICRO_VERLET;

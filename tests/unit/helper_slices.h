@@ -31,7 +31,6 @@ static inline bf_status helper_slices_read(api_store *store, api_slices *slices,
     const bf_buffer *bytes = slices->state;
     const size_t left = bytes->n - (size_t)at;
 
-    (void)store;
     if (buffer_append(out, bytes->bytes + at, left < limit_bytes ? left : limit_bytes) == BF_OK)
         return BF_OK;
     return bf_fail(err, BF_ENOMEM, "", "out of memory");

@@ -1,14 +1,9 @@
 #include "tests/unit/api/helper_appender.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 void appender_survives_no_memory(appender *append)
 {

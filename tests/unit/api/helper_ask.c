@@ -1,11 +1,6 @@
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 helper_daemon ask_daemon;
@@ -13,14 +8,12 @@ api_response ask_response;
 
 int ask_set_up(void **state)
 {
-    (void)state;
     ask_daemon = (helper_daemon){ .n_runs = 0 };
     return 0;
 }
 
 int ask_tear_down(void **state)
 {
-    (void)state;
     api_response_fini(&ask_response);
     return 0;
 }

@@ -2,13 +2,9 @@
 
 #include "api/scenario/scenario.h"
 #include "core/base/check.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 bf_buffer document_quote(const char *text)
 {

@@ -1,14 +1,8 @@
 // The measurements of the daemon in arrays.
 
 #include "tests/unit/api/helper_services.h"
+#include "tests/unit/helper_cmocka.h"
 
-// cmocka.h wants these first.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -78,7 +72,6 @@ static bf_status do_list_measurements(api_store *store, const api_measurement_qu
 {
     const helper_daemon *d = (void *)store;
 
-    (void)err;
     ret_list->n = 0;
     ret_list->has_more = false;
     for (size_t i = d->n_measurements; i-- > 0 && !ret_list->has_more;) {

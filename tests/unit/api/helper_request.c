@@ -1,14 +1,8 @@
 // Requests to the daemon in arrays, and what is in its answers.
 
 #include "tests/unit/api/helper_services.h"
+#include "tests/unit/helper_cmocka.h"
 
-// cmocka.h wants these first.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>

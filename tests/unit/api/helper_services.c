@@ -4,14 +4,8 @@
 #include "tests/unit/helper_slices.h"
 
 #include "api/results/run_json.h"
+#include "tests/unit/helper_cmocka.h"
 
-// cmocka.h wants these first.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -86,7 +80,6 @@ static bf_status do_list(api_service *service, const api_list_query *query, api_
 {
     helper_daemon *d = (void *)service;
 
-    (void)err;
     d->last_query = *query;
     ret_list->n = 0;
     ret_list->has_more = false;
@@ -113,7 +106,6 @@ static bf_status do_list_lines(api_store *store, const api_line_query *query,
 {
     const helper_daemon *d = (const void *)store;
 
-    (void)err;
     ret_list->n = 0;
     ret_list->has_more = false;
     for (size_t i = d->n_runs; i-- > 0 && !ret_list->has_more;) {
@@ -334,22 +326,16 @@ static bf_status do_read_changes(api_store *store, const char *id, api_event_fn 
 
 static bf_status do_metrics(api_service *service, bool with_owners, bf_buffer *out, bf_error *err)
 {
-    (void)with_owners;
-    (void)service;
     return buffer_printf(out, "beltflow_runs 0\n") == BF_OK ? BF_OK : no_memory(err);
 }
 
 static bool do_holds(api_service *service, const char *id)
 {
-    (void)service;
-    (void)id;
     return false;
 }
 
 static bool do_read_speed(api_service *service, prediction_speed *ret_speed)
 {
-    (void)service;
-    (void)ret_speed;
     return false;
 }
 
@@ -363,7 +349,6 @@ static bf_status do_ready(api_service *service, bf_error *err)
 // Nobody needs a ticket here, and gets one all the same.
 static void make_ticket(api_service *service, uint64_t token, api_ticket *ret_ticket)
 {
-    (void)service;
     assert_int_equal(token, 0);
     *ret_ticket = (api_ticket){ .text = "a-ticket", .expires_ms = 1767225600000 };
 }
@@ -372,8 +357,6 @@ static void make_ticket(api_service *service, uint64_t token, api_ticket *ret_ti
 static bf_status do_read_quotas(api_store *store, const char *owner, api_quotas *ret_quotas,
                                 bf_error *err)
 {
-    (void)store;
-    (void)err;
     assert_string_equal(owner, "");
     *ret_quotas = (api_quotas){ .owner = "alice",
                                 .waiting = { .used = 3 },
@@ -386,8 +369,6 @@ static bf_status do_read_quotas(api_store *store, const char *owner, api_quotas 
 static bf_status add_grant(api_service *service, uint32_t expires_in_s, api_grant *grant,
                            bf_error *err)
 {
-    (void)service;
-    (void)err;
     assert_int_equal(expires_in_s, 3600);
     grant->id = 7;
     grant->created_ms = 1767225600000 - 3600000;
@@ -399,8 +380,6 @@ static bf_status add_grant(api_service *service, uint32_t expires_in_s, api_gran
 static bf_status list_grants(api_service *service, const char *owner, api_grant_list *ret_list,
                              bf_error *err)
 {
-    (void)service;
-    (void)err;
     assert_string_equal(owner, "");
     *ret_list = (api_grant_list){ .n = 1, .grants = memory_alloc(1, sizeof(api_grant)) };
     assert_non_null(ret_list->grants);
@@ -411,7 +390,6 @@ static bf_status list_grants(api_service *service, const char *owner, api_grant_
 
 static bf_status revoke_grant(api_service *service, const char *owner, uint64_t id, bf_error *err)
 {
-    (void)service;
     assert_string_equal(owner, "");
     return id == 7 ? BF_OK : bf_fail(err, BF_ENOTFOUND, "", "there is no grant");
 }

@@ -3,14 +3,8 @@
 #include "tests/unit/api/helper_services.h"
 
 #include "api/study/study_json.h"
+#include "tests/unit/helper_cmocka.h"
 
-// cmocka.h wants these first.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -67,7 +61,6 @@ static bf_status do_list_studies(api_store *store, const api_study_query *query,
 {
     const helper_daemon *d = (void *)store;
 
-    (void)err;
     ret_list->n = 0;
     ret_list->has_more = false;
     for (size_t i = d->n_studies; i-- > 0 && !ret_list->has_more;) {

@@ -1,13 +1,8 @@
 #include "tests/unit/api/helper_unzip.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "tests/unit/helper_cmocka.h"
 
 #include <archive.h>
 #include <archive_entry.h>
-#include <cmocka.h>
 #include <stdio.h>
 
 static void read_file(struct archive *a, struct archive_entry *entry, unzip_file *file)

@@ -1,14 +1,9 @@
 #include "tests/unit/core/helper_faults.h"
 
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 const bf_faults *helper_faults_of(scene *s)
 {

@@ -1,14 +1,9 @@
 #include "tests/unit/core/helper_fed_belt.h"
 
 #include "tests/unit/core/helper_micro.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static const double radius = 0.012; // of parts, m
 static const double speed = 1.0;    // of the belt, m/s

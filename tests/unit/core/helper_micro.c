@@ -1,14 +1,9 @@
 #include "tests/unit/core/helper_micro.h"
 
 #include "tests/unit/core/helper_world.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 const helper_micro_solver helper_micro_solvers[HELPER_MICRO_SOLVERS] = {
     { MICRO_PATH_PLANAR, MICRO_VERLET, 2e-5 },

@@ -56,7 +56,6 @@ static bf_status take(void *context, const frame *f, bf_error *err)
 {
     helper_run_log *log = context;
 
-    (void)err;
     log->n_frames[f->type]++;
     if (f->type == FRAME_BEGIN)
         log->begin = f->begin;

@@ -1,11 +1,7 @@
 #include "tests/unit/server/helper_await.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 void helper_wait_more(int64_t until_ms, const char *fact, const char *file, int line)
 {

@@ -2,18 +2,15 @@
 #include "tests/unit/server/helper_await.h"
 
 #include "server/base/clock.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
 #include <poll.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 int client_connect_to(struct in_addr host, unsigned port)
 {

@@ -3,16 +3,13 @@
 
 #include "server/base/clock.h"
 #include "server/base/lock.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 struct executor_job {
     char id[EXECUTOR_ID_SIZE];
@@ -61,7 +58,6 @@ static size_t add_job(helper_executor *e, const char *run_id, uint64_t first_ste
 static bf_status ready(executor *base, bf_error *err)
 {
     (void)base;
-    (void)err;
     return BF_OK;
 }
 
@@ -192,7 +188,6 @@ static bool has_room(executor *base, bool is_trial)
 {
     helper_executor *e = (helper_executor *)base;
 
-    (void)is_trial;
     lock_acquire(&e->lock);
     bool has = e->room > 0;
     lock_release(&e->lock);
@@ -214,7 +209,6 @@ static bool confirm(executor *base, const executor_job *job, const bf_error *why
 {
     helper_executor *e = (helper_executor *)base;
 
-    (void)job;
     lock_acquire(&e->lock);
     const bool counts = why == NULL || e->n_failures++ > 0;
     lock_release(&e->lock);

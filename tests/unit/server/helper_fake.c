@@ -6,15 +6,11 @@
 
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 void fake_init(fake *f)
 {
@@ -72,7 +68,6 @@ static bf_status find(api_service *service, const char *id, api_run *ret_run, bf
 {
     fake *f = (void *)service;
 
-    (void)err;
     memset(ret_run, 0, sizeof *ret_run);
     (void)snprintf(ret_run->id, sizeof ret_run->id, "%s", id);
     lock_acquire(&f->lock);
@@ -97,7 +92,6 @@ static bf_status read_events(api_store *store, const char (*runs)[API_ID_SIZE], 
     bf_status status = BF_OK;
     size_t n = 0;
 
-    (void)n_runs;
     wait_while_held(f, FAKE_HELD_EVENTS);
     lock_acquire(&f->lock);
     uint64_t n_events = f->n_events;
@@ -125,21 +119,12 @@ static bf_status read_events(api_store *store, const char (*runs)[API_ID_SIZE], 
 static bf_status read_text(api_store *store, const char *id, api_text which, bf_buffer *out,
                            bf_error *err)
 {
-    (void)store;
-    (void)id;
-    (void)which;
-    (void)err;
     return buffer_append(out, "{}", 2);
 }
 
 static bf_status read_curve(api_store *store, const char *id, uint64_t first, uint64_t n_most,
                             api_curve *ret_curve, bf_error *err)
 {
-    (void)n_most;
-    (void)store;
-    (void)id;
-    (void)first;
-    (void)err;
     *ret_curve = (api_curve){ .n = 0 };
     return BF_OK;
 }
@@ -150,8 +135,6 @@ static bf_status list_snapshots(api_store *store, const char *id, api_snapshot_l
     fake *f = (void *)store;
     api_snapshot_list list = { .grid = { .n1 = FAKE_CELLS, .n2 = 1, .d1 = 1.0, .d2 = 1.0 } };
 
-    (void)id;
-    (void)err;
     lock_acquire(&f->lock);
     list.n = (size_t)f->n_snapshots;
     lock_release(&f->lock);
@@ -171,7 +154,6 @@ static bf_status read_array(api_store *store, const char *id, uint64_t index, ap
     uint32_t *cells = (uint32_t *)(void *)buffer_reserve(out, FAKE_CELLS * sizeof *cells);
     uint32_t x = (uint32_t)index;
 
-    (void)id;
     wait_while_held(f, FAKE_HELD_SNAPSHOT);
     lock_acquire(&f->lock);
     bool is_broken = f->is_broken;
@@ -200,37 +182,28 @@ static bf_status open_array(api_store *store, const char *id, uint64_t index, ap
 
 static bf_status metrics(api_service *service, bool with_owners, bf_buffer *out, bf_error *err)
 {
-    (void)with_owners;
-    (void)service;
     return metrics_write(out, err);
 }
 
 static bf_status ready(api_service *service, bf_error *err)
 {
-    (void)err;
     wait_while_held((void *)service, FAKE_HELD_READY);
     return BF_OK;
 }
 
 static bool holds(api_service *service, const char *id)
 {
-    (void)service;
-    (void)id;
     return false;
 }
 
 static bool read_speed(api_service *service, prediction_speed *ret_speed)
 {
-    (void)service;
-    (void)ret_speed;
     return false;
 }
 
 static bf_status list(api_service *service, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err)
 {
-    (void)query;
-    (void)err;
     wait_while_held((void *)service, FAKE_HELD_LIST);
     ret_list->n = 0;
     ret_list->has_more = false;
@@ -240,7 +213,6 @@ static bf_status list(api_service *service, const api_list_query *query, api_run
 static bf_status submit(api_service *service, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err)
 {
-    (void)submission;
     wait_while_held((void *)service, FAKE_HELD_SUBMIT);
     memcpy(ret_acceptance->id, FAKE_RUN, API_ID_SIZE);
     return buffer_printf(&ret_acceptance->answer, "{\"id\":\"%s\"}", FAKE_RUN) == BF_OK

@@ -47,7 +47,6 @@ static bf_status count_samples(void *context, const api_event *event, bf_error *
     uint64_t *n = context;
     unsigned long long first = 0, count = 0;
 
-    (void)err;
     if (event->type != API_EVENT_CURVE)
         return BF_OK;
     const char *at = strstr(event->data, "\"first\":");

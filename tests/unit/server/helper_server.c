@@ -9,7 +9,6 @@ http *server;
 
 int server_set_up(void **state)
 {
-    (void)state;
     fake_init(&server_services);
     server = NULL;
     return 0;
@@ -17,7 +16,6 @@ int server_set_up(void **state)
 
 int server_tear_down(void **state)
 {
-    (void)state;
     fake_hold(&server_services, FAKE_HELD_NONE);
     server = http_stop(server);
     fake_fini(&server_services);

@@ -2,17 +2,12 @@
 
 #pragma once
 
+#include "tests/unit/helper_cmocka.h"
 #include "tests/unit/server/helper_client.h"
 #include "tests/unit/server/helper_fake.h"
 
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 extern fake server_services; ///< of the present test
 extern http *server;         ///< what the present test started; NULL: nothing

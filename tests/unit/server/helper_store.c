@@ -70,7 +70,6 @@ int helper_store_teardown(void **state)
 
 static void note_finding(void *context, const char *name, const char *claim, const char *finding)
 {
-    (void)context;
     if (finding != NULL)
         fail_msg("%s: %s: %s", name, claim, finding);
 }

@@ -4,14 +4,9 @@
 
 #include "server/base/lock.h"
 #include "server/store/work.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 enum {
     HELPER_COLUMNS = 2, ///< columns of helper_submission()'s curve: "upstream,left_domain"

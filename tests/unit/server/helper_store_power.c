@@ -1,19 +1,14 @@
 #include "tests/unit/server/helper_store_power.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <fcntl.h>
 #include <pthread.h>
-#include <setjmp.h>
 #include <sqlite3.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum {
     FILES_MAX = 16, // of one process
@@ -168,7 +163,6 @@ static int cut_file(sqlite3_file *file, sqlite3_int64 n)
 // The real sync is left out: this process ends before the machine does.
 static int sync_file(sqlite3_file *file, int flags)
 {
-    (void)flags;
     pthread_mutex_lock(&mutex);
     disk_file *d = handle_of(file)->disk;
     pass_time();
@@ -221,7 +215,6 @@ static disk_file *find_disk(const char *name)
 static int open_file(sqlite3_vfs *vfs, const char *name, sqlite3_file *file, int flags,
                      int *ret_flags)
 {
-    (void)vfs;
     int code = below->xOpen(below, name, file, flags, ret_flags);
     if (code != SQLITE_OK || name == NULL)
         return code;

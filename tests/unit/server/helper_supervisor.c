@@ -39,7 +39,6 @@ const char helper_medium_jam[] = JAM("60", "0.01", "1");
 static void note_commit(void *context, const char *run_id)
 {
     helper_world *w = context;
-    (void)run_id;
 
     // On the store's thread, so this is as if the disk took so long.
     usleep(atomic_load(&w->commit_us));

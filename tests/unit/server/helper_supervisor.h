@@ -6,15 +6,10 @@
 #include "server/base/lock.h"
 #include "server/run/local_executor.h"
 #include "server/run/supervisor.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 enum { HELPER_PATH_SIZE = 256 }; ///< bytes of a path with its terminator
 

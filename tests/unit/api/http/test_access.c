@@ -1,13 +1,8 @@
 // Unit tests of the decision about access, and of what requests with and without a token are answered.
 
 #include "api/http/access.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -47,7 +42,6 @@ static void every_route_is_decided_for_every_scope(void **state)
     size_t n = 0;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; k < N_SCOPES; k++) {
             bool may = is_public(&table[i]) || (all_scopes[k] & needed_by(&table[i])) != 0 ||
@@ -88,7 +82,6 @@ static void a_granted_token_may_use_what_reads_runs_and_studies_by_name(void **s
     size_t n = 0, n_allowed = 0;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         bool may = is_public(&table[i]) || strcmp(table[i].path, "/v1/tickets") == 0;
         for (size_t k = 0; k < sizeof paths / sizeof *paths; k++) {
@@ -108,7 +101,6 @@ static void scopes_of_a_token_that_does_not_count_are_worth_nothing(void **state
     size_t n = 0;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         const int wanted = is_public(&table[i]) ? 0 : 401;
         for (int c = API_CREDENTIAL_MISSING; c < API_CREDENTIAL_VALID; c++)
@@ -122,7 +114,6 @@ static void tickets_are_for_what_reads_and_needs_a_token(void **state)
     size_t n = 0;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++)
         assert_int_equal(access_takes_ticket(&table[i]),
                          strcmp(table[i].method, "GET") == 0 && !is_public(&table[i]));
@@ -133,7 +124,6 @@ static void scopes_are_read_as_they_are_written(void **state)
     char text[API_SCOPES_SIZE];
     unsigned scopes = 77;
 
-    (void)state;
     for (unsigned flags = 1; flags < 32; flags++) {
         assert_true(api_access_read_scopes(api_access_write_scopes(flags, text), &scopes));
         assert_int_equal(scopes, flags);
@@ -155,7 +145,6 @@ static void scopes_are_read_as_they_are_written(void **state)
 // A service with three tokens: "reads", "submits" and "old".
 static api_credential identify(api_service *service, const char *token, api_identity *ret_who)
 {
-    (void)service;
     if (token == NULL)
         return API_CREDENTIAL_MISSING;
     if (strcmp(token, "old") == 0)
@@ -182,7 +171,6 @@ static api_credential read_ticket(api_service *service, const char *ticket, uint
 {
     static const char *const known[] = { "good", "sent", "gone" };
 
-    (void)service;
     if (strcmp(ticket, "late") == 0)
         return API_CREDENTIAL_EXPIRED;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
@@ -196,7 +184,6 @@ static api_credential read_ticket(api_service *service, const char *ticket, uint
 
 static void make_ticket(api_service *service, uint64_t token, api_ticket *ret_ticket)
 {
-    (void)service;
     *ret_ticket = (api_ticket){ .expires_ms = 1767225600000 }; // 2026-01-01
     (void)snprintf(ret_ticket->text, sizeof ret_ticket->text, "ticket-%u", (unsigned)token);
 }
@@ -244,7 +231,6 @@ static void a_body_is_decided_by_the_header(void **state)
         { "OPTIONS", "/v1/runs", NULL, API_BODY_UNUSED, 0 },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *header = cases[i].authorization;
         const api_request request = { .method = cases[i].method,
@@ -312,7 +298,6 @@ static void a_refusal_says_what_is_wanted(void **state)
         { "POST", "/v1/tickets", "", "Bearer submits", 200, NULL },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         api_response response;
         ask_for(cases[i].method, cases[i].path, cases[i].query, cases[i].authorization, &response);
@@ -330,7 +315,6 @@ static void an_answer_says_whose_it_is_and_that_caches_must_not_share_it(void **
 {
     api_response response;
 
-    (void)state;
     ask_for("GET", "/v1/examples", "", "Bearer reads", &response);
     assert_int_equal(response.who.token, 1);
     assert_string_equal(response.who.owner, "alice");
@@ -345,7 +329,6 @@ static void a_ticket_is_answered_with_its_end_and_not_kept(void **state)
 {
     api_response response;
 
-    (void)state;
     ask_for("POST", "/v1/tickets", "", "Bearer submits", &response);
     assert_string_equal(response.body.bytes,
                         "{\"ticket\":\"ticket-2\",\"expires_at\":\"2026-01-01T00:00:00.000Z\"}");
@@ -360,7 +343,6 @@ static void after_a_wait_the_token_has_to_count_and_the_ticket_need_not(void **s
     };
     api_response response;
 
-    (void)state;
     ask_for("GET", "/v1/examples", "ticket=good", NULL, &response);
     assert_int_equal(response.who.token, 1);
     api_handle_again(&services, &request, &response);

@@ -4,13 +4,8 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +18,6 @@ static void what_a_client_has_is_not_sent_again(void **state)
                                          "If-None-Match: \"r42\n", "If-None-Match: \n",
                                          "If-None-Match: \"r4\", \"r422\"\n" };
 
-    (void)state;
     ask_add_run(RUN_RUNNING)->record.revision = 42;
     for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
         ask_get(RUN_1, NULL, same[i], 304);
@@ -36,7 +30,6 @@ static void what_a_client_has_is_not_sent_again(void **state)
 // What is dear to make is not made; what is cheap is left to the transport, for its length.
 static void what_is_dear_is_not_made_for_a_client_that_has_it(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING)->record.revision = 42;
     ask_get(RUN_1 "/curve", NULL, "If-None-Match: \"r42-json\"\n", 304);
     assert_int_equal(ask_response.body.n, 0);
@@ -51,7 +44,6 @@ static void an_encoded_form_is_known_by_its_own_tag(void **state)
     static const char known[] = "If-None-Match: \"r42-json-gzip\"\n";
     char headers[128];
 
-    (void)state;
     ask_add_run(RUN_RUNNING)->record.revision = 42;
     snprintf(headers, sizeof headers, "%sAccept-Encoding: gzip\n", known);
     ask_get(RUN_1 "/curve", NULL, headers, 304);
@@ -66,7 +58,6 @@ static void documents_are_known_by_their_bytes(void **state)
     static const char *const paths[] = { "/v1/runs", "/v1/examples", "/v1/examples/example-1",
                                          "/version" };
 
-    (void)state;
     ask_add_run(RUN_RUNNING);
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
         char headers[128];
@@ -87,7 +78,6 @@ static void a_run_is_changed_only_in_the_state_that_the_client_means(void **stat
     static const char *const other[] = { "If-Match: \"r41\"\n", "If-Match: W/\"r42\"\n",
                                          "If-Match: r42\n" };
 
-    (void)state;
     ask_add_run(RUN_QUEUED)->record.revision = 42;
     for (size_t i = 0; i < sizeof other / sizeof *other; i++) {
         ask("POST", RUN_1 "/cancel", NULL, other[i], NULL, 412);
@@ -105,7 +95,6 @@ static void conditions_hold_for_reading_and_removing(void **state)
     static const char *const paths[] = { RUN_1,      RUN_1 "/curve", RUN_1 "/snapshots",
                                          "/v1/runs", "/version",     "/v1/examples/example-1" };
 
-    (void)state;
     ask_add_run(RUN_QUEUED)->record.revision = 42;
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
         char headers[128];
@@ -130,7 +119,6 @@ static void the_type_of_a_problem_leads_to_what_it_means(void **state)
 {
     char type[128];
 
-    (void)state;
     ask_get("/nowhere", NULL, NULL, 404);
     const char *from = strstr(ask_response.body.bytes, "/problems/");
     assert_non_null(from);
@@ -143,7 +131,6 @@ static void the_type_of_a_problem_leads_to_what_it_means(void **state)
 
 static void a_problem_can_be_given_the_id_of_its_request(void **state)
 {
-    (void)state;
     ask_get("/nowhere", NULL, NULL, 404);
     api_problem_identify(&ask_response, "a\"b");
     assert_true(ask_body_has("\"instance\":\"/nowhere\",\"request_id\":\"a\\\"b\"}"));
@@ -163,7 +150,6 @@ static void a_problem_can_be_given_the_id_of_its_request(void **state)
 
 static void a_full_share_of_the_queue_is_a_429(void **state)
 {
-    (void)state;
     ask_daemon.refusal = BF_ELIMIT;
     ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 429);
     assert_non_null(helper_header(&ask_response, "Retry-After"));
@@ -171,7 +157,6 @@ static void a_full_share_of_the_queue_is_a_429(void **state)
 
 static void what_depends_on_accept_says_so(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/curve", NULL, NULL, 200);
     ask_assert_header("Vary", "Accept");
@@ -187,7 +172,6 @@ static void unknown_runs_are_not_found(void **state)
                                          "/snapshots", "/snapshots/0", "/events" };
     char path[128];
 
-    (void)state;
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
         snprintf(path, sizeof path, NO_RUN "%s", paths[i]);
         ask_get(path, NULL, NULL, 404);
@@ -200,7 +184,6 @@ static void unknown_runs_are_not_found(void **state)
 
 static void formats_that_do_not_exist_are_refused_with_those_that_do(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/curve", "format=xml", NULL, 400);
     assert_true(ask_body_has("json csv"));
@@ -215,7 +198,6 @@ static void formats_that_do_not_exist_are_refused_with_those_that_do(void **stat
 
 static void the_service_tells_of_itself(void **state)
 {
-    (void)state;
     ask_get("/livez", NULL, NULL, 200);
     ask_get("/readyz", NULL, NULL, 200);
     ask_get("/version", NULL, NULL, 200);
@@ -234,7 +216,6 @@ static void the_service_tells_of_itself(void **state)
 
 static void every_example_can_be_fetched_and_submitted(void **state)
 {
-    (void)state;
     ask_get("/v1/examples", NULL, NULL, 200);
     json_t *root = helper_json(&ask_response);
     json_t *items = json_object_get(root, "examples");
@@ -256,7 +237,6 @@ static void every_example_can_be_fetched_and_submitted(void **state)
 
 static void options_and_405_list_the_methods(void **state)
 {
-    (void)state;
     ask("OPTIONS", "/v1/runs", NULL, NULL, NULL, 204);
     ask_assert_header("Allow", "POST, GET, HEAD, OPTIONS");
     ask("OPTIONS", "*", NULL, NULL, NULL, 204);
@@ -272,7 +252,6 @@ static void options_and_405_list_the_methods(void **state)
 
 static void head_is_answered_like_get(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask("HEAD", RUN_1, NULL, NULL, NULL, 200);
     ask_assert_header("ETag", "\"r1\"");
@@ -281,7 +260,6 @@ static void head_is_answered_like_get(void **state)
 
 static void unknown_parameters_are_named(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1, "verbose=1", NULL, 400);
     assert_true(ask_body_has("'verbose'"));
@@ -290,7 +268,6 @@ static void unknown_parameters_are_named(void **state)
 
 static void a_problem_names_the_path_as_a_reference(void **state)
 {
-    (void)state;
     ask_get("/v1/runs/a \"b\xc3", NULL, NULL, 404);
     assert_true(ask_body_has("\"instance\":\"/v1/runs/a%20%22b%C3\""));
     assert_true(
@@ -301,7 +278,6 @@ static void too_long_a_path_or_query_is_refused(void **state)
 {
     char text[API_PATH_MAX + 1] = "/";
 
-    (void)state;
     memset(text + 1, 'x', sizeof text - 2);
     text[API_PATH_MAX] = '\0';
     ask_get(text, NULL, NULL, 414);
@@ -316,7 +292,6 @@ static void the_transport_can_refuse_too(void **state)
 {
     bf_error err = { .code = BF_ELIMIT, .text = "the body may have 1048576 bytes" };
 
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1, NULL, NULL, 200);
     api_problem(&ask_response, 413, "/v1/runs", &err);
@@ -352,7 +327,6 @@ static void out_of_memory_is_a_503(void **state)
         { "GET", "/version", NULL, NULL, 200 },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         const request_line *line = &lines[i];
         size_t n_faults = 1;

@@ -3,21 +3,14 @@
 #include "api/http/exchange.h"
 
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 #define WAIT_5 IS_JSON "Prefer: wait=5\n"
 
 static const char *no_header(void *context, const char *name)
 {
-    (void)context;
-    (void)name;
     return NULL;
 }
 
@@ -38,7 +31,6 @@ static bool is_over(void)
 
 static void a_submission_that_prefers_so_waits_for_the_end(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, WAIT_5, BODY, 201);
     ask_assert_header("Preference-Applied", "wait=5");
     assert_int_equal(ask_response.long_poll.seconds, 5);
@@ -61,7 +53,6 @@ static void a_submission_that_prefers_so_waits_for_the_end(void **state)
 
 static void a_run_that_is_gone_was_accepted_all_the_same(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, WAIT_5, BODY, 201);
     ask_daemon.runs[0].record.id[0] = '\0';
     assert_true(is_over());
@@ -74,7 +65,6 @@ static void a_run_that_is_gone_was_accepted_all_the_same(void **state)
 
 static void nobody_waits_longer_than_the_limit(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, IS_JSON "Prefer: wait=3600\n", BODY, 201);
     ask_assert_header("Preference-Applied", "wait=60");
     assert_int_equal(ask_response.long_poll.seconds, API_WAIT_MAX_S);
@@ -85,7 +75,6 @@ static void nobody_waits_longer_than_the_limit(void **state)
 
 static void without_the_preference_nothing_waits(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 201);
     assert_int_equal(ask_response.long_poll.seconds, 0);
     assert_null(helper_header(&ask_response, "Preference-Applied"));
@@ -97,7 +86,6 @@ static void without_the_preference_nothing_waits(void **state)
 
 static void who_has_the_state_waits_for_another_one(void **state)
 {
-    (void)state;
     helper_run *item = ask_add_run(RUN_RUNNING);
     ask_get(RUN_1, "wait=5", "If-None-Match: \"r1\"\n", 304);
     assert_int_equal(ask_response.long_poll.seconds, 5);
@@ -110,7 +98,6 @@ static void who_has_the_state_waits_for_another_one(void **state)
 
 static void who_has_no_state_waits_for_the_end(void **state)
 {
-    (void)state;
     helper_run *item = ask_add_run(RUN_RUNNING);
     ask_get(RUN_1, "wait=5", NULL, 200);
     item->record.revision++;

@@ -4,13 +4,8 @@
 #include "api/http/exchange.h"
 #include "core/run/frame.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -21,7 +16,6 @@ static uint64_t n_most_at_once; // samples of a curve that were read at once
 
 static bool reserve(void *context, uint64_t n)
 {
-    (void)context;
     n_reserved += n;
     return true;
 }
@@ -61,10 +55,6 @@ static helper_run *begin(void)
 static bf_status open_large(api_store *store, const char *id, uint64_t index, api_array_kind kind,
                             api_array *ret_array, api_slices *ret_slices, bf_error *err)
 {
-    (void)store;
-    (void)id;
-    (void)index;
-    (void)err;
     assert_int_equal(kind, API_ARRAY_DENSITY);
     *ret_array = (api_array){ .grid = ask_daemon.runs[0].grid };
     *ret_slices = (api_slices){ .n = grid_cells(&ret_array->grid) * sizeof(float) };
@@ -74,8 +64,6 @@ static bf_status open_large(api_store *store, const char *id, uint64_t index, ap
 static bf_status read_zeros(api_store *store, api_slices *slices, uint64_t at, size_t limit_bytes,
                             bf_buffer *out, bf_error *err)
 {
-    (void)store;
-    (void)err;
     assert_true(at + limit_bytes <= slices->n);
     memset(buffer_reserve(out, limit_bytes), 0, limit_bytes);
     out->n += limit_bytes;
@@ -84,7 +72,6 @@ static bf_status read_zeros(api_store *store, api_slices *slices, uint64_t at, s
 
 static void a_picture_takes_memory_for_its_pixels_and_some_rows(void **state)
 {
-    (void)state;
     helper_run *of = begin();
     of->grid = (bf_grid){ .n1 = 4000, .n2 = 10000, .d1 = 0.01, .d2 = 0.01 };
     services.open_array = open_large;
@@ -106,7 +93,6 @@ static void a_grid_too_large_for_a_whole_answer_is_not_read(void **state)
         { "format=vti", "gzip, identity;q=0", "use Accept-Encoding: identity" },
     };
 
-    (void)state;
     begin()->grid.n1 = 2000001; // two rows
     services.read_array = NULL;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -122,9 +108,6 @@ static bf_status open_many_parts(api_store *store, const char *id, uint64_t inde
                                  api_array_kind kind, api_array *ret_array, api_slices *ret_slices,
                                  bf_error *err)
 {
-    (void)store;
-    (void)id;
-    (void)err;
     assert_int_equal(kind, API_ARRAY_PARTS);
     *ret_array = (api_array){ .snapshot = { .index = index },
                               .parts = { .n_parts = 500001, .n_values = 8 } };
@@ -134,7 +117,6 @@ static bf_status open_many_parts(api_store *store, const char *id, uint64_t inde
 
 static void too_many_parts_of_a_snapshot_are_not_read(void **state)
 {
-    (void)state;
     helper_run *of = begin();
     of->record.model = RUN_MICRO;
     of->parts = (api_parts){ .n_values = 8 };
@@ -154,9 +136,6 @@ static bf_status read_ones(api_store *store, const char *id, uint64_t first, uin
     const uint64_t n_left = 800001 - first, n = n_left < n_most ? n_left : n_most;
     api_curve curve = { .n = (size_t)n, .n_columns = 4 };
 
-    (void)store;
-    (void)id;
-    (void)err;
     n_most_at_once = n > n_most_at_once ? n : n_most_at_once;
     assert_int_equal(buffer_printf(&curve.columns, "a,b,c,left_domain"), BF_OK);
     for (uint64_t k = 0; k < n; k++) {
@@ -173,7 +152,6 @@ static void a_long_curve_is_sent_piece_by_piece_or_not_at_all(void **state)
     bf_buffer chunk = { 0 };
     body_state where = BODY_DONE;
 
-    (void)state;
     begin()->record.n_samples = 800001;
     services.read_curve = read_ones;
     get(RUN_1 "/curve", "format=csv", "gzip", 200);
@@ -195,7 +173,6 @@ static void a_long_curve_is_sent_piece_by_piece_or_not_at_all(void **state)
 
 static void curves_are_compared_by_one_column_that_is_read_in_pieces(void **state)
 {
-    (void)state;
     begin()->record.n_samples = 800001;
     services.read_curve = read_ones;
     get("/v1/compare", "a=" ID_1 "&b=" ID_1, NULL, 200);

@@ -2,13 +2,7 @@
 
 #include "tests/unit/api/helper_ask.h"
 #include "tests/unit/api/helper_unzip.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 #define TAG "\"" ID_1 "-1769860810000-zip\""
 
@@ -39,7 +33,6 @@ static void the_results_of_a_run_are_one_file_that_never_changes(void **state)
 {
     unzip_file files[UNZIP_FILES_MAX];
 
-    (void)state;
     add_ended_run();
     ask_get(RUN_1 "/results.zip", NULL, NULL, 200);
     ask_assert_header("Content-Type", "application/zip");
@@ -57,7 +50,6 @@ static void files_for_vtk_come_when_asked(void **state)
 {
     unzip_file files[UNZIP_FILES_MAX];
 
-    (void)state;
     add_ended_run();
     ask_get(RUN_1 "/results.zip", "vtk=1", "If-None-Match: " TAG "\n", 200);
     size_t n = unzip_answer(files);
@@ -75,7 +67,6 @@ static void a_run_that_goes_on_has_no_archive_yet(void **state)
     static const run_state late[] = { RUN_SUCCEEDED, RUN_FAILED, RUN_CANCELLED };
     helper_run *of = add_ended_run();
 
-    (void)state;
     for (size_t i = 0; i < sizeof early / sizeof *early; i++) {
         of->record.state = early[i];
         ask_get(RUN_1 "/results.zip", NULL, NULL, 409);

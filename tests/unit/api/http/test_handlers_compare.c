@@ -3,13 +3,8 @@
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_ask.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -48,7 +43,6 @@ static void two_runs_are_compared_in_curve_and_density(void **state)
 {
     helper_run *a, *b;
 
-    (void)state;
     a = ask_add_run(RUN_SUCCEEDED);
     b = ask_add_run(RUN_SUCCEEDED);
     b->values[0] -= 1.0;
@@ -77,7 +71,6 @@ static void two_runs_are_told_apart_in_a_sentence(void **state)
     bf_buffer scenario = document_resolve("{" DOCUMENT_NEEDED "}");
     helper_run *a = ask_add_run(RUN_SUCCEEDED), *b = ask_add_run(RUN_SUCCEEDED);
 
-    (void)state;
     a->scenario = b->scenario = scenario.bytes;
     b->record.model = RUN_MICRO;
     a->figures =
@@ -105,7 +98,6 @@ static void two_runs_are_told_apart_in_a_sentence(void **state)
 
 static void densities_on_different_grids_are_not_compared(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask_add_run(RUN_SUCCEEDED)->grid.d1 = 0.25;
     ask_get("/v1/compare", "a=" ID_1 "&b=" ID_2 "&column=left_domain", NULL, 200);
@@ -117,7 +109,6 @@ static void only_snapshots_of_common_times_are_compared(void **state)
 {
     helper_run *b;
 
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     b = ask_add_run(RUN_SUCCEEDED);
     b->snapshots[0].t = 0.05;
@@ -130,7 +121,6 @@ static void many_snapshots_are_thinned_out_but_for_the_last(void **state)
 {
     helper_run *a = ask_add_run(RUN_SUCCEEDED);
 
-    (void)state;
     for (uint64_t i = 0; i < 401; i++)
         a->snapshots[i] = (api_snapshot){ .index = i, .t = 0.1 * (double)i };
     a->record.n_snapshots = 401;
@@ -147,7 +137,6 @@ static void many_snapshots_are_thinned_out_but_for_the_last(void **state)
 
 static void a_comparison_needs_two_runs_with_samples_and_the_column(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask_add_run(RUN_QUEUED)->record.n_samples = 0;
     ask_get("/v1/compare", NULL, NULL, 400);
@@ -168,7 +157,6 @@ static void curves_without_a_common_time_cannot_be_compared(void **state)
 {
     helper_run *b;
 
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     b = ask_add_run(RUN_SUCCEEDED);
     b->t[0] = 5.0;
@@ -186,7 +174,6 @@ static void densities_are_told_by_their_distance_and_their_way(void **state)
     static const float of_a[] = { 1, 0, 0, 1, 0, 0 }, of_b[] = { 0, 0, 0, 0, 0, 1 };
     helper_run *a, *b;
 
-    (void)state;
     a = ask_add_run(RUN_SUCCEEDED);
     b = ask_add_run(RUN_SUCCEEDED);
     for (int i = 0; i < 2; i++) {
@@ -214,7 +201,6 @@ static void an_empty_belt_and_other_grids_have_no_means(void **state)
 {
     helper_run *b;
 
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     b = ask_add_run(RUN_SUCCEEDED);
     memset(b->rho, 0, sizeof b->rho);
@@ -228,7 +214,6 @@ static void an_empty_belt_and_other_grids_have_no_means(void **state)
 // Three curves of slopes -10, -20 and -30 parts/s from 192: against the second one.
 static void several_runs_are_compared_with_one_of_them(void **state)
 {
-    (void)state;
     for (int i = 1; i <= 3; i++) {
         helper_run *item = ask_add_run(RUN_SUCCEEDED);
         item->values[2] = 192.0 - (double)i;
@@ -265,7 +250,6 @@ static void several_runs_are_compared_with_one_of_them(void **state)
 
 static void the_first_one_is_the_reference_unless_another_is_named(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask_add_run(RUN_SUCCEEDED);
     ask_get("/v1/compare", "runs=" ID_2 "," ID_1, NULL, 200);
@@ -279,7 +263,6 @@ static void a_measurement_stands_where_a_run_can(void **state)
 {
     helper_measurement *m;
 
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     m = helper_add_measurement(&ask_daemon, "upstream");
     memcpy(m->about.label, "camera", 7);
@@ -300,7 +283,6 @@ static void a_measurement_stands_where_a_run_can(void **state)
 // The column is the first one that all have: here the second one of the run.
 static void the_column_follows_from_what_all_have(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     helper_add_measurement(&ask_daemon, "left_domain");
     helper_add_measurement(&ask_daemon, "gate");
@@ -323,7 +305,6 @@ static void what_is_compared_is_told_in_one_way_and_within_limits(void **state)
         ",0190a0b0-0000-7000-8000-000000000008";
     char nine[sizeof eight + 40];
 
-    (void)state;
     for (int i = 0; i < 8; i++)
         ask_add_run(RUN_SUCCEEDED);
     ask_get("/v1/compare", eight, NULL, 200);
@@ -345,7 +326,6 @@ static void a_comparison_that_is_known_is_told_so(void **state)
 {
     char header[160];
 
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask_add_run(RUN_SUCCEEDED);
     ask_get("/v1/compare", "runs=" ID_1 "," ID_2, NULL, 200);
@@ -356,7 +336,6 @@ static void a_comparison_that_is_known_is_told_so(void **state)
 
 static void each_pair_is_thinned_out_by_itself(void **state)
 {
-    (void)state;
     for (int i = 0; i < 3; i++) {
         helper_run *item = ask_add_run(RUN_SUCCEEDED);
         item->record.n_snapshots = 401;
@@ -375,7 +354,6 @@ static void each_pair_is_thinned_out_by_itself(void **state)
 
 static void without_memory_a_comparison_is_refused_whole(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask_add_run(RUN_SUCCEEDED);
     helper_add_measurement(&ask_daemon, "upstream");

@@ -2,13 +2,8 @@
 
 #include "api/http/stream.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -19,7 +14,6 @@ static const stream_cursor *cursor(void)
 
 static void a_stream_is_handed_to_the_transport(void **state)
 {
-    (void)state;
     helper_add_event(&ask_daemon, ask_add_run(RUN_RUNNING), API_EVENT_STATUS, "{}");
     ask_get(RUN_1 "/events", NULL, NULL, 200);
     assert_true(ask_response.source.is_stream);
@@ -40,7 +34,6 @@ static void a_stream_goes_on_behind_the_last_event_of_the_client(void **state)
 {
     helper_run *of = ask_add_run(RUN_RUNNING);
 
-    (void)state;
     for (int i = 0; i < 9; i++)
         helper_add_event(&ask_daemon, of, API_EVENT_STATUS, "{}");
     ask_get(RUN_1 "/events", "last_event_id=3", NULL, 200);
@@ -58,7 +51,6 @@ static void a_client_that_saw_the_end_gets_no_content(void **state)
 {
     helper_run *of = ask_add_run(RUN_SUCCEEDED);
 
-    (void)state;
     helper_add_event(&ask_daemon, of, API_EVENT_END, "{}");
     ask_get(RUN_1 "/events", NULL, NULL, 200);
     ask_get(RUN_1 "/events", NULL, "Last-Event-ID: 1\n", 204);
@@ -68,7 +60,6 @@ static void a_client_that_saw_the_end_gets_no_content(void **state)
 
 static void several_runs_are_followed_by_their_ids(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_add_run(RUN_QUEUED);
     ask_get("/v1/events", "runs=" ID_2 "," ID_1 "&format=ndjson", NULL, 200);
@@ -88,7 +79,6 @@ static void a_stream_follows_up_to_32_runs(void **state)
     char query[API_PATH_MAX] = "runs=";
     size_t n = strlen(query);
 
-    (void)state;
     for (int i = 0; i <= API_STREAM_RUNS_MAX; i++)
         n += (size_t)snprintf(query + n, sizeof query - n, "%s0190a0b0-0000-7000-8000-%012d",
                               i == 0 ? "" : ",", i);

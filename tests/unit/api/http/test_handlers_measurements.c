@@ -2,13 +2,8 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +16,6 @@
 
 static void a_measurement_is_stored_and_comes_back(void **state)
 {
-    (void)state;
     ask("POST", "/v1/measurements", NULL, IS_JSON, GOOD_JSON, 201);
     ask_assert_header("Location", MEASURED);
     assert_true(ask_body_has("{\"id\":\"0190a0b0-0000-7000-9000-000000000001\","
@@ -42,7 +36,6 @@ static void what_is_known_already_is_not_sent_again(void **state)
 {
     char header[160];
 
-    (void)state;
     helper_add_measurement(&ask_daemon, "upstream");
     ask_get(MEASURED, NULL, "Accept: text/csv\n", 200);
     snprintf(header, sizeof header, "Accept: text/csv\nIf-None-Match: %s\n",
@@ -53,7 +46,6 @@ static void what_is_known_already_is_not_sent_again(void **state)
 
 static void csv_has_its_label_and_counter_in_the_query(void **state)
 {
-    (void)state;
     ask("POST", "/v1/measurements", "label=belt%207&counter=gate",
         "Content-Type: Text/CSV; charset=utf-8\n", "t_s,count\n0,5\n1,4\n", 201);
     assert_true(ask_body_has("\"label\":\"belt 7\",\"counter\":\"gate\""));
@@ -69,7 +61,6 @@ static void texts_for_feeds_are_kept_as_they_came(void **state)
 {
     static const char profile[] = "t_s,rate_per_h\r\n0,3600\r\n60,7200\r\n";
 
-    (void)state;
     ask("POST", "/v1/measurements", "kind=profile&label=day", IS_CSV, profile, 201);
     assert_true(
         ask_body_has("-000000000001\",\"kind\":\"profile\",\"label\":\"day\",\"created_at\":"));
@@ -99,7 +90,6 @@ static void texts_for_feeds_are_checked(void **state)
         { "kind=schedule&counter=gate", "t_s\n0\n", "\"pointer\":\"/counter\"" },
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         ask("POST", "/v1/measurements", cases[k].query, IS_CSV, cases[k].text, 422);
         assert_true(ask_body_has(cases[k].expected));
@@ -112,7 +102,6 @@ static void texts_for_feeds_are_checked(void **state)
 
 static void faults_come_with_their_places(void **state)
 {
-    (void)state;
     ask("POST", "/v1/measurements", NULL, IS_CSV, "t_s,count\n0,5\n\n1,-4\n1,3\n", 422);
     assert_true(ask_body_has("{\"pointer\":\"/line/4\",\"detail\":\"must not be negative"));
     assert_true(ask_body_has("{\"pointer\":\"/line/5\",\"detail\":\"times must rise"));
@@ -126,7 +115,6 @@ static void faults_come_with_their_places(void **state)
 
 static void a_body_of_another_type_is_refused(void **state)
 {
-    (void)state;
     ask("POST", "/v1/measurements", NULL, "Content-Type: text/plain\n", "t_s,count\n0,1\n1,0\n",
         415);
     ask_assert_header("Accept", "application/json, text/csv");
@@ -136,14 +124,12 @@ static void a_body_of_another_type_is_refused(void **state)
 
 static void too_many_measurements_are_a_conflict(void **state)
 {
-    (void)state;
     ask_daemon.refusal = BF_ECONFLICT;
     ask("POST", "/v1/measurements", NULL, IS_JSON, GOOD_JSON, 409);
 }
 
 static void measurements_are_listed_newest_first_page_by_page(void **state)
 {
-    (void)state;
     for (int i = 0; i < 3; i++)
         memcpy(helper_add_measurement(&ask_daemon, "upstream")->about.label, i == 1 ? "b" : "a", 2);
     ask_get("/v1/measurements", NULL, NULL, 200);
@@ -171,7 +157,6 @@ static void measurements_are_listed_newest_first_page_by_page(void **state)
 
 static void a_removed_measurement_is_gone(void **state)
 {
-    (void)state;
     helper_add_measurement(&ask_daemon, "upstream");
     ask("DELETE", MEASURED, NULL, "If-Match: \"other\"\n", NULL, 412);
     ask("DELETE", MEASURED, NULL, "If-None-Match: *\n", NULL, 412);
@@ -192,7 +177,6 @@ static void without_memory_nothing_is_stored(void **state)
     static const char *const bodies[] = { GOOD_JSON, "t_s,count\n0,5\n1,4\n",
                                           "t_s,count\n0,5\n1,4\n" };
 
-    (void)state;
     for (size_t k = 0; k < 3; k++) {
         for (size_t n = 1; ask_response.status != 201; n++) {
             api_response_fini(&ask_response);

@@ -1,14 +1,10 @@
 // The parts of microscopic runs over the API.
 
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -27,7 +23,6 @@ static helper_run *add_micro_run(void)
 
 static void parts_are_a_numpy_file_that_never_changes(void **state)
 {
-    (void)state;
     helper_run *of = add_micro_run();
     ask_get(RUN_1 "/parts/1", NULL, NULL, 200);
     ask_assert_header("Content-Type", "application/octet-stream");
@@ -42,7 +37,6 @@ static void parts_are_a_numpy_file_that_never_changes(void **state)
 
 static void parts_are_text_when_asked(void **state)
 {
-    (void)state;
     add_micro_run();
     ask_get(RUN_1 "/parts/1", "format=csv", NULL, 200);
     assert_string_equal(ask_response.body.bytes,
@@ -55,7 +49,6 @@ static void parts_are_text_when_asked(void **state)
 
 static void parts_are_points_for_vtk(void **state)
 {
-    (void)state;
     add_micro_run();
     ask_get(RUN_1 "/parts/1", NULL, "Accept: application/x-vtp\n", 200);
     ask_assert_header("Content-Type", "application/x-vtp");
@@ -65,7 +58,6 @@ static void parts_are_points_for_vtk(void **state)
 
 static void a_series_of_parts_is_for_runs_that_have_them(void **state)
 {
-    (void)state;
     helper_run *of = add_micro_run();
     ask_get(RUN_1 "/parts.pvd", NULL, NULL, 200);
     ask_assert_header("Content-Type", "application/xml");
@@ -78,7 +70,6 @@ static void a_series_of_parts_is_for_runs_that_have_them(void **state)
 
 static void snapshots_lead_to_their_parts(void **state)
 {
-    (void)state;
     add_micro_run();
     ask_get(RUN_1 "/snapshots", NULL, NULL, 200);
     json_t *root = helper_json(&ask_response);
@@ -95,7 +86,6 @@ static void parts_that_do_not_exist_are_not_found(void **state)
     static const char *const numbers[] = { "2", "-1", "x", "1.0", "18446744073709551616" };
     char path[128];
 
-    (void)state;
     add_micro_run();
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         snprintf(path, sizeof path, RUN_1 "/parts/%s", numbers[i]);
@@ -109,7 +99,6 @@ static void parts_that_do_not_exist_are_not_found(void **state)
 // A million parts in space are 13 million values: too many for text, not for NumPy.
 static void too_many_parts_are_not_written_as_text(void **state)
 {
-    (void)state;
     add_micro_run()->parts = (api_parts){ .n_parts = 1000000, .n_values = FRAME_VALUES_SPATIAL };
     ask_get(RUN_1 "/parts/1", "format=csv", NULL, 406);
     assert_true(ask_body_has("use npy"));

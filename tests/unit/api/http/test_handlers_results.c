@@ -1,19 +1,13 @@
 // Results over the API: scenario, summary, curve.
 
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
 static void the_scenario_never_changes(void **state)
 {
-    (void)state;
     ask_add_run(RUN_QUEUED);
     ask_get(RUN_1 "/scenario", NULL, NULL, 200);
     assert_string_equal(ask_response.body.bytes, "{\"duration_s\":6.0}");
@@ -23,7 +17,6 @@ static void the_scenario_never_changes(void **state)
 
 static void a_summary_that_is_not_there_yet_is_a_conflict(void **state)
 {
-    (void)state;
     helper_run *of = ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/summary", NULL, NULL, 409);
     assert_true(ask_body_has("running"));
@@ -38,7 +31,6 @@ static void a_summary_that_is_not_there_yet_is_a_conflict(void **state)
 
 static void key_figures_that_are_not_there_yet_are_a_conflict(void **state)
 {
-    (void)state;
     helper_run *of = ask_add_run(RUN_QUEUED);
     ask_get(RUN_1 "/key_figures", NULL, NULL, 409);
     ask_get(RUN_1, NULL, NULL, 200);
@@ -51,7 +43,6 @@ static void key_figures_that_are_not_there_yet_are_a_conflict(void **state)
 
 static void key_figures_are_json_or_csv(void **state)
 {
-    (void)state;
     helper_run *of = ask_add_run(RUN_RUNNING);
     strcpy(of->record.figures, "{\"throughput_per_h\":60}");
     of->figures = "{\"throughput_per_h\":60,\"feeds\":[{\"id\":\"in\",\"offered\":7}]}";
@@ -65,7 +56,6 @@ static void key_figures_are_json_or_csv(void **state)
 
 static void changes_of_photo_eyes_are_json_or_csv(void **state)
 {
-    (void)state;
     helper_run *of = ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/photo_eyes", NULL, NULL, 200);
     assert_string_equal(
@@ -91,7 +81,6 @@ static void the_curve_is_json_or_csv(void **state)
 {
     static const char csv[] = "t_s,upstream,left_domain\n0,192,0\n0.1,191.5,0.5\n";
 
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/curve", NULL, NULL, 200);
     ask_assert_header("Content-Type", "application/json");
@@ -109,7 +98,6 @@ static void the_curve_is_json_or_csv(void **state)
 // What asks for another format is refused there.
 static void a_path_with_an_ending_has_one_format(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/curve.csv", NULL, NULL, 200);
     ask_assert_header("Content-Type", "text/csv; charset=utf-8");
@@ -126,7 +114,6 @@ static void a_path_with_an_ending_has_one_format(void **state)
 
 static void a_curve_without_samples_has_its_columns(void **state)
 {
-    (void)state;
     ask_add_run(RUN_QUEUED)->record.n_samples = 0;
     ask_get(RUN_1 "/curve", "format=csv", NULL, 200);
     assert_string_equal(ask_response.body.bytes, "t_s,upstream,left_domain\n");
@@ -139,7 +126,6 @@ static void the_tag_of_a_curve_tells_formats_apart(void **state)
 {
     char tag[API_HEADER_SIZE], header[API_HEADER_SIZE + 20];
 
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/curve", NULL, NULL, 200);
     snprintf(tag, sizeof tag, "%s", helper_header(&ask_response, "ETag"));

@@ -1,19 +1,13 @@
 // Runs over the API: submit, validate, list, show, cancel, remove.
 
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
 static void a_submitted_run_is_answered_with_its_place(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 201);
     ask_assert_header("Location", RUN_1);
     ask_assert_header("Content-Type", "application/json");
@@ -32,7 +26,6 @@ static void a_body_that_is_not_json_is_a_bad_request(void **state)
 {
     static const char *const bodies[] = { "", "{", "nonsense", "{\"scenario\":}", "[]", "1e999" };
 
-    (void)state;
     for (size_t i = 0; i < sizeof bodies / sizeof *bodies; i++)
         ask("POST", "/v1/runs", NULL, IS_JSON, bodies[i], 400);
     ask("POST", "/v1/runs", NULL, IS_JSON, NULL, 400);
@@ -41,7 +34,6 @@ static void a_body_that_is_not_json_is_a_bad_request(void **state)
 
 static void a_bad_document_is_answered_with_pointers(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, IS_JSON, BAD_BODY, 422);
     json_t *root = helper_json(&ask_response);
     json_t *first = json_array_get(json_object_get(root, "errors"), 0);
@@ -54,7 +46,6 @@ static void a_bad_document_is_answered_with_pointers(void **state)
 
 static void a_number_beyond_a_limit_is_told_with_both_and_their_unit(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, IS_JSON, BAD_BODY, 422);
     assert_true(ask_body_has(",\"value\":-1,\"limit\":0,\"unit\":\"s\"}"));
     ask("POST", "/v1/runs", NULL, IS_JSON, "{\"scenario\":" SCENARIO ",\"priority\":1000}", 422);
@@ -63,7 +54,6 @@ static void a_number_beyond_a_limit_is_told_with_both_and_their_unit(void **stat
 
 static void several_faults_are_told_together(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, IS_JSON,
         "{\"scenario\":" SCENARIO ",\"labell\":\"\",\"priority\":1000}", 422);
     json_t *root = helper_json(&ask_response);
@@ -82,7 +72,6 @@ static void only_json_is_taken(void **state)
         IS_JSON "Content-Encoding: gzip\n",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
         ask("POST", "/v1/runs", NULL, headers[i], BODY, 415);
         ask_assert_header("Accept", "application/json");
@@ -93,7 +82,6 @@ static void only_json_is_taken(void **state)
 
 static void a_full_queue_asks_to_come_back(void **state)
 {
-    (void)state;
     ask_daemon.refusal = BF_EBUSY;
     ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 503);
     assert_non_null(helper_header(&ask_response, "Retry-After"));
@@ -102,7 +90,6 @@ static void a_full_queue_asks_to_come_back(void **state)
 
 static void a_full_disk_asks_to_come_back(void **state)
 {
-    (void)state;
     ask_daemon.refusal = BF_ENOSPACE;
     ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 507);
     assert_non_null(helper_header(&ask_response, "Retry-After"));
@@ -111,7 +98,6 @@ static void a_full_disk_asks_to_come_back(void **state)
 
 static void a_key_comes_to_the_daemon_with_the_body(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: \"one \\\"key\\\"\"\n", BODY, 201);
     assert_string_equal(ask_daemon.submitted.key, "one \"key\"");
     assert_int_equal(ask_daemon.submitted.n_body, strlen(BODY));
@@ -122,7 +108,6 @@ static void a_key_comes_to_the_daemon_with_the_body(void **state)
 
 static void an_answer_that_is_given_again_says_so(void **state)
 {
-    (void)state;
     ask_daemon.is_replay = true;
     ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: key\n", BODY, 201);
     ask_assert_header("Idempotent-Replayed", "true");
@@ -132,7 +117,6 @@ static void an_answer_that_is_given_again_says_so(void **state)
 
 static void a_key_that_is_none_is_a_bad_request(void **state)
 {
-    (void)state;
     ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: a, b\n", BODY, 400);
     assert_true(ask_body_has("Idempotency-Key is no key"));
     assert_int_equal(ask_daemon.n_submitted, 0);
@@ -142,7 +126,6 @@ static void a_key_that_is_none_is_a_bad_request(void **state)
 
 static void a_key_with_another_body_and_one_in_use_are_told_apart(void **state)
 {
-    (void)state;
     ask_daemon.refusal = BF_EINPUT;
     ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: key\n", BODY, 422);
     ask_daemon.refusal = BF_ECONFLICT;
@@ -151,7 +134,6 @@ static void a_key_with_another_body_and_one_in_use_are_told_apart(void **state)
 
 static void a_run_tells_whether_its_results_were_known(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED)->record.is_cached = true;
     ask_get(RUN_1, NULL, NULL, 200);
     assert_true(ask_body_has("\"cached\":true"));
@@ -161,7 +143,6 @@ static void a_run_tells_whether_its_results_were_known(void **state)
 
 static void validate_says_the_same_and_stores_nothing(void **state)
 {
-    (void)state;
     ask("POST", "/v1/validate", NULL, IS_JSON, BODY, 200);
     json_t *root = helper_json(&ask_response);
     assert_true(json_is_true(json_object_get(root, "valid")));
@@ -176,7 +157,6 @@ static void validate_says_the_same_and_stores_nothing(void **state)
 
 static void a_run_is_shown_with_a_tag_of_its_revision(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING)->record.revision = 42;
     ask_get(RUN_1, NULL, NULL, 200);
     ask_assert_header("ETag", "\"r42\"");
@@ -186,7 +166,6 @@ static void a_run_is_shown_with_a_tag_of_its_revision(void **state)
 
 static void a_list_has_the_newest_first_and_a_link_to_the_next(void **state)
 {
-    (void)state;
     for (int i = 0; i < 3; i++)
         ask_add_run(RUN_QUEUED);
     ask_get("/v1/runs", "limit=2", NULL, 200);
@@ -204,7 +183,6 @@ static void a_list_has_the_newest_first_and_a_link_to_the_next(void **state)
 
 static void lines_are_listed_with_a_link_to_the_next(void **state)
 {
-    (void)state;
     memcpy(ask_add_run(RUN_QUEUED)->record.line, "hall 2", 7);
     memcpy(ask_add_run(RUN_QUEUED)->record.line, "hall 3", 7);
     ask_get("/v1/lines", "limit=1", NULL, 200);
@@ -217,7 +195,6 @@ static void lines_are_listed_with_a_link_to_the_next(void **state)
 
 static void filters_reach_the_store_and_the_next_link(void **state)
 {
-    (void)state;
     for (int i = 0; i < 2; i++)
         memcpy(ask_add_run(RUN_SUCCEEDED)->record.label, "a&b", 4);
     ask_add_run(RUN_QUEUED);
@@ -235,7 +212,6 @@ static void filters_reach_the_store_and_the_next_link(void **state)
 
 static void search_order_and_count_reach_the_store(void **state)
 {
-    (void)state;
     for (int i = 0; i < 2; i++)
         ask_add_run(RUN_SUCCEEDED);
     ask_daemon.last_key = "2.5";
@@ -260,7 +236,6 @@ static void search_order_and_count_reach_the_store(void **state)
 
 static void times_of_acceptance_reach_the_store_and_the_next_page(void **state)
 {
-    (void)state;
     for (int i = 0; i < 2; i++)
         ask_add_run(RUN_SUCCEEDED);
     ask_get("/v1/runs",
@@ -287,7 +262,6 @@ static void a_cursor_of_another_order_is_refused(void **state)
         "sort=name&cursor=" ID_1 ".00",     "sort=name&cursor=" ID_1 ".",
     };
 
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask_get("/v1/runs", "sort=name&cursor=" ID_1 ".6162", NULL, 200);
     assert_string_equal(ask_daemon.last_query.before_key, "ab");
@@ -304,7 +278,6 @@ static void the_longest_link_fits(void **state)
                                "sort=-throughput_error_per_h&search=";
     char key[API_SORT_KEY_SIZE] = "";
 
-    (void)state;
     for (int i = 0; i < 100; i++)
         strcat(query, "%ff");
     for (int k = 0; k < 2; k++) {
@@ -333,7 +306,6 @@ static void orders_that_there_are_not_name_those_that_there_are(void **state)
     static const char *const queries[] = { "sort=", "sort=colour", "sort=--name", "sort=offered",
                                            "sort=residence_s" };
 
-    (void)state;
     for (size_t i = 0; i < sizeof queries / sizeof *queries; i++) {
         ask_get("/v1/runs", queries[i], NULL, 400);
         assert_true(ask_body_has("created finished name label model status"));
@@ -348,7 +320,6 @@ static void bad_list_queries_name_the_parameter(void **state)
         { "limit=1&limit=2", "limit" }, { "label=%zz", "label" },   { "count=2", "count" },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof queries / sizeof *queries; i++) {
         char name[32];
         ask_get("/v1/runs", queries[i][0], NULL, 400);
@@ -359,7 +330,6 @@ static void bad_list_queries_name_the_parameter(void **state)
 
 static void cancel_tells_whether_the_run_still_runs(void **state)
 {
-    (void)state;
     ask_add_run(RUN_QUEUED);
     ask_add_run(RUN_RUNNING);
     ask_add_run(RUN_SUCCEEDED);
@@ -372,7 +342,6 @@ static void cancel_tells_whether_the_run_still_runs(void **state)
 // Between the look at the run and its change another client may change it.
 static void if_match_holds_until_the_change(void **state)
 {
-    (void)state;
     ask_add_run(RUN_QUEUED);
     ask_daemon.n_changes_between = 1;
     ask("POST", RUN_1 "/cancel", NULL, "If-Match: \"r1\"\n", NULL, 412);
@@ -390,7 +359,6 @@ static void if_match_holds_until_the_change(void **state)
 // Without If-Match a change goes through whatever the revision has become.
 static void a_change_without_if_match_needs_no_revision(void **state)
 {
-    (void)state;
     ask_add_run(RUN_QUEUED);
     ask_daemon.n_changes_between = 1;
     ask("POST", RUN_1 "/cancel", NULL, NULL, NULL, 200);
@@ -406,7 +374,6 @@ static void a_patch_changes_what_it_names(void **state)
 {
     const api_run *record = &ask_daemon.runs[0].record;
 
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask("PATCH", RUN_1, NULL, "Content-Type: application/merge-patch+json\n",
         "{\"name\": \"Monday\", \"notes\": \"as built\", \"starred\": true, \"line\": "
@@ -435,7 +402,6 @@ static void a_patch_changes_what_it_names(void **state)
 
 static void a_patch_at_fault_changes_nothing(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask("PATCH", RUN_1, NULL, JSON_TYPE, "{\"name\": 7, \"status\": \"failed\"}", 422);
     assert_true(ask_body_has("\"pointer\":\"/name\""));
@@ -448,7 +414,6 @@ static void a_patch_at_fault_changes_nothing(void **state)
 
 static void a_removed_run_is_gone(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     ask("DELETE", RUN_1, NULL, NULL, NULL, 204);
     assert_int_equal(ask_response.body.n, 0);

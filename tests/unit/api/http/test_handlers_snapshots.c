@@ -1,13 +1,8 @@
 // Density snapshots over the API, in all their formats, and as a series.
 
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -15,7 +10,6 @@
 
 static void snapshots_are_listed_with_their_places(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/snapshots", NULL, NULL, 200);
     json_t *root = helper_json(&ask_response);
@@ -32,7 +26,6 @@ static void a_snapshot_is_a_numpy_file_that_never_changes(void **state)
     static const char *const headers[] = { NULL, "Accept: */*\n",
                                            "Accept: application/octet-stream\n" };
 
-    (void)state;
     helper_run *of = ask_add_run(RUN_RUNNING);
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
         ask_get(RUN_1 "/snapshots/1", NULL, headers[i], 200);
@@ -51,7 +44,6 @@ static void a_snapshot_is_a_numpy_file_that_never_changes(void **state)
 
 static void a_snapshot_is_json_when_asked(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/snapshots/1", "format=json", NULL, 200);
     assert_string_equal(ask_response.body.bytes,
@@ -65,7 +57,6 @@ static void snapshots_that_do_not_exist_are_not_found(void **state)
     static const char *const numbers[] = { "2", "-1", "x", "1.0", "18446744073709551616", "0x0" };
     char path[128];
 
-    (void)state;
     ask_add_run(RUN_RUNNING);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         snprintf(path, sizeof path, RUN_1 "/snapshots/%s", numbers[i]);
@@ -76,7 +67,6 @@ static void snapshots_that_do_not_exist_are_not_found(void **state)
 // Centres of the 3 x 2 cells of 0.5 m x 0.25 m.
 static void a_snapshot_is_a_matrix_in_csv(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/snapshots/1", NULL, "Accept: text/csv\n", 200);
     ask_assert_header("Content-Type", "text/csv; charset=utf-8");
@@ -87,7 +77,6 @@ static void a_snapshot_is_a_matrix_in_csv(void **state)
 
 static void a_snapshot_is_an_image_for_vtk(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/snapshots/1", "format=vti", NULL, 200);
     ask_assert_header("Content-Type", "application/x-vti");
@@ -108,7 +97,6 @@ static unsigned width_of_png(void)
 
 static void a_snapshot_is_a_picture_as_wide_as_asked(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/snapshots/1", "format=png", NULL, 200);
     ask_assert_header("Content-Type", "image/png");
@@ -131,7 +119,6 @@ static void the_tag_of_a_picture_tells_all_that_was_asked(void **state)
     enum { N = sizeof queries / sizeof *queries };
     char tags[N][API_HEADER_SIZE] = { "" };
 
-    (void)state;
     ask_add_run(RUN_RUNNING);
     for (size_t i = 0; i < N; i++) {
         char header[API_HEADER_SIZE + 20];
@@ -164,7 +151,6 @@ static void what_a_picture_cannot_be_is_refused(void **state)
         { "format=csv&max=1", "'max' is for png, not for csv" },
     };
 
-    (void)state;
     ask_add_run(RUN_RUNNING);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         ask_get(RUN_1 "/snapshots/1", bad[i].query, NULL, 400);
@@ -176,7 +162,6 @@ static void what_a_picture_cannot_be_is_refused(void **state)
 // Cells that are 1,000 times as wide as long: 8192 pixels in width need 16 million in height.
 static void too_many_pixels_are_refused_with_the_limit(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING)->grid.d2 = 5000.0;
     ask_get(RUN_1 "/snapshots/1", "format=png&width=8192", NULL, 422);
     assert_true(ask_body_has("16777216 pixels, the limit"));
@@ -187,7 +172,6 @@ static void grids_too_large_for_text_are_refused_with_another_format(void **stat
 {
     static const char *const formats[] = { "format=csv", "format=json" };
 
-    (void)state;
     ask_add_run(RUN_RUNNING)->grid.n1 = 4000001;
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
         ask_get(RUN_1 "/snapshots/1", formats[i], NULL, 406);
@@ -198,7 +182,6 @@ static void grids_too_large_for_text_are_refused_with_another_format(void **stat
 
 static void a_series_leads_to_the_files_of_the_archive(void **state)
 {
-    (void)state;
     ask_add_run(RUN_RUNNING);
     ask_get(RUN_1 "/snapshots.pvd", NULL, NULL, 200);
     ask_assert_header("Content-Type", "application/xml");

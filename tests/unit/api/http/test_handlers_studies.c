@@ -3,13 +3,8 @@
 #include "api/study/study_document.h"
 #include "tests/unit/api/helper_ask.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -43,7 +38,6 @@ static void post(const char *document, const char *headers, int status)
 
 static void a_study_is_accepted(void **state)
 {
-    (void)state;
     post(STUDY, NULL, 201);
     ask_assert_header("Location", STUDY_1);
     ask_assert_header("ETag", "\"r1\"");
@@ -80,7 +74,6 @@ static void each_fault_has_its_place(void **state)
     };
     char pointer[100];
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         post(cases[k].document, NULL, 422);
         snprintf(pointer, sizeof pointer, "\"pointer\":\"%s\"", cases[k].pointer);
@@ -107,7 +100,6 @@ static void the_stored_document_has_the_numbers_of_measurements(void **state)
 {
     helper_measurement *m = helper_add_measurement(&ask_daemon, "upstream");
 
-    (void)state;
     post(CALIBRATION("{'counter': 'a', 'measurement': '" MEASURED "'}"), NULL, 201);
     study_document d = read_stored();
     assert_int_equal(d.curves[0].n_t, 2);
@@ -129,7 +121,6 @@ static void the_stored_document_has_the_numbers_of_measurements(void **state)
 
 static void refusals_of_the_service_are_those_of_runs(void **state)
 {
-    (void)state;
     ask_daemon.refusal = BF_EINPUT;
     post(STUDY, "Idempotency-Key: \"k\"\n", 422);
     ask_daemon.refusal = BF_ELIMIT;
@@ -142,7 +133,6 @@ static void refusals_of_the_service_are_those_of_runs(void **state)
 
 static void lists_are_narrowed_and_paged(void **state)
 {
-    (void)state;
     helper_add_study(&ask_daemon, API_STUDY_PAUSED);
     helper_add_study(&ask_daemon, API_STUDY_RUNNING);
     helper_add_study(&ask_daemon, API_STUDY_RUNNING);
@@ -160,7 +150,6 @@ static void a_study_is_shown_with_its_state_as_tag(void **state)
 {
     helper_study *of = helper_add_study(&ask_daemon, API_STUDY_RUNNING);
 
-    (void)state;
     helper_add_trial(of, API_TRIAL_SUCCEEDED);
     helper_add_trial(of, API_TRIAL_RUNNING);
     ask_get(STUDY_1, NULL, NULL, 200);
@@ -176,7 +165,6 @@ static void changes_are_made_or_will_be(void **state)
 {
     helper_study *of = helper_add_study(&ask_daemon, API_STUDY_RUNNING);
 
-    (void)state;
     ask("POST", STUDY_1 "/pause", NULL, NULL, NULL, 202);
     of->about.state = API_STUDY_PAUSED;
     ask("POST", STUDY_1 "/pause", NULL, NULL, NULL, 409);

@@ -2,13 +2,8 @@
 
 #include "api/scenario/scenario.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 #define STUDY "/v1/studies/0190a0b0-0000-7000-a000-000000000001"
@@ -20,7 +15,6 @@ static helper_study *add_study(void)
 
 static void the_document_does_not_change(void **state)
 {
-    (void)state;
     add_study();
     ask_get(STUDY "/document", NULL, NULL, 200);
     ask_assert_header("ETag", "\"0190a0b0-0000-7000-a000-000000000001-document\"");
@@ -32,7 +26,6 @@ static void nothing_found_is_a_conflict(void **state)
 {
     helper_study *of = add_study();
 
-    (void)state;
     ask_get(STUDY "/best", NULL, NULL, 409);
     of->best = "{\"best\":null}";
     ask_get(STUDY "/best", NULL, NULL, 200);
@@ -44,7 +37,6 @@ static void trials_come_page_by_page(void **state)
 {
     helper_study *of = add_study();
 
-    (void)state;
     helper_add_trial(of, API_TRIAL_SUCCEEDED);
     helper_add_trial(of, API_TRIAL_RUNNING);
     helper_add_trial(of, API_TRIAL_QUEUED);
@@ -84,7 +76,6 @@ static void as_csv_those_that_have_ended_come_in_pieces(void **state)
 {
     helper_study *of = add_study();
 
-    (void)state;
     helper_add_trial(of, API_TRIAL_SUCCEEDED);
     api_trial *second = helper_add_trial(of, API_TRIAL_RUNNING);
     helper_add_trial(of, API_TRIAL_INFEASIBLE)->fault =
@@ -119,7 +110,6 @@ static void a_trial_is_solved_again_as_a_run(void **state)
     api_trial *trial = helper_add_trial(of, API_TRIAL_SUCCEEDED);
     bf_buffer scenario = resolved();
 
-    (void)state;
     solved->scenario = scenario.bytes;
     trial->model = RUN_MICRO;
     memcpy(trial->run, solved->record.id, sizeof trial->run);
@@ -142,7 +132,6 @@ static void a_trial_is_solved_again_as_a_run(void **state)
 
 static void runs_of_trials_are_listed_for_their_study_alone(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     strcpy(ask_add_run(RUN_SUCCEEDED)->record.study, "0190a0b0-0000-7000-a000-000000000001");
     ask_get("/v1/runs", NULL, NULL, 200);

@@ -2,13 +2,8 @@
 
 #include "api/http/routes.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -52,7 +47,6 @@ static void options_of_every_route_name_its_methods(void **state)
     size_t n;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         char path[256];
         fill(table[i].path, path, sizeof path);
@@ -71,7 +65,6 @@ static void other_methods_are_refused_with_those_that_there_are(void **state)
     size_t n;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         char path[256], allow[API_HEADER_SIZE];
         fill(table[i].path, path, sizeof path);
@@ -92,7 +85,6 @@ static void head_of_every_route_is_its_get(void **state)
     size_t n;
     const route *table = routes_list(&n);
 
-    (void)state;
     helper_run *item = ask_add_run(RUN_SUCCEEDED);
     item->summary = "{}";
     item->record.has_summary = true;

@@ -3,15 +3,11 @@
 // of structured fields (RFC 8941) and bare.
 
 #include "api/http/negotiation.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <limits.h>
 
 static const char *const offers[] = { "application/json", "text/csv" };
@@ -23,7 +19,6 @@ static int choose(const char *header)
 
 static void without_accept_the_first_offer_is_taken(void **state)
 {
-    (void)state;
     assert_int_equal(choose(NULL), 0);
     assert_int_equal(choose(""), 0);
     assert_int_equal(choose("  "), 0);
@@ -32,7 +27,6 @@ static void without_accept_the_first_offer_is_taken(void **state)
 
 static void a_named_type_is_taken(void **state)
 {
-    (void)state;
     assert_int_equal(choose("text/csv"), 1);
     assert_int_equal(choose("TEXT/CSV"), 1);
     assert_int_equal(choose("text/*"), 1);
@@ -42,7 +36,6 @@ static void a_named_type_is_taken(void **state)
 
 static void the_larger_quality_wins(void **state)
 {
-    (void)state;
     assert_int_equal(choose("application/json;q=0.5, text/csv"), 1);
     assert_int_equal(choose("application/json; q=0.5 , text/csv ; q=0.4"), 0);
     assert_int_equal(choose("application/json;q=0.123,text/csv;Q=0.124"), 1);
@@ -51,14 +44,12 @@ static void the_larger_quality_wins(void **state)
 
 static void among_equals_the_order_of_the_offers_decides(void **state)
 {
-    (void)state;
     assert_int_equal(choose("text/csv, application/json"), 0);
     assert_int_equal(choose("text/csv;q=0.3, application/json;q=0.3"), 0);
 }
 
 static void the_more_specific_range_counts(void **state)
 {
-    (void)state;
     assert_int_equal(choose("application/json;q=0.1, */*;q=0.9"), 1);
     assert_int_equal(choose("*/*;q=0.9, application/*;q=0.1"), 1);
     assert_int_equal(choose("application/json;q=0, */*"), 1);
@@ -67,7 +58,6 @@ static void the_more_specific_range_counts(void **state)
 
 static void what_is_not_asked_for_or_refused_is_not_given(void **state)
 {
-    (void)state;
     assert_int_equal(choose("text/html"), -1);
     assert_int_equal(choose("*/*;q=0"), -1);
     assert_int_equal(choose("text/csv;q=0, application/json;q=0.000"), -1);
@@ -97,7 +87,6 @@ static void members_that_cannot_be_read_accept_nothing(void **state)
         "text/csv;q=.5",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
         if (choose(headers[i]) != -1)
             fail_msg("%s", headers[i]);
@@ -108,13 +97,11 @@ static void members_that_cannot_be_read_accept_nothing(void **state)
 
 static void a_comma_in_a_quoted_parameter_does_not_end_the_member(void **state)
 {
-    (void)state;
     assert_int_equal(choose("text/csv;a=\"b,c;q=0\\\",d\";q=0.5, application/json;q=0.4"), 1);
 }
 
 static void a_browser_gets_json_for_a_page(void **state)
 {
-    (void)state;
     assert_int_equal(choose("text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8"), 0);
 }
 
@@ -126,7 +113,6 @@ static void the_example_of_the_rfc_holds(void **state)
                                             { "text/html", "image/jpeg" },
                                             { "image/jpeg", "text/plain" } };
 
-    (void)state;
     for (size_t i = 0; i < 3; i++)
         assert_int_equal(negotiation_choose_type(header, pairs[i], 2), 1);
 }
@@ -154,7 +140,6 @@ static void the_header_says_what_each_coding_is_worth(void **state)
         { ",, gzip ,", 0, 1000, 1 },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         assert_int_equal(negotiation_coding_quality(cases[i].header, CODING_ZSTD), cases[i].zstd);
         assert_int_equal(negotiation_coding_quality(cases[i].header, CODING_GZIP), cases[i].gzip);
@@ -180,7 +165,6 @@ static void the_best_liked_is_chosen_and_of_equals_the_first(void **state)
         { "identity;q=0", -1 },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_int_equal(negotiation_choose_coding(cases[i].header, codings, 3), cases[i].chosen);
     assert_int_equal(negotiation_choose_coding("gzip", codings, 0), -1);
@@ -190,7 +174,6 @@ static void each_form_has_a_tag_of_its_own(void **state)
 {
     char tag[CODING_TAG_SIZE];
 
-    (void)state;
     negotiation_coding_tag("r1", CODING_IDENTITY, tag);
     assert_string_equal(tag, "r1");
     negotiation_coding_tag("r1", CODING_GZIP, tag);
@@ -222,7 +205,6 @@ static void a_client_knows_a_state_by_the_tag_of_any_form_that_it_takes(void **s
         { "b, \"a\"", NULL, NULL },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char form[CODING_TAG_SIZE] = "as it was";
         bool is_known = negotiation_match_etag(cases[i].list, "a", cases[i].accepted, form);
@@ -233,7 +215,6 @@ static void a_client_knows_a_state_by_the_tag_of_any_form_that_it_takes(void **s
 
 static void a_change_needs_the_strong_tag_of_any_form(void **state)
 {
-    (void)state;
     assert_true(negotiation_allows_change("*", "a"));
     assert_true(negotiation_allows_change("\"a\"", "a"));
     assert_true(negotiation_allows_change("\"x\", \"a-zstd\"", "a"));
@@ -257,7 +238,6 @@ static void the_seconds_are_found_among_other_preferences(void **state)
         { "wait=99999999999999999999", UINT_MAX },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         unsigned seconds = 12345;
         assert_true(negotiation_read_wait(cases[i].header, &seconds));
@@ -272,7 +252,6 @@ static void what_cannot_be_read_is_no_preference(void **state)
                                            "await=3", "foo=wait=", "x; wait=3", "wait=3x" };
     unsigned seconds = 12345;
 
-    (void)state;
     assert_false(negotiation_read_wait(NULL, &seconds));
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
         assert_false(negotiation_read_wait(headers[i], &seconds));
@@ -290,7 +269,6 @@ static void both_forms_of_a_key_are_the_same_key(void **state)
         { "YWJj+/==", "YWJj+/==" },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
         char key[API_KEY_SIZE] = "?";
         assert_int_equal(negotiation_read_key(forms[i][0], key, NULL), BF_OK);
@@ -302,7 +280,6 @@ static void no_header_is_no_key(void **state)
 {
     char key[API_KEY_SIZE] = "?";
 
-    (void)state;
     assert_int_equal(negotiation_read_key(NULL, key, NULL), BF_OK);
     assert_string_equal(key, "");
     assert_int_equal(negotiation_read_key("", key, NULL), BF_OK);
@@ -330,7 +307,6 @@ static void what_is_no_key_is_refused_and_leaves_the_place_alone(void **state)
         "a\tb",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char key[API_KEY_SIZE] = "?";
         bf_error err = { 0 };
@@ -345,7 +321,6 @@ static void a_key_has_at_most_255_bytes(void **state)
     char header[600], key[API_KEY_SIZE] = "?";
     bf_error err = { 0 };
 
-    (void)state;
     memset(header, 'k', 255);
     header[255] = '\0';
     assert_int_equal(negotiation_read_key(header, key, NULL), BF_OK);

@@ -3,13 +3,8 @@
 #include "api/http/param.h"
 
 #include "api/http/routes.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -45,7 +40,6 @@ static void numbers_are_whole_and_within_their_range(void **state)
                                        "99999999999999999999999" };
     param_value value;
 
-    (void)state;
     assert_int_equal(param_read(&row, "200", &value, NULL), BF_OK);
     assert_int_equal(value.whole, 200);
     assert_int_equal(param_read(&row, "001", &value, NULL), BF_OK);
@@ -71,7 +65,6 @@ static void times_are_moments_in_utc(void **state)
                                        "2026-11-24T09:00:00Zx" };
     param_value value;
 
-    (void)state;
     assert_int_equal(param_read(&row, "1970-01-02T00:00:01Z", &value, NULL), BF_OK);
     assert_int_equal(value.whole, 86401000);
     assert_int_equal(param_read(&row, "1970-01-01T00:00:00.0259Z", &value, NULL), BF_OK);
@@ -85,7 +78,6 @@ static void flags_are_0_or_1(void **state)
     static const param row = { .name = "vtk", .kind = &param_flag, .most = 1 };
     param_value value;
 
-    (void)state;
     assert_int_equal(param_read(&row, "1", &value, NULL), BF_OK);
     assert_int_equal(value.whole, 1);
     assert_refused(&row, "2", BF_EINPUT, "'vtk' must be a whole number from 0 to 1, not '2'");
@@ -101,7 +93,6 @@ static void decimals_are_numbers_within_their_range(void **state)
                                        "0x1", "1,5",  "1 ",   "--1", "1e" };
     param_value value;
 
-    (void)state;
     assert_int_equal(param_read(&row, "1.25e0", &value, NULL), BF_OK);
     assert_true(value.real == 1.25);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
@@ -114,7 +105,6 @@ static void texts_have_a_limit_in_bytes(void **state)
     static const param any = { .name = "column", .kind = &param_text };
     param_value value;
 
-    (void)state;
     assert_int_equal(param_read(&row, "", &value, NULL), BF_OK);
     assert_int_equal(param_read(&row, "abc", &value, NULL), BF_OK);
     assert_refused(&row, "abcd", BF_EINPUT, "'label' has more than 3 bytes");
@@ -128,7 +118,6 @@ static void ids_have_one_form(void **state)
     param_value value;
     bf_error err = { 0 };
 
-    (void)state;
     assert_int_equal(param_read(&row, ID_A, &value, NULL), BF_OK);
     assert_int_equal(param_read(&row, "x", &value, &err), BF_ENOTFOUND);
     assert_string_equal(err.pointer, "/a");
@@ -145,7 +134,6 @@ static void a_list_of_ids_has_no_gaps_and_no_id_twice(void **state)
     param_value value;
     bf_error err = { 0 };
 
-    (void)state;
     assert_int_equal(param_read(&row, ID_A "," ID_B, &value, NULL), BF_OK);
     assert_int_equal(value.ids.n, 2);
     assert_string_equal(value.ids.items[0], ID_A);
@@ -166,7 +154,6 @@ static void every_default_is_a_value(void **state)
     size_t n, n_defaults = 0;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; table[i].params[k] != NULL; k++) {
             const param *row = table[i].params[k];

@@ -1,13 +1,8 @@
 // Query strings: decoding by RFC 3986 and the HTML form rules, and the limits.
 
 #include "api/http/query.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 static query parse(const char *text)
@@ -24,7 +19,6 @@ static void names_and_values_are_decoded(void **state)
 {
     query q = parse("a=1&b%5B0%5d=x%26y%3Dz&&c=%C3%A4+b&d&e=&f=p=q&");
 
-    (void)state;
     assert_int_equal(q.n, 6);
     assert_string_equal(query_value(&q, "a"), "1");
     assert_string_equal(query_value(&q, "b[0]"), "x&y=z");
@@ -38,7 +32,6 @@ static void names_and_values_are_decoded(void **state)
 
 static void no_query_has_no_parameters(void **state)
 {
-    (void)state;
     assert_int_equal(parse("").n, 0);
     assert_int_equal(parse("&&&").n, 0);
 }
@@ -48,7 +41,6 @@ static void broken_text_is_refused_and_nothing_returned(void **state)
     static const char *const texts[] = { "a=%",  "a=%4",  "a=%4g", "%zz=1", "a=%00",   "a=%0a",
                                          "a=\t", "a=%7f", "=1",    "=",     "a=1&a=2", "a&b&%61" };
 
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         query q = { .n = 99 };
         bf_error err = { 0 };
@@ -63,7 +55,6 @@ static void a_parameter_given_twice_is_named(void **state)
     query q = { 0 };
     bf_error err = { 0 };
 
-    (void)state;
     assert_int_equal(query_parse("limit=1&limit=2", &q, &err), BF_EINPUT);
     assert_non_null(strstr(err.text, "'limit'"));
 }
@@ -73,7 +64,6 @@ static void limits_hold_to_the_byte_and_to_the_parameter(void **state)
     char text[QUERY_SIZE + 1];
     query q = { 0 };
 
-    (void)state;
     memset(text, 'a', sizeof text);
     text[QUERY_SIZE - 2] = '\0';
     assert_int_equal(query_parse(text, &q, NULL), BF_OK);
@@ -91,7 +81,6 @@ static void the_densest_query_fits(void **state)
 {
     char text[QUERY_SIZE];
 
-    (void)state;
     memset(text, 'v', sizeof text);
     for (size_t i = 0; i < 15; i++) {
         memcpy(text + 4 * i, "a=1&", 4);
@@ -116,7 +105,6 @@ static void only_known_parameters_are_allowed(void **state)
     query q = parse("status=queued&limit=1");
     bf_error err = { 0 };
 
-    (void)state;
     assert_int_equal(query_check(&q, all, &err), BF_OK);
     assert_int_equal(query_check(&q, few, &err), BF_EINPUT);
     assert_string_equal(err.text, "query parameter 'limit' is not known here; known: status model");
@@ -139,7 +127,6 @@ static void a_value_that_is_not_given_is_the_default(void **state)
     param_value value = { .whole = 7 };
     query q = parse("n=200");
 
-    (void)state;
     assert_int_equal(query_check(&q, rows, NULL), BF_OK);
     assert_false(query_read(&q, rows, "m", &value));
     assert_int_equal(value.whole, 7);
@@ -161,7 +148,6 @@ static void what_is_required_must_be_given(void **state)
     query q = parse("");
     bf_error err = { 0 };
 
-    (void)state;
     assert_int_equal(query_check(&q, rows, &err), BF_EINPUT);
     assert_string_equal(err.text, "query parameter 'runs' is missing: ids with commas");
 }

@@ -1,20 +1,14 @@
 // Headers of a response.
 
 #include "api/http/exchange.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 static void headers_are_found_replaced_and_dropped_by_any_case(void **state)
 {
     api_response response = { 0 };
 
-    (void)state;
     api_response_header(&response, "ETag", "%d", 1);
     api_response_set(&response, "Allow", "GET");
     api_response_set(&response, "etag", "2");
@@ -31,7 +25,6 @@ static void vary_names_a_field_once(void **state)
 {
     api_response response = { 0 };
 
-    (void)state;
     api_response_vary(&response, "Accept");
     api_response_vary(&response, "Accept-Encoding");
     api_response_vary(&response, "accept");

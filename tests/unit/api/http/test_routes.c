@@ -5,13 +5,8 @@
 #include "api/http/exchange.h"
 #include "api/http/negotiation.h"
 #include "api/http/query.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 static const char long_segment[] = "/v1/examples/0123456789abcdef0123456789abcdef"
@@ -22,7 +17,6 @@ static void a_template_gives_its_parameters(void **state)
     route_params params = { 0 };
     const route *found = routes_find("GET", "/v1/runs/abc/snapshots/7", &params);
 
-    (void)state;
     assert_non_null(found);
     assert_string_equal(found->path, "/v1/runs/{id}/snapshots/{n}");
     assert_int_equal(params.n, 2);
@@ -32,7 +26,6 @@ static void a_template_gives_its_parameters(void **state)
 
 static void method_and_path_choose_the_route(void **state)
 {
-    (void)state;
     assert_string_equal(routes_find("POST", "/v1/runs", NULL)->method, "POST");
     assert_string_equal(routes_find("GET", "/v1/runs", NULL)->method, "GET");
     assert_ptr_equal(routes_find("HEAD", "/v1/runs", NULL), routes_find("GET", "/v1/runs", NULL));
@@ -50,7 +43,6 @@ static void an_ending_says_the_format(void **state)
     route_params params = { 0 };
     const route *found = routes_find("GET", "/v1/runs/abc/snapshots/7.png", &params);
 
-    (void)state;
     assert_ptr_equal(found, routes_find("GET", "/v1/runs/abc/snapshots/7", NULL));
     assert_string_equal(params.values[1], "7");
     assert_string_equal(routes_formats(found, &params), "png");
@@ -93,7 +85,6 @@ static void paths_that_are_not_in_the_table_find_nothing(void **state)
     };
     route_params params = { .n = 99 };
 
-    (void)state;
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
         if (routes_find("GET", paths[i], &params) != NULL)
             fail_msg("%s", paths[i]);
@@ -105,7 +96,6 @@ static void a_parameter_has_a_limit(void **state)
 {
     char path[sizeof long_segment + 1];
 
-    (void)state;
     assert_int_equal(strlen(long_segment) - strlen("/v1/examples/"), ROUTES_PARAM_SIZE - 1);
     assert_non_null(routes_find("GET", long_segment, NULL));
     memcpy(path, long_segment, sizeof long_segment);
@@ -117,7 +107,6 @@ static void allow_lists_the_methods_of_a_path(void **state)
 {
     char allow[ROUTES_ALLOW_SIZE] = "as it was";
 
-    (void)state;
     assert_false(routes_allow("/nowhere", allow));
     assert_string_equal(allow, "as it was");
     assert_true(routes_allow("/v1/runs", allow));
@@ -148,7 +137,6 @@ static api_cost cost_of(const char *method, const char *path, const char *asked,
 
 static void the_cost_of_a_request_is_told_before(void **state)
 {
-    (void)state;
     assert_int_equal(cost_of("POST", "/v1/runs", "", NULL), API_COST_CHECK);
     assert_int_equal(cost_of("POST", "/v1/validate", "", NULL), API_COST_CHECK);
     assert_int_equal(cost_of("POST", "/v1/runs/abc/cancel", "", NULL), API_COST_STORE);
@@ -160,7 +148,6 @@ static void the_cost_of_a_request_is_told_before(void **state)
 
 static void health_waits_behind_nothing(void **state)
 {
-    (void)state;
     assert_int_equal(cost_of("GET", "/livez", "", NULL), API_COST_HEALTH);
     assert_int_equal(cost_of("GET", "/readyz", "", NULL), API_COST_HEALTH);
     assert_int_equal(cost_of("GET", "/metrics", "", NULL), API_COST_HEALTH);
@@ -172,7 +159,6 @@ static void long_answers_are_work(void **state)
     static const char path[] = "/v1/runs/abc/snapshots/7", parts[] = "/v1/runs/abc/parts/7";
     char csv[] = "text/csv", png[] = "image/png";
 
-    (void)state;
     assert_int_equal(cost_of("GET", "/v1/compare", "", NULL), API_COST_WORK);
     assert_int_equal(cost_of("GET", "/v1/runs/abc/results.zip", "", NULL), API_COST_WORK);
     assert_int_equal(cost_of("GET", path, "", NULL), API_COST_STORE);
@@ -191,7 +177,6 @@ static void no_two_routes_are_the_same(void **state)
     size_t n = 0;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         for (size_t k = i + 1; k < n; k++)
             assert_false(strcmp(table[i].method, table[k].method) == 0 &&
@@ -233,7 +218,6 @@ static void scopes_follow_from_methods(void **state)
     size_t n = 0;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         bool is_get = strcmp(table[i].method, "GET") == 0;
         bool is_validation = strcmp(table[i].path, "/v1/validate") == 0;
@@ -254,7 +238,6 @@ static void every_row_of_the_table_is_complete(void **state)
     size_t n = 0;
     const route *table = routes_list(&n);
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         const media *chosen = NULL;
         bool has_choice = strchr(table[i].formats, ' ') != NULL;

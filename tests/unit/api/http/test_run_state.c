@@ -1,17 +1,10 @@
 // The life of a run, against the diagram at the head of the header.
 
 #include "api/run_state.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 static void words_and_states_name_each_other(void **state)
 {
-    (void)state;
     for (unsigned s = 0; s < RUN_STATE_COUNT; s++)
         assert_int_equal(run_state_find(run_state_word((run_state)s)), s);
     assert_string_equal(run_state_word(RUN_QUEUED), "queued");
@@ -22,7 +15,6 @@ static void what_is_no_word_is_no_state(void **state)
 {
     static const char *const words[] = { "", "Queued", "queue", "queued ", "done" };
 
-    (void)state;
     for (size_t i = 0; i < sizeof words / sizeof *words; i++)
         assert_int_equal(run_state_find(words[i]), RUN_STATE_COUNT);
 }
@@ -38,7 +30,6 @@ static void only_the_arrows_of_the_diagram_exist(void **state)
                           [RUN_CANCELLED] = true },
     };
 
-    (void)state;
     for (unsigned from = 0; from < RUN_STATE_COUNT; from++) {
         for (unsigned to = 0; to < RUN_STATE_COUNT; to++)
             assert_int_equal(run_state_may_follow((run_state)from, (run_state)to),
@@ -48,7 +39,6 @@ static void only_the_arrows_of_the_diagram_exist(void **state)
 
 static void a_run_ends_once(void **state)
 {
-    (void)state;
     assert_false(run_state_is_end(RUN_QUEUED));
     assert_false(run_state_is_end(RUN_RUNNING));
     assert_true(run_state_is_end(RUN_SUCCEEDED));

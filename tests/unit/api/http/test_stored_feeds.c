@@ -3,13 +3,8 @@
 #include "api/scenario/submission.h"
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -43,7 +38,6 @@ static void assert_refused(const char *body, const char *place, const char *deta
 
 static void the_resolved_scenario_holds_the_numbers(void **state)
 {
-    (void)state;
     add(API_MEASURED_PROFILE, "t_s,rate_per_h\n0,3600\n60,7200\n");
     ask("POST", "/v1/validate", NULL, IS_JSON, PROFILE, 200);
     assert_true(ask_body_has("\"profile\":{\"t_s\":[0,60],\"rate_per_s\":[1,2],\"repeat_s\":90}"));
@@ -53,7 +47,6 @@ static void the_resolved_scenario_holds_the_numbers(void **state)
 
 static void kinds_and_places_are_those_of_the_scenario(void **state)
 {
-    (void)state;
     add(API_MEASURED_SCHEDULE, "t_s,kind,y_m\n0,tin,0.1\n2,box,0.5\n");
     ask("POST", "/v1/validate", NULL, IS_JSON, SCHEDULE, 200);
     assert_true(
@@ -63,7 +56,6 @@ static void kinds_and_places_are_those_of_the_scenario(void **state)
 
 static void what_a_text_says_of_another_scenario_is_refused(void **state)
 {
-    (void)state;
     helper_measurement *m = add(API_MEASURED_SCHEDULE, "t_s,kind\n0,tin\n1,can\n");
     assert_refused(SCHEDULE, "schedule/measurement", "line 3");
     snprintf(m->csv, sizeof m->csv, "t_s,y_m\n0,0.55\n");
@@ -72,7 +64,6 @@ static void what_a_text_says_of_another_scenario_is_refused(void **state)
 
 static void what_is_not_there_or_of_another_kind_is_refused(void **state)
 {
-    (void)state;
     assert_refused(PROFILE, "profile/measurement", "there is no measurement '" MEASURED "'");
     assert_refused(BODY_OF("\"profile\":{\"measurement\":\"yesterday\"}"), "profile/measurement",
                    "there is no measurement 'yesterday'");
@@ -89,7 +80,6 @@ static void what_is_not_there_or_of_another_kind_is_refused(void **state)
 
 static void a_store_that_fails_is_no_fault_of_the_document(void **state)
 {
-    (void)state;
     add(API_MEASURED_PROFILE, "t_s,rate_per_s\n0,1\n");
     ask_daemon.refusal = BF_EBUSY;
     ask("POST", "/v1/validate", NULL, IS_JSON, PROFILE, 503);
@@ -100,9 +90,6 @@ static void a_store_that_fails_is_no_fault_of_the_document(void **state)
 static bf_status read_55_bytes(const void *context, const char *id, const char *kind,
                                bf_buffer *out, bf_error *err)
 {
-    (void)context;
-    (void)id;
-    (void)err;
     assert_string_equal(kind, "profile");
     return buffer_printf(out, "t_s,rate_per_s\n0,1\n1,1\n2,1\n3,1\n4,1\n5,1\n6,1\n7,1\n8,1\n9,1\n");
 }
@@ -117,7 +104,6 @@ static void all_texts_together_have_a_limit(void **state)
     api_submission submission = { .label = "" };
     bf_faults faults = { .n = 0 };
 
-    (void)state;
     assert_int_equal(submission_read(body, sizeof body - 1, &texts, &submission, &faults, NULL),
                      BF_OK);
     assert_int_equal(texts.n_left, 0);
@@ -130,7 +116,6 @@ static void all_texts_together_have_a_limit(void **state)
 
 static void without_memory_nothing_is_submitted(void **state)
 {
-    (void)state;
     add(API_MEASURED_SCHEDULE, "t_s,kind,y_m\n0,tin,0.1\n");
     for (size_t n = 1; ask_response.status != 201; n++) {
         api_response_fini(&ask_response);
@@ -145,7 +130,6 @@ static void without_memory_nothing_is_submitted(void **state)
 
 static void only_curves_are_compared(void **state)
 {
-    (void)state;
     ask_add_run(RUN_SUCCEEDED);
     add(API_MEASURED_PROFILE, "t_s,rate_per_s\n0,1\n");
     ask_get("/v1/compare", "a=" ID_1 "&b=" MEASURED, NULL, 422);

@@ -4,13 +4,8 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_services.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -63,7 +58,6 @@ static void server_sent_events_have_id_event_and_data(void **state)
     helper_run *of = helper_add_run(&d, RUN_SUCCEEDED);
     bf_buffer out = { 0 };
 
-    (void)state;
     helper_add_event(&d, of, API_EVENT_STATUS, "{\"a\":1}");
     helper_add_event(&d, of, API_EVENT_END, "{\"b\":2}");
     stream_cursor cursor = begin(&d, STREAM_SSE, false, 1, 0);
@@ -79,7 +73,6 @@ static void ndjson_has_the_same_objects_one_a_line(void **state)
     helper_run *of = helper_add_run(&d, RUN_SUCCEEDED);
     bf_buffer out = { 0 };
 
-    (void)state;
     helper_add_event(&d, of, API_EVENT_PROGRESS, "{\"a\":1}");
     helper_add_event(&d, of, API_EVENT_END, "{\"b\":2}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
@@ -95,7 +88,6 @@ static void a_client_that_returns_misses_nothing_and_gets_nothing_twice(void **s
     helper_run *of = helper_add_run(&d, RUN_RUNNING);
     bf_buffer whole = { 0 };
 
-    (void)state;
     for (int i = 0; i < 5; i++)
         helper_add_event(&d, of, API_EVENT_CURVE, "{\"t_s\":[0.1]}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
@@ -119,7 +111,6 @@ static void a_batch_stays_near_its_limit(void **state)
     stream_cursor cursor;
     bf_buffer out = { 0 };
 
-    (void)state;
     for (int i = 0; i < 3; i++)
         helper_add_event(&d, of, API_EVENT_STATUS, "{\"a\":1}");
     cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
@@ -134,7 +125,6 @@ static void a_stream_waits_for_a_run_that_goes_on(void **state)
     helper_run *of = helper_add_run(&d, RUN_RUNNING);
     bf_buffer out = { 0 };
 
-    (void)state;
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
     assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_WAIT);
     assert_int_equal(out.n, 0);
@@ -150,7 +140,6 @@ static void the_preamble_comes_at_once_and_only_once(void **state)
     helper_daemon d = { .n_runs = 0 };
     bf_buffer out = { 0 };
 
-    (void)state;
     helper_add_run(&d, RUN_RUNNING);
     stream_cursor cursor = begin(&d, STREAM_SSE, false, 1, 0);
     assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_MORE);
@@ -163,7 +152,6 @@ static void a_client_that_has_seen_the_end_needs_no_stream(void **state)
     helper_daemon d = { .n_runs = 0 };
     helper_run *of = helper_add_run(&d, RUN_SUCCEEDED);
 
-    (void)state;
     uint64_t last = helper_add_event(&d, of, API_EVENT_END, "{}");
     assert_int_equal(begin(&d, STREAM_SSE, false, 1, last - 1).n_open, 1);
     assert_int_equal(begin(&d, STREAM_SSE, false, 1, last).n_open, 0);
@@ -177,7 +165,6 @@ static void an_id_from_the_future_does_not_hide_what_comes(void **state)
     helper_run *of = helper_add_run(&d, RUN_RUNNING);
     bf_buffer out = { 0 };
 
-    (void)state;
     helper_add_event(&d, of, API_EVENT_STATUS, "{}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 1000);
     assert_int_equal(cursor.after, 1);
@@ -192,7 +179,6 @@ static void several_runs_share_a_stream_that_ends_with_the_last_of_them(void **s
     helper_run *one = helper_add_run(&d, RUN_RUNNING), *two = helper_add_run(&d, RUN_RUNNING);
     bf_buffer out = { 0 };
 
-    (void)state;
     helper_add_event(&d, two, API_EVENT_STATUS, "{}");
     helper_add_event(&d, one, API_EVENT_END, "{}");
     one->record.state = RUN_SUCCEEDED;
@@ -214,7 +200,6 @@ static void a_removed_run_ends_its_streams(void **state)
     api_services services = helper_services(&d);
     bf_buffer out = { 0 };
 
-    (void)state;
     helper_add_event(&d, of, API_EVENT_STATUS, "{}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
     assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_WAIT);
@@ -230,7 +215,6 @@ static void a_stream_of_an_unknown_run_does_not_begin(void **state)
     api_services services = helper_services(&d);
     stream_cursor cursor = { .n_runs = 99 };
 
-    (void)state;
     assert_int_equal(stream_begin(&services, STREAM_SSE, false, ids, 1, 0, &cursor, NULL),
                      BF_ENOTFOUND);
     assert_int_equal(cursor.n_runs, 99);
@@ -244,7 +228,6 @@ static void an_inline_snapshot_carries_its_grid(void **state)
     helper_run *of = helper_add_run(&d, RUN_SUCCEEDED);
     bf_buffer out = { 0 };
 
-    (void)state;
     helper_add_event(&d, of, API_EVENT_SNAPSHOT, "{\"n\":0}");
     helper_add_event(&d, of, API_EVENT_END, "{}");
     stream_cursor cursor = begin(&d, STREAM_SSE, true, 1, 0);
@@ -262,9 +245,6 @@ static bf_status read_odd_snapshot(api_store *store, const char *run_id, uint64_
                                    api_array_kind kind, api_array *ret_array, bf_buffer *out,
                                    bf_error *err)
 {
-    (void)store;
-    (void)run_id;
-    (void)index;
     assert_int_equal(kind, API_ARRAY_DENSITY);
     *ret_array = (api_array){ 0 };
     char *bytes = buffer_reserve(out, n_grid_bytes);
@@ -294,7 +274,6 @@ static void base64_is_padded_as_the_rfc_says(void **state)
 {
     static const char *const expected[] = { "", "Zg==", "ZmY=", "ZmZm", "ZmZmZg==" };
 
-    (void)state;
     for (size_t n = 0; n < 5; n++) {
         bf_buffer out = { 0 };
         char text[160];
@@ -311,7 +290,6 @@ static void a_grid_beyond_the_limit_is_left_to_its_url(void **state)
 {
     bf_buffer out = { 0 };
 
-    (void)state;
     stream_odd_snapshot(STREAM_INLINE_MAX, &out);
     assert_true(out.n > STREAM_INLINE_MAX);
     buffer_fini(&out);
@@ -329,7 +307,6 @@ static void out_of_memory_loses_no_event(void **state)
     bf_buffer whole = { 0 };
     size_t n_faults = 1;
 
-    (void)state;
     helper_add_event(&d, of, API_EVENT_SNAPSHOT, "{\"n\":0}");
     helper_add_event(&d, of, API_EVENT_END, "{}");
     stream_cursor cursor = begin(&d, STREAM_SSE, true, 1, 0);
@@ -354,7 +331,6 @@ static void out_of_memory_loses_no_event(void **state)
 
 static void heartbeats_are_no_events(void **state)
 {
-    (void)state;
     assert_int_equal(stream_heartbeat(STREAM_SSE)[0], ':');
     assert_string_equal(stream_heartbeat(STREAM_NDJSON), "\n");
 }

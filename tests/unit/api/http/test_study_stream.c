@@ -2,13 +2,8 @@
 
 #include "api/http/study_stream.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -42,7 +37,6 @@ static void both_forms_have_the_same_events(void **state)
     helper_study *of = helper_add_study(&ask_daemon, API_STUDY_RUNNING);
     bf_buffer text = { 0 };
 
-    (void)state;
     helper_add_trial(of, API_TRIAL_SUCCEEDED);
     assert_int_equal(follow(0, true, 65536, &text), BODY_WAIT);
     assert_non_null(strstr(text.bytes, "retry: 3000\n\nevent: status\ndata: {\"id\":\"" ID "\""));
@@ -71,7 +65,6 @@ static void a_client_that_returns_misses_nothing_and_gets_nothing_twice(void **s
 {
     helper_study *of = helper_add_study(&ask_daemon, API_STUDY_SUCCEEDED);
 
-    (void)state;
     for (int k = 0; k < 5; k++)
         helper_add_trial(of, API_TRIAL_SUCCEEDED);
     of->trials[1].ended = 5;
@@ -101,7 +94,6 @@ static void what_changes_while_it_is_followed_is_told_once(void **state)
     bf_buffer text = { 0 };
     body_state where = BODY_MORE;
 
-    (void)state;
     assert_int_equal(follow(0, false, 65536, &text), BODY_WAIT);
     body_source *source = &ask_response.source;
     text.n = 0;
@@ -126,7 +118,6 @@ static void who_saw_the_end_gets_no_content(void **state)
 {
     helper_study *of = helper_add_study(&ask_daemon, API_STUDY_CANCELLED);
 
-    (void)state;
     helper_add_trial(of, API_TRIAL_CANCELLED);
     ask_get(EVENTS, NULL, "Last-Event-ID: 2\n", 204);
     ask_get(EVENTS, "last_event_id=99", NULL, 204);

@@ -3,16 +3,11 @@
 #include "api/json/number.h"
 
 #include "core/base/random.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bool same_bits(double a, double b)
 {
@@ -23,7 +18,6 @@ static void radians_of_any_degrees_come_back(void **unused)
 {
     bf_random random;
 
-    (void)unused;
     random_init(&random, 1);
     for (int k = 0; k < 100000; k++) {
         uint64_t bits = random_bits(&random);
@@ -40,7 +34,6 @@ static void radians_of_usual_degrees_come_back(void **unused)
 {
     bf_random random;
 
-    (void)unused;
     random_init(&random, 2);
     for (int k = 0; k < 100000; k++) {
         double radians = number_from_degrees(720.0 * random_unit(&random) - 360.0);
@@ -53,7 +46,6 @@ static void radians_of_usual_degrees_come_back(void **unused)
 // A thousandth of a degree is written by a person: it must not come back with 17 digits.
 static void short_degrees_stay_short(void **unused)
 {
-    (void)unused;
     for (int k = -360000; k <= 360000; k += 7) {
         double degrees = k / 1000.0;
         assert_true(number_to_degrees(number_from_degrees(degrees)) == degrees);
@@ -66,7 +58,6 @@ static void a_quarter_turn_is_exact(void **unused)
                                           { 270, 0, -1 }, { -90, 0, -1 }, { 450, 0, 1 },
                                           { -360, 1, 0 }, { -180, -1, 0 } };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
         double cosine;
         double sine;
@@ -81,7 +72,6 @@ static void other_directions_are_those_of_the_circle(void **unused)
     double cosine;
     double sine;
 
-    (void)unused;
     number_direction(60.0, &cosine, &sine);
     assert_true(fabs(cosine - 0.5) < 1e-15);
     assert_true(fabs(sine - sqrt(3.0) / 2.0) < 1e-15);

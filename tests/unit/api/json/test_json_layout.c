@@ -3,14 +3,9 @@
 #include "api/json/json_layout.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void assert_layout(const char *json, const char *expected)
 {
@@ -23,7 +18,6 @@ static void assert_layout(const char *json, const char *expected)
 
 static void what_fits_stands_on_one_line(void **unused)
 {
-    (void)unused;
     assert_layout("{}", "{}\n");
     assert_layout("[]", "[]\n");
     assert_layout("null", "null\n");
@@ -33,13 +27,11 @@ static void what_fits_stands_on_one_line(void **unused)
 
 static void blanks_between_tokens_are_our_own(void **unused)
 {
-    (void)unused;
     assert_layout(" {\n \"a\" :\t1 ,\r\n\"b\":[ ] }\n", "{\"a\": 1, \"b\": []}\n");
 }
 
 static void brackets_and_quotes_in_strings_are_text(void **unused)
 {
-    (void)unused;
     assert_layout("[\"]{, : \\\" \\\\\",\"}\"]", "[\"]{, : \\\" \\\\\", \"}\"]\n");
 }
 
@@ -48,7 +40,6 @@ static void what_does_not_fit_is_broken(void **unused)
     char json[200] = "{\"a\":[";
     char expected[600] = "{\n  \"a\": [\n";
 
-    (void)unused;
     for (int k = 0; k < 40; k++) {
         strcat(json, k == 0 ? "1" : ",1");
         strcat(expected, k == 39 ? "    1\n" : "    1,\n");
@@ -64,7 +55,6 @@ static void a_line_has_room_for_the_comma_behind_it(void **unused)
     bf_buffer out = { 0 };
     char json[104];
 
-    (void)unused;
     memset(json, 'x', sizeof json);
     memcpy(json, "[\"", 2);
     memcpy(json + 97, "\"]", 2); // 99 columns
@@ -82,7 +72,6 @@ static void without_memory_nothing_is_written(void **unused)
     static const char json[] = "[[],[],{}]";
     bf_buffer out = { 0 };
 
-    (void)unused;
     assert_int_equal(buffer_append(&out, "before", 6), BF_OK);
     out.capacity = out.n + 1; // so that the next byte needs more room
     memory_plan_fault(1, 0);

@@ -3,24 +3,18 @@
 #include "api/json/json_out.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void structure_has_its_commas(void **unused)
 {
     bf_buffer b = { 0 };
     json_out w = json_out_to(&b);
 
-    (void)unused;
     json_out_object(&w);
     json_out_key(&w, "empty");
     json_out_object(&w);
@@ -54,7 +48,6 @@ static void what_is_not_finite_is_null(void **unused)
     bf_buffer b = { 0 };
     json_out w = json_out_to(&b);
 
-    (void)unused;
     json_out_array(&w);
     json_out_number(&w, NAN);
     json_out_number(&w, -INFINITY);
@@ -99,7 +92,6 @@ static void texts_read_back(void **unused)
         "\xc2\x80",
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)
         check_string(texts[k], texts[k]);
 }
@@ -107,7 +99,6 @@ static void texts_read_back(void **unused)
 // Bytes that are no UTF-8: stray, overlong, surrogate, beyond U+10FFFF, torn at the end.
 static void bytes_that_are_no_text_are_replaced(void **unused)
 {
-    (void)unused;
     check_string("a\x80z", "a\xef\xbf\xbdz");
     check_string("\xff", "\xef\xbf\xbd");
     check_string("\xc0\xaf", "\xef\xbf\xbd\xef\xbf\xbd");
@@ -120,7 +111,6 @@ static void bytes_that_are_no_text_are_replaced(void **unused)
 
 static void every_pair_of_bytes_gives_json(void **unused)
 {
-    (void)unused;
     for (int first = 1; first < 256; first++) {
         for (int second = 1; second < 256; second++) {
             char text[3] = { (char)first, (char)second, '\0' };
@@ -134,7 +124,6 @@ static void keys_are_escaped(void **unused)
     bf_buffer b = { 0 };
     json_out w = json_out_to(&b);
 
-    (void)unused;
     json_out_object(&w);
     json_out_key_integer(&w, "a\"b\n", 1);
     json_out_object_end(&w);
@@ -144,7 +133,6 @@ static void keys_are_escaped(void **unused)
 
 static void no_memory_is_remembered(void **unused)
 {
-    (void)unused;
     for (size_t n = 1;; n++) {
         bf_buffer b = { 0 };
         bf_error err = { 0 };

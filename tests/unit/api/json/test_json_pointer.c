@@ -1,14 +1,10 @@
 // JSON pointers: what one leads to, after the examples of RFC 6901 (section 5), and what leads nowhere.
 
 #include "api/json/json_pointer.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <jansson.h>
 
 static const char document[] =
@@ -45,7 +41,6 @@ static const struct {
 
 static void a_pointer_leads_to_its_value_or_nowhere(void **state)
 {
-    (void)state;
     json_t *root = json_loads(document, 0, NULL);
 
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -61,7 +56,6 @@ static void a_pointer_leads_to_its_value_or_nowhere(void **state)
 
 static void a_name_that_is_too_long_leads_nowhere(void **state)
 {
-    (void)state;
     char name[BF_POINTER_SIZE + 1], pointer[BF_POINTER_SIZE + 2];
     json_t *root = json_object();
 

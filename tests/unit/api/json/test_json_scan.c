@@ -4,14 +4,9 @@
 
 #include "api/json/text.h"
 #include "core/base/random.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static json_scan_end scan(const char *json, json_scan_place *ret_place, char pointer[100])
 {
@@ -32,7 +27,6 @@ static void check_place(const char *json, json_scan_end end, const char *pointer
 
 static void the_end_of_a_text_has_its_pointer(void **unused)
 {
-    (void)unused;
     check_place("", JSON_SCAN_ALL, "", 1, 1);
     check_place("{\"a\"", JSON_SCAN_ALL, "/a", 1, 5);
     check_place("{\"a\": [1, {\"b\": 2}, [3,\n\n 4", JSON_SCAN_ALL, "/a/2/1", 3, 3);
@@ -44,7 +38,6 @@ static void the_end_of_a_text_has_its_pointer(void **unused)
 
 static void brackets_in_strings_are_text(void **unused)
 {
-    (void)unused;
     check_place("{\"a\": \"[[{\\\"[[\\\\\", \"b\": [", JSON_SCAN_ALL, "/b/0", 1, 26);
 }
 
@@ -54,7 +47,6 @@ static void nesting_ends_at_its_limit(void **unused)
     char pointer[100];
     char text[JSON_NESTING_MAX + 2];
 
-    (void)unused;
     memset(text, '[', sizeof text);
     text[JSON_NESTING_MAX] = '\0';
     assert_int_equal(scan(text, &place, pointer), JSON_SCAN_ALL);
@@ -66,7 +58,6 @@ static void nesting_ends_at_its_limit(void **unused)
 
 static void what_is_no_number_is_seen(void **unused)
 {
-    (void)unused;
     check_place("{\"a\": NaN", JSON_SCAN_NO_NUMBER, "/a", 1, 7);
     check_place("[1, -Infinity]", JSON_SCAN_NO_NUMBER, "/1", 1, 6);
     check_place("[nan]", JSON_SCAN_NO_NUMBER, "/0", 1, 2);
@@ -80,7 +71,6 @@ static void any_bytes_are_scanned(void **unused)
     static const char alphabet[] = "{}[]\",:\\aN1 \n";
     bf_random random;
 
-    (void)unused;
     random_init(&random, 7);
     for (int k = 0; k < 20000; k++) {
         json_scan_place place;
@@ -99,7 +89,6 @@ static void distances_count_edits(void **unused)
 {
     char longer[TEXT_LENGTH_MAX + 2];
 
-    (void)unused;
     memset(longer, 'a', sizeof longer - 1);
     longer[sizeof longer - 1] = '\0';
     assert_int_equal(text_distance("", ""), 0);

@@ -4,18 +4,13 @@
 
 #include "api/scenario/scenario_members.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bf_faults faults;
 
@@ -86,7 +81,6 @@ static void what_is_out_of_the_tables_ranges_is_refused(void **unused)
         "'height_m': 0.01}}], 'cargo_seed': 5, 'initial': {'positions_m': [[0.5, 0.5]]}}",
     };
 
-    (void)unused;
     for (size_t k = 0; k <= sizeof documents / sizeof *documents; k++) {
         bf_buffer document = k == 0 ? document_complete() : document_quote(documents[k - 1]);
         json_t *root = json_loadb(document.bytes, document.n, JSON_DECODE_INT_AS_REAL, NULL);
@@ -144,7 +138,6 @@ static void an_answer_has_the_members_of_its_table_in_their_order(void **unused)
     bf_buffer out = { 0 };
     json_out w = json_out_to(&out);
 
-    (void)unused;
     json_out_array(&w);
     members_write(&w, &outer_table, &item);
     item.has_more = true;
@@ -176,7 +169,6 @@ static void a_pointer_leads_to_the_unit_of_a_number(void **unused)
         { "", NULL },
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof places / sizeof *places; k++) {
         const char *unit = members_unit(&scenario_members, places[k].pointer);
         if (places[k].unit == NULL)
@@ -201,7 +193,6 @@ static void ranges_are_texts_made_from_the_numbers(void **unused)
     };
     char text[MEMBER_TEXT_SIZE];
 
-    (void)unused;
     for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
         members_range_text(&pairs[k].range, text);
         assert_string_equal(text, pairs[k].text);
@@ -248,7 +239,6 @@ static void defaults_are_those_of_core(void **unused)
     char text[MEMBER_TEXT_SIZE];
     const member_table *table;
 
-    (void)unused;
     for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
         const member *m = find_row(pairs[k].place, &table);
         members_default_text(table, m, text);

@@ -3,20 +3,15 @@
 #include "api/json/number.h"
 
 #include "core/base/random.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <float.h>
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bf_random generator;
 
@@ -60,7 +55,6 @@ static void expect_json(double value)
 
 static void random_bits_read_back(void **unused)
 {
-    (void)unused;
     random_init(&generator, 1);
     for (int k = 0; k < 200000; k++) {
         uint64_t bits = random_bits(&generator);
@@ -76,7 +70,6 @@ static void random_bits_read_back(void **unused)
 
 static void random_float_bits_read_back(void **unused)
 {
-    (void)unused;
     random_init(&generator, 2);
     for (int k = 0; k < 200000; k++) {
         uint32_t bits = (uint32_t)(random_bits(&generator) >> 32);
@@ -94,7 +87,6 @@ static void the_ends_of_the_range_read_back(void **unused)
         DBL_EPSILON, 1.0 + DBL_EPSILON, 1.0 - DBL_EPSILON, 0.0,          -0.0,
         0x1p53,      0x1p53 + 2.0,      -0x1p63,           0x1p64,
     };
-    (void)unused;
     for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
         expect_round_trip(values[k]);
         expect_json(values[k]);
@@ -106,7 +98,6 @@ static void the_ends_of_the_range_read_back(void **unused)
 
 static void subnormal_numbers_read_back(void **unused)
 {
-    (void)unused;
     random_init(&generator, 3);
     for (int k = 0; k < 20000; k++) {
         uint64_t bits = random_bits(&generator) >> (12 + k % 50);
@@ -118,7 +109,6 @@ static void subnormal_numbers_read_back(void **unused)
 
 static void powers_of_ten_have_one_digit(void **unused)
 {
-    (void)unused;
     for (int exponent = -307; exponent <= 308; exponent++) {
         char source[16];
         char text[NUMBER_SIZE];
@@ -151,7 +141,6 @@ static void decimals_come_out_as_they_were_written(void **unused)
                                          "0.79",
                                          "2.2250738585072014e-308",
                                          "1.7976931348623157e+308" };
-    (void)unused;
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
         char text[NUMBER_SIZE];
         number_format(strtod(texts[k], NULL), text);
@@ -162,7 +151,6 @@ static void decimals_come_out_as_they_were_written(void **unused)
 // A text with fewer digits would read back as another number: try all shorter ones.
 static void no_shorter_text_reads_back(void **unused)
 {
-    (void)unused;
     random_init(&generator, 4);
     for (int k = 0; k < 5000; k++) {
         char text[NUMBER_SIZE];
@@ -183,7 +171,6 @@ static void floats_take_few_digits(void **unused)
 {
     char text[NUMBER_SIZE];
 
-    (void)unused;
     number_format_float(0.1F, text);
     assert_string_equal(text, "0.1");
     number_format_float(16777216.0F, text);
@@ -220,7 +207,6 @@ static void expect_float_printed(float value)
 // Around the powers of 2 and 10, decimals, and any numbers, of the sizes that are written without an exponent and next to them.
 static void numbers_of_moderate_size_are_written_as_printf_does(void **unused)
 {
-    (void)unused;
     random_init(&generator, 5);
     for (int k = 0; k < 6000; k++) {
         const int a = k % 7 - 3, b = k / 7 % 80;
@@ -241,7 +227,6 @@ static void numbers_of_moderate_size_are_written_as_printf_does(void **unused)
 // 12 digits; ties, which are none in binary, do not matter.
 static void measures_lose_the_rounding_of_sums(void **state)
 {
-    (void)state;
     assert_true(number_round(233640.00000000003) == 233640.0);
     assert_true(number_round(0.1 + 0.2) == 0.3);
     assert_true(number_round(-1.0 / 3.0) == -0.333333333333);
@@ -257,7 +242,6 @@ static void digits_are_a_whole_number_within_bounds(void **state)
     static const char *const bad[] = { "", "-1", "+1", " 1", "1 ", "1.0", "0x1", "1e2", "8", "2" };
     uint64_t value = 7;
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
         assert_false(number_read_digits(bad[k], 3, 7, &value));
     assert_false(number_read_digits("18446744073709551616", 0, UINT64_MAX, &value));

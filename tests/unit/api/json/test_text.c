@@ -1,13 +1,7 @@
 // UTF-8 as it may come from clients, pieces of lines, and words of lists.
 
 #include "api/json/text.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 // The first and last character of each length, by RFC 3629.
 static void characters_have_their_size(void **state)
@@ -28,7 +22,6 @@ static void characters_have_their_size(void **state)
         { "\xf4\x8f\xbf\xbf", 4 },
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
         assert_int_equal(text_utf8_size(good[k].text), good[k].n);
         assert_true(text_is_utf8(good[k].text));
@@ -52,7 +45,6 @@ static void other_bytes_are_no_text(void **state)
                                        "\xf4\x90\x80\x80",
                                        "\xff" };
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         assert_int_equal(text_utf8_size(bad[k]), 0);
         assert_false(text_is_utf8(bad[k]));
@@ -66,7 +58,6 @@ static void pieces_are_taken_until_nothing_is_left(void **state)
     const text_piece line = { "t_s,,n,|beyond", 7 };
     text_piece rest = line;
 
-    (void)state;
     assert_int_equal(text_count_pieces(line, ','), 4);
     assert_int_equal(text_count_pieces(line, '|'), 1);
     for (size_t k = 0; k < 4; k++)
@@ -81,7 +72,6 @@ static void a_word_has_its_index_and_another_that_of_the_end(void **state)
 {
     static const char *const words[] = { "one", "two", "three", NULL };
 
-    (void)state;
     assert_int_equal(text_find_word(words, 3, "one"), 0);
     assert_int_equal(text_find_word(words, 3, "three"), 2);
     assert_int_equal(text_find_word(words, 2, "three"), 2);

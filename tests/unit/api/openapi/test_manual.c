@@ -2,34 +2,26 @@
 
 #include "api/http/problem.h"
 #include "api/openapi/openapi_priv.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bf_buffer manual;
 
 static int write_manual(void **unused)
 {
-    (void)unused;
     assert_int_equal(openapi__write_manual(&manual), BF_OK);
     return 0;
 }
 
 static int drop_manual(void **unused)
 {
-    (void)unused;
     buffer_fini(&manual);
     return 0;
 }
 
 static void every_chapter_is_a_section(void **unused)
 {
-    (void)unused;
     for (const openapi_text *text = openapi__texts; text->name != NULL; text++) {
         char title[200] = "\n#"; // one level lower
         if (strcmp(text->name, "samples") == 0)
@@ -43,7 +35,6 @@ static void every_chapter_is_a_section(void **unused)
 
 static void headings_are_lower_and_comments_in_code_are_not(void **unused)
 {
-    (void)unused;
     assert_non_null(strstr(manual.bytes, "\n### What is refused\n"));
     assert_non_null(
         strstr(manual.bytes, "\n# 1. Take a ready scenario and submit it to both models.\n"));
@@ -52,7 +43,6 @@ static void headings_are_lower_and_comments_in_code_are_not(void **unused)
 // Lines as they stood in the manual when they were written by hand.
 static void tables_list_members_with_unit_range_and_default(void **unused)
 {
-    (void)unused;
     static const char *const lines[] = {
         "| `/duration_s` | number | s | > 0 | must be given | simulated time |\n",
         "| `/belts/n/polygon_m` | list of [x, y], 3 to 1024 | m |  | the domain | corners of a "
@@ -80,14 +70,12 @@ static void every_kind_of_problem_has_a_paragraph(void **unused)
     size_t n;
     const problem_kind *kinds = problem_kinds(&n);
 
-    (void)unused;
     for (size_t k = 0; k < n; k++)
         assert_non_null(strstr(manual.bytes, kinds[k].remedy));
 }
 
 static void no_line_that_stands_for_a_table_is_left(void **unused)
 {
-    (void)unused;
     assert_null(strstr(manual.bytes, "<!--"));
 }
 

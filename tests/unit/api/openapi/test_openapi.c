@@ -9,16 +9,11 @@
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_ask.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define STUDY_1 "/v1/studies/0190a0b0-0000-7000-a000-000000000001"
 
@@ -27,7 +22,6 @@ static json_t *document;
 
 static int write_document(void **unused)
 {
-    (void)unused;
     assert_int_equal(openapi_write(&text, NULL), BF_OK);
     document = json_loadb(text.bytes, text.n, JSON_REJECT_DUPLICATES, NULL);
     assert_non_null(document);
@@ -36,7 +30,6 @@ static int write_document(void **unused)
 
 static int drop_document(void **unused)
 {
-    (void)unused;
     json_decref(document);
     buffer_fini(&text);
     return 0;
@@ -74,7 +67,6 @@ static void the_document_in_the_tree_is_up_to_date(void **unused)
     static char kept[1000000];
     FILE *file = fopen(SOURCE_DIR "/api/openapi.json", "rb");
 
-    (void)unused;
     assert_non_null(file);
     size_t n = fread(kept, 1, sizeof kept, file);
     fclose(file);
@@ -88,7 +80,6 @@ static void no_two_operations_have_the_same_name(void **unused)
     size_t n;
     const route *routes = routes_list(&n);
 
-    (void)unused;
     for (size_t k = 0; k < n; k++) {
         assert_non_null(routes[k].help);
         for (size_t i = 0; i < k; i++)
@@ -101,7 +92,6 @@ static void every_format_has_a_schema(void **unused)
 #define X(format, word, type, content_type)                                                        \
     if ((format) != MEDIA_JSON && openapi__format_schema(format) == NULL)                          \
         fail_msg("openapi_schemas.c lacks a schema of %s", type);
-    (void)unused;
     MEDIA_LIST(X)
 #undef X
 }
@@ -152,7 +142,6 @@ static void what_is_referred_to_is_there_and_all_of_it_is_used(void **unused)
     const char *kind, *name;
     json_t *components, *component;
 
-    (void)unused;
     check_references(document, used);
     json_object_foreach(json_object_get(document, "components"), kind, components)
     {
@@ -339,7 +328,6 @@ static void check_best(const char *method)
 
 static void every_member_of_what_studies_find_is_described(void **unused)
 {
-    (void)unused;
     check_best("'type': 'grid'}, 'replications': 2, 'objectives': [{'figure': 'drained_at_s'}, "
                "{'figure': 'jam.count'}], 'limits': {'trials': 20");
     check_best("'type': 'screen', 'confirm': 2, 'points': 4, 'indifference': 0.1}, 'replications': "
@@ -380,7 +368,6 @@ static void limits_are_those_of_the_code(void **unused)
         query_parameter("#/paths/~1v1~1runs~1{id}~1snapshots~1{n}.png/get/parameters", "width");
     const json_t *runs = query_parameter("#/paths/~1v1~1events/get/parameters", "runs");
 
-    (void)unused;
     assert_int_equal(json_integer_value(json_object_get(limit, "maximum")), API_LIST_MAX);
     assert_int_equal(json_integer_value(json_object_get(wait, "maximum")), API_WAIT_MAX_S);
     assert_int_equal(json_integer_value(json_object_get(width, "maximum")), PICTURE_WIDTH_MAX);
@@ -413,7 +400,6 @@ static void types_are_short_texts(void **unused)
           "{\"type\":[\"number\",\"null\"]}},{\"type\":\"null\"}]}},{\"type\":\"null\"}]}" },
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
         bf_buffer out = { 0 };
         json_out w = json_out_to(&out);
@@ -429,7 +415,6 @@ static void without_memory_nothing_is_written(void **unused)
     bf_status status;
     size_t n = 0;
 
-    (void)unused;
     do {
         memory_plan_fault(++n, 0);
         status = openapi_write(&out, NULL);

@@ -1,16 +1,11 @@
 // Colour maps: evenly rising in lightness, and those that their authors published.
 
 #include "api/results/colormap.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static double linear(uint8_t channel)
 {
@@ -33,7 +28,6 @@ static void lightness_rises_evenly(void **unused)
     static const char *const words[] = { "viridis", "cividis" };
     enum { STRIDE = 16 };
 
-    (void)unused;
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         const colormap *map = colormap_find(words[i]);
         double whole = lightness(colormap_at(map, 255)) - lightness(colormap_at(map, 0));
@@ -59,7 +53,6 @@ static void assert_near(const char *word, unsigned level, int red, int green, in
 // From the tables of Matplotlib 3.6.3 (_cm_listed.py).
 static void colors_are_the_published_ones(void **unused)
 {
-    (void)unused;
     assert_near("viridis", 0, 68, 1, 84, 3);
     assert_near("viridis", 64, 59, 82, 139, 3);
     assert_near("viridis", 128, 33, 145, 140, 3);
@@ -76,7 +69,6 @@ static void grey_goes_from_white_to_black(void **unused)
 {
     const colormap *map = colormap_find("grey");
 
-    (void)unused;
     for (unsigned k = 0; k < COLORMAP_LEVELS; k++) {
         colormap_color c = colormap_at(map, k);
         assert_int_equal(c.red, 255 - k);
@@ -88,7 +80,6 @@ static void every_word_finds_its_map_and_no_other_does(void **unused)
 {
     char words[64];
 
-    (void)unused;
     assert_true(strlen(colormap_words()) < sizeof words);
     strcpy(words, colormap_words());
     assert_string_equal(colormap_word(colormap_first()), "viridis");

@@ -6,15 +6,10 @@
 #include "api/results/key_figures.h"
 #include "core/base/buffer.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static compare_flows of_a, of_b;
 
@@ -34,7 +29,6 @@ static void counters_and_outlets_that_both_have_are_side_by_side(void **unused)
     bf_buffer out = { 0 };
     json_out w = json_out_to(&out);
 
-    (void)unused;
     read_flows("{'counters': [{'id': 'x', 'flow_per_h': 5}, {'id': 'main', 'flow_per_h': 100, "
                "'flow_error_per_h': 8}], 'outlets': [{'id': 'main', 'outflow_per_h': 90}]}",
                &of_a);
@@ -55,7 +49,6 @@ static void counters_and_outlets_that_both_have_are_side_by_side(void **unused)
 
 static void what_a_run_cannot_say_is_no_flow(void **unused)
 {
-    (void)unused;
     read_flows("{'throughput_per_h': 3, 'counters': [{'id': 'main'}]}", &of_a);
     assert_int_equal(of_a.n, 0);
     compare_flows_read(NULL, &of_a);

@@ -1,13 +1,8 @@
 // Comparisons as JSON.
 
 #include "api/results/compare_json.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 static void figures_are_members_with_their_units(void **state)
@@ -21,7 +16,6 @@ static void figures_are_members_with_their_units(void **state)
     bf_buffer out = { 0 };
     json_out w = json_out_to(&out);
 
-    (void)state;
     json_out_object(&w);
     members_write_into(&w, &compare_json_figures, &f);
     json_out_object_end(&w);
@@ -39,7 +33,6 @@ static void measures_are_an_object_and_never_is_null(void **state)
     bf_buffer out = { 0 };
     json_out w = json_out_to(&out);
 
-    (void)state;
     members_write(&w, &compare_json_measures, &m);
     assert_string_equal(out.bytes,
                         "{\"t_start_s\":0,\"t_end_s\":6,\"l1\":1.5,\"l2\":2,\"largest\":0,"
@@ -56,7 +49,6 @@ static void distances_are_members(void **state)
     bf_buffer out = { 0 };
     json_out w = json_out_to(&out);
 
-    (void)state;
     json_out_object(&w);
     members_write_into(&w, &compare_json_distance, &d);
     json_out_object_end(&w);

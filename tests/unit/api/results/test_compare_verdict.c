@@ -4,15 +4,10 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static verdicts all;
 
@@ -44,7 +39,6 @@ static void models_of_one_line_agree_or_not(void **unused)
     compare_side macro = run_of(RUN_MACRO, 1, 1059.0, (double)NAN);
     compare_side micro = run_of(RUN_MICRO, 1, 1000.0, 10.0);
 
-    (void)unused;
     assert_string_equal(say(&macro, &micro)->kind, "models_agree");
     macro.throughput_per_h = 1090.0;
     const verdict *v = say(&micro, &macro);
@@ -70,7 +64,6 @@ static void what_is_inside_is_no_outflow_where_cargo_enters(void **unused)
     const compare_side heap = run_of(RUN_MACRO, 1, 1000.0, (double)NAN), counted = { 0 };
     compare_side fed = heap;
 
-    (void)unused;
     fed.is_fed = true;
     assert_true(compare_verdict_is_content(&fed, "upstream"));
     assert_true(compare_verdict_is_content(&fed, NULL));
@@ -86,7 +79,6 @@ static void models_agree_where_more_parts_than_the_mean_arrived(void **unused)
     const compare_side macro = run_of(RUN_MACRO, 1, 1000.0, (double)NAN);
     compare_side micro = run_of(RUN_MICRO, 1, 1093.0, (double)NAN), full = macro;
 
-    (void)unused;
     full.offered_per_h = 2000.0;
     assert_string_equal(say(&macro, &micro)->kind, "models_disagree");
     micro.arrived = 1.093;
@@ -105,7 +97,6 @@ static void a_difference_is_held_against_chance(void **unused)
 {
     compare_side a = run_of(RUN_MICRO, 1, 1000.0, 30.0), b = run_of(RUN_MICRO, 2, 1049.0, 40.0);
 
-    (void)unused;
     const verdict *v = say(&a, &b);
     assert_string_equal(v->kind, "equal");
     assert_non_null(strstr(v->text, "leaves open, 50 parts/h"));
@@ -141,7 +132,6 @@ static void there_is_nothing_to_compare_where_nothing_comes_through(void **unuse
     compare_side macro = run_of(RUN_MACRO, 1, 0.0, (double)NAN);
     const compare_side micro = run_of(RUN_MICRO, 1, 0.0, 0.0);
 
-    (void)unused;
     assert_string_equal(say(&macro, &micro)->kind, "no_throughput");
     macro.throughput_per_h = 10.0;
     assert_string_equal(say(&macro, &micro)->kind, "models_disagree");
@@ -162,7 +152,6 @@ static void flows_that_differ_more_than_the_throughputs_are_told(void **unused)
     static compare_flows of_a, of_b;
     compare_side a = run_of(RUN_MICRO, 1, 1000.0, 30.0), b = run_of(RUN_MICRO, 2, 1000.0, 30.0);
 
-    (void)unused;
     of_a = flows_of(500.0, 500.0, 400.0, 20.0);
     of_b = flows_of(531.0, 600.0, 800.0, 20.0);
     all = (verdicts){ 0 };
@@ -191,7 +180,6 @@ static void flows_within_their_intervals_or_without_any_do_not_differ(void **unu
     static compare_flows of_a, of_b;
     compare_side a = run_of(RUN_MICRO, 1, 1000.0, 30.0), b = run_of(RUN_MICRO, 2, 1000.0, 30.0);
 
-    (void)unused;
     of_a = flows_of(500.0, 500.0, 400.0, 80.0);
     of_b = flows_of(600.0, 500.0, 400.0, 80.0); // sqrt(80^2 + 80^2) = 113
     all = (verdicts){ 0 };
@@ -216,7 +204,6 @@ static void flows_without_intervals_differ_by_more_than_counts_of_parts_may(void
     compare_side a = run_of(RUN_MICRO, 1, 3600.0, (double)NAN),
                  b = run_of(RUN_MACRO, 2, 3600.0, (double)NAN);
 
-    (void)unused;
     a.counted_h = b.counted_h = 0.03;
     b.has_chance = false;
     of_a = flows_of(1832.0, 0.0, 1.0, (double)NAN);
@@ -240,7 +227,6 @@ static void of_many_flows_that_differ_three_are_named(void **unused)
     static compare_flows of_a, of_b;
     compare_side a = run_of(RUN_MACRO, 1, 1000.0, (double)NAN), b = a;
 
-    (void)unused;
     for (int k = 0; k < 5; k++) {
         of_a.items[k] = (compare_flow){ "counter", "", 100.0, (double)NAN };
         of_b.items[k] = (compare_flow){ "counter", "", 200.0 + 100.0 * k, (double)NAN };
@@ -260,7 +246,6 @@ static void models_are_not_compared_while_the_belt_fills(void **unused)
     compare_side macro = run_of(RUN_MACRO, 1, 2000.0, (double)NAN);
     compare_side micro = run_of(RUN_MICRO, 1, 1000.0, 10.0);
 
-    (void)unused;
     macro.is_filling = true;
     const verdict *v = say(&macro, &micro);
     assert_string_equal(v->kind, "too_early");
@@ -283,7 +268,6 @@ static void a_side_is_read_from_a_summary(void **unused)
     compare_side micro, macro;
     bf_error err;
 
-    (void)unused;
     assert_int_equal(compare_verdict_side_of_summary(text.bytes, text.n, &micro, &flows, NULL),
                      BF_OK);
     assert_int_equal(compare_verdict_side_of_summary(other.bytes, other.n, &macro, &flows, NULL),
@@ -312,7 +296,6 @@ static void out_of_memory_is_said_of_a_summary_wherever_it_runs_out(void **unuse
     size_t n_faults = 1;
     compare_side side;
 
-    (void)unused;
     for (size_t n = 1; n_faults > 0; n++) {
         memory_plan_fault(n, 0);
         const bf_status status =

@@ -3,13 +3,7 @@
 #include "api/results/curve_file.h"
 
 #include "api/results/results.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 enum { N_COLUMNS = 2 };
 
@@ -21,9 +15,6 @@ static bf_status read_curve(api_store *store, const char *id, uint64_t first, ui
     const uint64_t n_left = first < n_stored ? n_stored - first : 0;
     api_curve curve = { .n = (size_t)(n_left < n_most ? n_left : n_most), .n_columns = N_COLUMNS };
 
-    (void)store;
-    (void)id;
-    (void)err;
     assert_int_equal(buffer_printf(&curve.columns, "upstream,left_domain"), BF_OK);
     for (uint64_t k = first; k < first + curve.n; k++) {
         const double t = (double)k / 7.0, values[N_COLUMNS] = { -t, 1.0 / (1.0 + t) };
@@ -40,7 +31,6 @@ static void a_file_has_the_bytes_of_the_whole_curve(void **state)
 {
     static const uint64_t lengths[] = { 0, 1, 1365, 1366, 5000 }; // 4096 numbers are 1365 samples
 
-    (void)state;
     for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
         bf_buffer whole = { 0 }, pieces = { 0 };
         api_curve curve = { 0 };
@@ -68,7 +58,6 @@ static void samples_that_are_gone_are_told(void **state)
     bf_buffer out = { 0 };
     curve_file file;
 
-    (void)state;
     n_stored = 2000;
     assert_int_equal(curve_file_open(&services, "", n_stored, &file, NULL), BF_OK);
     assert_int_equal(curve_file_read(&file, &services, &out, NULL), BF_OK);

@@ -4,13 +4,8 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_services.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
@@ -46,7 +41,6 @@ static void a_status_event_is_the_run_with_its_id_first(void **state)
     api_run record = make_run();
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(events_status(&record, &out, NULL), BF_OK);
     assert_text(
         &out,
@@ -74,7 +68,6 @@ static void what_is_not_known_of_a_run_is_null(void **state)
     api_run record = make_run();
     bf_buffer out = { 0 };
 
-    (void)state;
     record.eta_s = (double)NAN;
     record.started_ms = 0;
     record.created_ms = INT64_MAX;
@@ -90,7 +83,6 @@ static void progress_tells_the_share_of_the_steps_and_the_time_left(void **state
     frame_progress p = { .step = 1200, .n_steps = 4800, .t = 1.5 };
     bf_buffer out = { 0 };
 
-    (void)state;
     // 3600 steps are left; at 2400 a second they take 1.5 s.
     assert_int_equal(events_progress(id, &p, 2400.0, &out, NULL), BF_OK);
     assert_text(&out, "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\",\"t_s\":1.5,"
@@ -102,7 +94,6 @@ static void a_speed_that_is_not_known_yet_is_null(void **state)
     frame_progress p = { .step = 0, .n_steps = 0, .t = 0.0 };
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(events_progress(id, &p, 0.0, &out, NULL), BF_OK);
     assert_non_null(strstr(out.bytes, "\"progress\":1,\"steps_per_s\":null,\"eta_s\":null}"));
     buffer_fini(&out);
@@ -114,7 +105,6 @@ static void a_curve_event_has_an_array_for_every_column(void **state)
     frame_curve c = { .first = 10, .n = 2, .n_columns = 2, .t = t, .values = values };
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(events_curve(id, &c, "upstream,left_domain", &out, NULL), BF_OK);
     assert_text(
         &out, "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\",\"first\":10,"
@@ -126,7 +116,6 @@ static void a_snapshot_event_says_where_its_grid_is(void **state)
     frame_snapshot s = { .index = 7, .t = 0.7, .peak = 1.25, .mass = 192, .n1 = 200, .n2 = 120 };
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(events_snapshot(id, &s, false, &out, NULL), BF_OK);
     assert_text(&out, "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\",\"n\":7,\"t_s\":0.7,"
                       "\"peak\":1.25,\"mass\":192,\"shape\":[120,200],"
@@ -138,7 +127,6 @@ static void a_snapshot_event_says_where_its_parts_are(void **state)
     frame_snapshot s = { .index = 7, .t = 0.7, .peak = 1.25, .mass = 192, .n1 = 2, .n2 = 1 };
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(events_snapshot(id, &s, true, &out, NULL), BF_OK);
     assert_text(&out, "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\",\"n\":7,\"t_s\":0.7,"
                       "\"peak\":1.25,\"mass\":192,\"shape\":[1,2],"
@@ -151,7 +139,6 @@ static void the_end_tells_the_error_of_a_run_that_failed(void **state)
     api_run record = make_run();
     bf_buffer out = { 0 };
 
-    (void)state;
     record.state = RUN_FAILED;
     record.finished_ms = 1769860800000 + 61999;
     bf_fail(&record.error, BF_ENUMERIC, "", "step 3: not finite");
@@ -186,7 +173,6 @@ static bf_status write_event(unsigned which, bf_buffer *out, bf_error *err)
 
 static void out_of_memory_leaves_the_buffer_as_it_was(void **state)
 {
-    (void)state;
     for (unsigned which = 0; which < 5; which++) {
         for (size_t n = 1;; n++) {
             bf_buffer out = { 0 };

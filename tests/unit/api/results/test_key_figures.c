@@ -5,14 +5,11 @@
 #include "api/results/events.h"
 #include "api/services.h"
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { OF_RUN = FIGURE_OFFERED, OF_FEED = FIGURE_CONTENT_MEAN - FIGURE_OFFERED };
 enum {
@@ -70,7 +67,6 @@ static const char text[] =
 
 static void what_is_not_known_is_left_out(void **state)
 {
-    (void)state;
     double values[N_VALUES];
     const key_figures figures = make(values);
     bf_buffer out = { 0 };
@@ -84,7 +80,6 @@ static void what_is_not_known_is_left_out(void **state)
 
 static void a_wrong_number_of_values_is_damage(void **state)
 {
-    (void)state;
     double values[N_VALUES];
     key_figures figures = make(values);
     bf_error err;
@@ -95,7 +90,6 @@ static void a_wrong_number_of_values_is_damage(void **state)
 // Numbers of 24 characters are the longest.
 static void those_of_the_run_alone_are_short(void **state)
 {
-    (void)state;
     double values[N_VALUES];
     bf_buffer out = { 0 };
     json_out w = json_out_to(&out);
@@ -110,7 +104,6 @@ static void those_of_the_run_alone_are_short(void **state)
 
 static void as_csv_each_figure_is_a_line(void **state)
 {
-    (void)state;
     bf_buffer out = { 0 };
     assert_int_equal(key_figures_csv(text, strlen(text), &out, NULL), BF_OK);
     assert_string_equal(out.bytes, "figure,of,id,value,unit\n"
@@ -133,7 +126,6 @@ static void as_csv_each_figure_is_a_line(void **state)
 // All are numbers of 17 digits but some that are missing.
 static void values_read_back_bit_by_bit(void **state)
 {
-    (void)state;
     double values[N_VALUES], read[N_VALUES];
     const key_figures figures = make(values);
     bf_buffer out = { 0 };
@@ -149,7 +141,6 @@ static void values_read_back_bit_by_bit(void **state)
 
 static void values_of_other_columns_are_damage(void **state)
 {
-    (void)state;
     double read[N_VALUES];
     bf_error err;
     assert_int_equal(key_figures_read(text, strlen(text), columns, N_VALUES - 1, read, &err),
@@ -160,7 +151,6 @@ static void values_of_other_columns_are_damage(void **state)
 
 static void what_is_no_json_is_damage(void **state)
 {
-    (void)state;
     bf_buffer out = { 0 };
     bf_error err;
     assert_int_equal(key_figures_csv("{", 1, &out, &err), BF_ECORRUPT);
@@ -170,7 +160,6 @@ static void what_is_no_json_is_damage(void **state)
 
 static void an_event_has_the_time_of_the_figures(void **state)
 {
-    (void)state;
     double values[N_VALUES];
     const key_figures figures = make(values);
     bf_buffer out = { 0 };
@@ -183,7 +172,6 @@ static void an_event_has_the_time_of_the_figures(void **state)
 
 static void no_memory_leaves_nothing_behind(void **state)
 {
-    (void)state;
     bool has_failed = true;
     for (size_t n = 1; has_failed; n++) {
         bf_buffer out = { 0 };

@@ -5,14 +5,9 @@
 #include "api/results/results.h"
 #include "api/scenario/scenario.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { N_PARTS = 6 };
 
@@ -41,7 +36,6 @@ static void the_kinds_of_a_mix_are_as_many_as_their_shares_say(void **unused)
     size_t counts[2] = { 0, 0 };
     part_kinds kinds = find(MIX, &planar);
 
-    (void)unused;
     assert_int_equal(kinds.n, N_PARTS);
     for (size_t k = 0; k < kinds.n; k++) {
         assert_in_range(kinds.of[k], 0, 1);
@@ -55,7 +49,6 @@ static void the_kinds_of_a_mix_are_as_many_as_their_shares_say(void **unused)
 
 static void one_kind_needs_no_list(void **unused)
 {
-    (void)unused;
     assert_int_equal(find(PLAIN, &planar).n, 0);
 }
 
@@ -64,7 +57,6 @@ static void rows_without_parts_or_with_kinds_of_their_own_need_no_list(void **un
     const api_parts none = { .n_values = 0 };
     const api_parts with_ids = { .n_values = FRAME_VALUES_PLANAR + FRAME_VALUES_FED };
 
-    (void)unused;
     assert_int_equal(find(MIX, &none).n, 0);
     assert_int_equal(find(MIX, &with_ids).n, 0);
 }
@@ -75,7 +67,6 @@ static void a_list_of_snapshots_has_them(void **unused)
     const api_snapshot_list list = { .parts = planar };
     bf_buffer out = { 0 };
 
-    (void)unused;
     assert_int_equal(results_snapshots_json(&list, "x", &kinds, &out, NULL), BF_OK);
     assert_non_null(strstr(out.bytes, "]},\"kinds\":[1,0,1],\"snapshots\":[]}"));
     buffer_fini(&out);
@@ -86,7 +77,6 @@ static void a_damaged_mix_is_reported(void **unused)
     static const char damaged[] = "{\"cargo\":[";
     part_kinds kinds;
 
-    (void)unused;
     assert_int_equal(kinds_find(damaged, sizeof damaged - 1, &planar, &kinds, NULL), BF_ECORRUPT);
     assert_int_equal(kinds.n, 0);
 }

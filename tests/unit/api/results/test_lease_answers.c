@@ -3,13 +3,10 @@
 
 #include "api/results/lease_json.h"
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define RUN "0190a0b0-0000-7000-8000-000000000001"
 
@@ -22,7 +19,6 @@ static void the_service_reads_a_worker(void **state)
     bf_faults faults = { .n = 0 };
     api_worker found = { .cores = 0 };
 
-    (void)state;
     assert_int_equal(lease_json_write_worker(&worker, &out, NULL), BF_OK);
     assert_int_equal(lease_json_read_worker(out.bytes, out.n, &found, &faults, NULL), BF_OK);
     assert_string_equal(found.name, worker.name);
@@ -55,7 +51,6 @@ static void the_service_reads_a_renewal(void **state)
     bf_faults faults = { .n = 0 };
     api_renewal found = { .n_jobs = 0 };
 
-    (void)state;
     assert_int_equal(lease_json_write_renewal(&renewal, &out, NULL), BF_OK);
     assert_int_equal(lease_json_read_renewal(out.bytes, out.n, &found, &faults, NULL), BF_OK);
     assert_int_equal(found.n_jobs, 1);
@@ -90,7 +85,6 @@ static void a_worker_reads_what_the_service_says(void **state)
     api_lease found = { .n_jobs = 0 };
     api_job_states found_states = { .n = 0 };
 
-    (void)state;
     assert_int_equal(lease_json_write(&lease, &out, NULL), BF_OK);
     assert_int_equal(lease_json_read(out.bytes, out.n, &found, NULL), BF_OK);
     assert_string_equal(found.id, RUN);
@@ -143,7 +137,6 @@ static void answers_that_cannot_be_are_refused(void **state)
     api_lease lease;
     api_job_states states;
 
-    (void)state;
     assert_int_equal(lease_json_read(good, sizeof good - 1, &lease, NULL), BF_OK);
     api_lease_fini(&lease);
     for (size_t k = 0; k < sizeof leases / sizeof *leases; k++)

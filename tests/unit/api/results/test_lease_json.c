@@ -2,12 +2,9 @@
 // document of the API.
 
 #include "api/results/lease_json.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define RUN  "0190a0b0-0000-7000-8000-000000000001"
 #define JOB  "\"run\":\"" RUN "\",\"attempt\":7,\"cpu_s\":0.5"
@@ -31,7 +28,6 @@ static void a_worker_describes_itself(void **state)
 {
     api_worker worker;
 
-    (void)state;
     assert_int_equal(read_worker("{" NAME ",\"cores\":4,\"memory_bytes\":1000}", &worker), BF_OK);
     assert_string_equal(worker.name, "node-1");
     assert_int_equal(worker.cores, 4);
@@ -49,7 +45,6 @@ static void a_renewal_has_jobs_and_ends(void **state)
 {
     api_renewal renewal = { .n_jobs = 0 };
 
-    (void)state;
     assert_int_equal(read_renewal("{" NAME ",\"jobs\":[{\"job\":3," JOB "}],"
                                   "\"ended\":[{\"job\":0," JOB ",\"cause\":\"timed_out\","
                                   "\"error\":{\"code\":\"limit\",\"text\":\"too long\"},"
@@ -79,7 +74,6 @@ static void sections_are_whole_or_refused(void **state)
     static api_lease_section sections[LEASE_SECTIONS_MAX];
     size_t n = 0;
 
-    (void)state;
     assert_int_equal(lease_json_read_sections(bytes, 35, sections, &n, NULL), BF_OK);
     assert_int_equal(n, 2);
     assert_int_equal(sections[0].job, 2);

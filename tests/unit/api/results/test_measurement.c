@@ -3,13 +3,8 @@
 #include "api/results/measurement.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +14,6 @@ static bf_error error;
 
 static int set_up(void **state)
 {
-    (void)state;
     faults = (bf_faults){ .n = 0 };
     error = (bf_error){ .code = BF_OK };
     return 0;
@@ -55,7 +49,6 @@ static void json_and_csv_give_the_same_measurement(void **state)
     static const double t[] = { -0.5, 0.1, 2.0 }, counts[] = { 192.0, 0.0, 1e-3 };
     measurement m = { .curve = { .n = 0 } };
 
-    (void)state;
     assert_int_equal(read_json("{\"label\":\"\xc3\xa4\",\"counter\":\"gate\","
                                "\"t_s\":[-0.5,0.1,2],\"count\":[192,0,1e-3]}",
                                &m),
@@ -89,7 +82,6 @@ static void the_counter_is_told_or_upstream(void **state)
     static const double t[] = { 0.0, 1.0 }, counts[] = { 1.0, 0.0 };
     measurement m = { .curve = { .n = 0 } };
 
-    (void)state;
     for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
         assert_int_equal(read_csv(good[k].text, NULL, good[k].counter, &m), BF_OK);
         assert_string_equal(m.about.counter, good[k].expected);
@@ -140,7 +132,6 @@ static void bad_json_is_refused_with_its_pointer(void **state)
     };
     measurement m = { .about = { .n_samples = 77 } };
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
         expect_fault(read_json(bad[k].json, &m), bad[k].pointer, &m);
 }
@@ -171,7 +162,6 @@ static void bad_csv_is_refused_with_its_line(void **state)
     char label[API_LABEL_SIZE + 1];
     measurement m = { .about = { .n_samples = 77 } };
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
         expect_fault(read_csv(bad[k].text, bad[k].label, bad[k].counter, &m), bad[k].pointer, &m);
     memset(label, 'x', sizeof label);
@@ -183,7 +173,6 @@ static void all_faults_are_told_at_once(void **state)
 {
     measurement m = { .about = { .n_samples = 77 } };
 
-    (void)state;
     assert_int_equal(read_csv("t_s,gate\n0,-1\n0,-2\n", NULL, "a b", &m), BF_EINPUT);
     assert_int_equal(faults.n, 5); // counter, its column, a count, a time and its count
     set_up(NULL);
@@ -209,7 +198,6 @@ static void the_number_of_samples_is_limited(void **state)
     measurement m = { .about = { .n_samples = 77 } };
     char place[32];
 
-    (void)state;
     char *most = make_lines(API_MEASUREMENT_SAMPLES_MAX);
     char *more = make_lines(API_MEASUREMENT_SAMPLES_MAX + 1);
     snprintf(place, sizeof place, "/line/%d", API_MEASUREMENT_SAMPLES_MAX + 2);
@@ -226,7 +214,6 @@ static void what_was_read_is_written_back(void **state)
     measurement m = { .curve = { .n = 0 } };
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(read_csv("t_s,count\n0,3\n0.1,0.25\n", "a\"b", NULL, &m), BF_OK);
     assert_int_equal(measurement_json(&m.about, &m.curve, &m.csv, &out, NULL), BF_OK);
     assert_string_equal(out.bytes,
@@ -242,7 +229,6 @@ static void without_memory_nothing_is_read(void **state)
 {
     measurement m = { .about = { .n_samples = 77 } };
 
-    (void)state;
     for (int form = 0; form < 2; form++) {
         bf_status status = BF_ENOMEM;
         for (size_t n = 1; status != BF_OK; n++) {

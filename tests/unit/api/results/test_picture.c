@@ -1,15 +1,10 @@
 // Densities as pictures: proportions, directions, cells below pixels.
 
 #include "api/results/picture.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // One level more is one more in density.
 static const double unit_top = 255.0;
@@ -34,7 +29,6 @@ static void assert_size(size_t n1, size_t n2, double d1, double d2, size_t width
 
 static void pixels_are_square(void **unused)
 {
-    (void)unused;
     assert_size(200, 120, 0.005, 0.005, 400, 400, 240);
     assert_size(10, 10, 0.01, 0.005, 300, 300, 150); // cells twice as long as wide
     assert_size(10, 10, 0.005, 0.01, 300, 300, 600);
@@ -44,7 +38,6 @@ static void pixels_are_square(void **unused)
 
 static void the_usual_width_is_whole_pixels_a_cell(void **unused)
 {
-    (void)unused;
     assert_size(200, 120, 0.005, 0.005, 0, 1000, 600);
     assert_size(24, 12, 0.01, 0.01, 0, 984, 492);
     assert_size(1001, 1, 0.01, 0.01, 0, 1001, 1);
@@ -54,7 +47,6 @@ static void the_usual_width_is_whole_pixels_a_cell(void **unused)
 
 static void the_usual_width_is_within_the_limit(void **unused)
 {
-    (void)unused;
     for (size_t n2 = 1; n2 <= 10000000; n2 *= 10) {
         picture p = lay_out(10, n2, 1.0, 1.0, 0);
         assert_true(p.width * p.height <= PICTURE_PIXELS_MAX);
@@ -67,7 +59,6 @@ static void too_large_a_picture_is_refused_with_the_figures(void **unused)
     picture p = { .width = 7 };
     bf_error err = { 0 };
 
-    (void)unused;
     assert_int_equal(picture_layout(&grid, 2048, 1.0, &p, &err), BF_OK); // 2048 x 8192
     p.width = 7;
     assert_int_equal(picture_layout(&grid, 2049, 1.0, &p, &err), BF_ELIMIT);
@@ -88,7 +79,6 @@ static bf_status give_cells(void *context, size_t j, const float **ret_cells, bf
 {
     held_cells *cells = context;
 
-    (void)err;
     assert_int_equal(j, cells->n_asked++);
     *ret_cells = cells->rho + j * cells->n1;
     return BF_OK;
@@ -118,7 +108,6 @@ static void cells_that_cannot_be_read_are_no_picture(void **unused)
     bf_error err = { 0 };
     uint8_t levels[6];
 
-    (void)unused;
     assert_int_equal(picture_draw(&p, fail_at_row_1, (void *)(uintptr_t)rho, levels, &err),
                      BF_ECORRUPT);
     assert_string_equal(err.text, "row 1 is damaged");
@@ -129,7 +118,6 @@ static void y_points_up(void **unused)
     const float rho[] = { 1, 2, 3, 4, 5, 6 }; // y = 0: 1 2 3
     picture p = lay_out(3, 2, 1.0, 1.0, 3);
 
-    (void)unused;
     assert_int_equal(p.height, 2);
     assert_row(&p, rho, 0, (const uint8_t[]){ 4, 5, 6 });
     assert_row(&p, rho, 1, (const uint8_t[]){ 1, 2, 3 });
@@ -140,7 +128,6 @@ static void cells_stay_cells_in_a_large_picture(void **unused)
     const float rho[] = { 10, 20, 30, 40 };
     picture p = lay_out(2, 2, 1.0, 1.0, 6), odd = lay_out(2, 1, 1.0, 1.0, 5);
 
-    (void)unused;
     for (size_t row = 0; row < 3; row++) {
         assert_row(&p, rho, row, (const uint8_t[]){ 30, 30, 30, 40, 40, 40 });
         assert_row(&p, rho, row + 3, (const uint8_t[]){ 10, 10, 10, 20, 20, 20 });
@@ -154,7 +141,6 @@ static void a_small_picture_shows_means_by_area(void **unused)
     const float rho[] = { 30, 60, 90, 30, 60, 90, 60, 90, 120 };
     picture p = lay_out(3, 3, 1.0, 1.0, 2);
 
-    (void)unused;
     assert_int_equal(p.height, 2);
     assert_row(&p, rho, 1, (const uint8_t[]){ 40, 80 });
     assert_row(&p, rho, 0, (const uint8_t[]){ 60, 100 }); // (40/2 + 70)/1.5 and (80/2 + 110)/1.5
@@ -166,7 +152,6 @@ static void one_pixel_shows_the_mean(void **unused)
     float rho[15];
     picture p = lay_out(5, 3, 3.0, 5.0, 1);
 
-    (void)unused;
     for (int k = 0; k < 15; k++)
         rho[k] = (float)(10 * k); // mean 70
     assert_row(&p, rho, 0, (const uint8_t[]){ 70 });
@@ -178,7 +163,6 @@ static void each_axis_goes_its_own_way(void **unused)
     const float rho[] = { 10, 30, 50, 70, 20, 40, 60, 80 };
     picture p = lay_out(4, 2, 1.0, 4.0, 2);
 
-    (void)unused;
     assert_int_equal(p.height, 4);
     assert_row(&p, rho, 0, (const uint8_t[]){ 30, 70 });
     assert_row(&p, rho, 1, (const uint8_t[]){ 30, 70 });
@@ -192,7 +176,6 @@ static void levels_end_where_the_scale_ends(void **unused)
     const bf_grid grid = { .n1 = 6, .n2 = 1, .d1 = 1.0, .d2 = 1.0 };
     picture p = { .width = 0 };
 
-    (void)unused;
     assert_int_equal(picture_layout(&grid, 6, 1.5, &p, NULL), BF_OK);
     assert_row(&p, rho, 0, (const uint8_t[]){ 0, 0, 128, 255, 255, 0 });
 }

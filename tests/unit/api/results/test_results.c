@@ -5,18 +5,13 @@
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double times[] = { 0.0, 0.1, 0.30000000000000004 };
 static const double counts[] = { 192.0, 0.0, 191.5, 0.5, 1.0 / 3.0, 1e-300 };
@@ -25,7 +20,6 @@ static void a_curve_is_lines_of_full_precision(void **unused)
 {
     bf_buffer b = { 0 };
 
-    (void)unused;
     assert_int_equal(results_curve_csv_header("upstream,left_domain", &b, NULL), BF_OK);
     assert_int_equal(results_curve_csv_rows(times, counts, 3, 2, &b, NULL), BF_OK);
     assert_string_equal(b.bytes, "t_s,upstream,left_domain\n0,192,0\n0.1,191.5,0.5\n"
@@ -40,7 +34,6 @@ static void a_written_curve_reads_back_to_the_same_bits(void **unused)
     bf_buffer t = { 0 };
     bf_buffer parts = { 0 };
 
-    (void)unused;
     assert_int_equal(results_curve_csv_header("upstream,left_domain", &b, NULL), BF_OK);
     assert_int_equal(results_curve_csv_rows(times, counts, 3, 2, &b, NULL), BF_OK);
     assert_int_equal(results_read_curve_csv(b.bytes, b.n, "left_domain", &t, &parts, NULL, NULL),
@@ -67,7 +60,6 @@ static void curves_of_others_are_read_too(void **unused)
     bf_buffer lines = { 0 };
     char name[SCENE_ID_SIZE];
 
-    (void)unused;
     assert_int_equal(results_read_curve_column(text, strlen(text), name, NULL), BF_OK);
     assert_string_equal(name, "count");
     assert_int_equal(results_read_curve_csv(text, strlen(text), "count", &t, &parts, &lines, NULL),
@@ -110,7 +102,6 @@ static void bad_curves_are_refused_with_their_line(void **unused)
           "/line/2", "" },
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         bf_buffer t = { 0 };
         bf_buffer parts = { 0 };
@@ -146,7 +137,6 @@ static void a_curve_is_columns_in_json(void **unused)
     api_curve curve = make_curve();
     bf_buffer b = { 0 };
 
-    (void)unused;
     assert_int_equal(results_curve_json(&curve, &b, NULL), BF_OK);
     assert_string_equal(b.bytes, "{\"t_s\":[0,0.1,0.30000000000000004],"
                                  "\"columns\":{\"upstream\":[192,191.5,0.3333333333333333],"
@@ -162,7 +152,6 @@ static void a_grid_is_a_numpy_file(void **unused)
     const float rho[] = { 0.0F, 1.0F, -2.5F, 0.1F, 3e38F, 1e-45F };
     bf_buffer b = { 0 };
 
-    (void)unused;
     assert_int_equal(results_npy(rho, 3, 2, &b, NULL), BF_OK);
     const unsigned char *bytes = (const unsigned char *)b.bytes;
     assert_memory_equal(bytes, "\x93NUMPY\x01\x00", 8);
@@ -189,7 +178,6 @@ static void numpy_reads_the_grid(void **unused)
     char command[300];
     bf_buffer b = { 0 };
 
-    (void)unused;
     if (system("/usr/bin/python3 -c 'import numpy' 2>/dev/null") != 0)
         skip();
     assert_int_equal(results_npy(rho, 3, 2, &b, NULL), BF_OK);
@@ -226,7 +214,6 @@ static void snapshots_are_listed_with_their_grid(void **unused)
     bf_buffer files = { 0 };
     bf_buffer urls = { 0 };
 
-    (void)unused;
     assert_int_equal(results_snapshots_json(&list, NULL, NULL, &files, NULL), BF_OK);
     assert_string_equal(
         files.bytes,
@@ -248,7 +235,6 @@ static void snapshots_with_parts_say_where_they_are_and_what_their_columns_mean(
     bf_buffer files = { 0 };
     bf_buffer urls = { 0 };
 
-    (void)unused;
     list.parts = (api_parts){ .n_parts = 192, .n_values = FRAME_VALUES_PLANAR };
     assert_int_equal(results_snapshots_json(&list, NULL, NULL, &files, NULL), BF_OK);
     assert_non_null(strstr(files.bytes, "\"shape\":[120,200]},\"parts\":{\"rows\":192,\"columns\":["
@@ -275,7 +261,6 @@ static void parts_are_lines_with_their_numbers(void **unused)
 {
     bf_buffer b = { 0 };
 
-    (void)unused;
     assert_int_equal(results_parts_csv(disk_rows, &three_parts, &b, NULL), BF_OK);
     assert_string_equal(b.bytes, "part,x_m,y_m,heading_rad,vx_m_s,vy_m_s,spin_rad_s\n"
                                  "0,0.5,0.25,0.125,1,2,-0.0625\n"
@@ -289,7 +274,6 @@ static void a_part_that_has_left_is_null_in_json(void **unused)
     const api_snapshot snapshot = { .index = 4, .t = 0.5 };
     bf_buffer b = { 0 };
 
-    (void)unused;
     assert_int_equal(results_parts_json(disk_rows, &three_parts, &snapshot, &b, NULL), BF_OK);
     assert_string_equal(b.bytes,
                         "{\"n\":4,\"t_s\":0.5,\"columns\":[\"x_m\",\"y_m\",\"heading_rad\","
@@ -303,7 +287,6 @@ static void parts_are_a_numpy_file_of_doubles(void **unused)
 {
     bf_buffer b = { 0 };
 
-    (void)unused;
     assert_int_equal(results_parts_npy(disk_rows, &three_parts, &b, NULL), BF_OK);
     assert_memory_equal(b.bytes, "\x93NUMPY\x01\x00", 8);
     assert_int_equal((b.n - sizeof disk_rows) % 64, 0);
@@ -348,7 +331,6 @@ static void no_memory_leaves_what_was_there(void **unused)
 {
     api_curve curve = make_curve();
 
-    (void)unused;
     for (size_t which = 0; which < 9; which++) {
         bf_status status = BF_ENOMEM;
         for (size_t n = 1; status != BF_OK; n++) {

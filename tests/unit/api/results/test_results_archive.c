@@ -7,16 +7,11 @@
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_services.h"
 #include "tests/unit/api/helper_unzip.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { FINISHED_S = 1769860810 };
 
@@ -112,7 +107,6 @@ static void a_macroscopic_run_has_its_files(void **unused)
     bf_buffer zip = { 0 }, expected = { 0 };
     helper_run *of = add_run(RUN_MACRO);
 
-    (void)unused;
     assert_int_equal(make_archive(of, RESULTS_ARCHIVE_PLAIN, 65536, &zip), BF_OK);
     size_t n = unzip_all(&zip, files);
     assert_names(files, n, names);
@@ -149,7 +143,6 @@ static void a_microscopic_run_has_its_parts_and_vtk_files_when_asked(void **unus
     bf_buffer zip = { 0 }, expected = { 0 };
     helper_run *of = add_run(RUN_MICRO);
 
-    (void)unused;
     assert_int_equal(make_archive(of, RESULTS_ARCHIVE_VTK, 65536, &zip), BF_OK);
     size_t n = unzip_all(&zip, files);
     assert_names(files, n, names);
@@ -173,7 +166,6 @@ static void a_run_that_failed_has_what_it_left(void **unused)
     helper_run *of = add_run(RUN_MACRO);
     bf_buffer zip = { 0 };
 
-    (void)unused;
     of->record.state = RUN_FAILED;
     of->record.has_summary = false;
     of->record.n_snapshots = of->record.n_samples = 0;
@@ -192,7 +184,6 @@ static void the_size_of_the_pieces_changes_no_byte(void **unused)
     bf_buffer whole = { 0 };
     helper_run *of = add_run(RUN_MICRO);
 
-    (void)unused;
     assert_int_equal(make_archive(of, RESULTS_ARCHIVE_VTK, SIZE_MAX, &whole), BF_OK);
     for (size_t limit = 1; limit < 100000; limit = limit * 7 + 1) {
         bf_buffer zip = { 0 };
@@ -210,7 +201,6 @@ static void pieces_are_no_longer_than_a_slice_beyond_the_limit(void **unused)
     body_source body = { .state = NULL };
     body_state where = BODY_MORE;
 
-    (void)unused;
     of->record.n_snapshots = HELPER_SNAPSHOTS_MAX;
     for (size_t k = 0; k < HELPER_SNAPSHOTS_MAX; k++)
         of->snapshots[k].index = k;
@@ -237,7 +227,6 @@ static void a_piece_reads_a_limited_part_of_the_run(void **unused)
     body_source body = { .state = NULL };
     size_t n_pieces = 0;
 
-    (void)unused;
     of->record.n_snapshots = HELPER_SNAPSHOTS_MAX;
     assert_int_equal(
         results_archive_open(&of->record, RESULTS_ARCHIVE_PLAIN, &services, &body, NULL), BF_OK);
@@ -255,7 +244,6 @@ static void a_run_that_is_removed_meanwhile_ends_in_a_failure(void **unused)
     body_source body = { .state = NULL };
     body_state where = BODY_MORE;
 
-    (void)unused;
     assert_int_equal(
         results_archive_open(&of->record, RESULTS_ARCHIVE_PLAIN, &services, &body, NULL), BF_OK);
     assert_int_equal(body.next_chunk(body.state, &services, 1, &zip, &where, NULL), BF_OK);
@@ -271,7 +259,6 @@ static void a_client_may_leave_at_any_piece(void **unused)
     helper_run *of = add_run(RUN_MICRO);
     api_services services = helper_services(&a_daemon);
 
-    (void)unused;
     for (size_t n_pieces = 0; n_pieces < 20; n_pieces++) {
         bf_buffer zip = { 0 };
         body_source body = { .state = NULL };
@@ -291,7 +278,6 @@ static void no_memory_is_said(void **unused)
     bf_status status = BF_ENOMEM;
     size_t n = 0;
 
-    (void)unused;
     while (status != BF_OK) {
         bf_buffer zip = { 0 };
         memory_plan_fault(++n, 0);
@@ -315,9 +301,6 @@ static bf_status read_long_curve(api_store *store, const char *id, uint64_t firs
     api_curve curve = { .n = (size_t)n, .n_columns = N_COLUMNS };
     double values[N_COLUMNS];
 
-    (void)store;
-    (void)id;
-    (void)err;
     for (int c = 0; c < N_COLUMNS; c++)
         assert_int_equal(buffer_printf(&curve.columns, "%sc%d", c == 0 ? "" : ",", c), BF_OK);
     for (uint64_t k = first; k < first + n; k++) {
@@ -354,7 +337,6 @@ static void a_long_curve_is_made_piece_by_piece(void **unused)
     body_source body = { .state = NULL };
     body_state where = BODY_MORE;
 
-    (void)unused;
     of->record.n_samples = N_LONG;
     services.read_curve = read_long_curve;
     assert_int_equal(

@@ -1,14 +1,9 @@
 // Names of the files of a run.
 
 #include "api/results/results_files.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void assert_name(results_files file, uint64_t index, const char *expected)
 {
@@ -22,7 +17,6 @@ static void assert_name(results_files file, uint64_t index, const char *expected
 
 static void names_are_those_of_the_contract(void **unused)
 {
-    (void)unused;
     assert_name(RESULTS_FILES_SUMMARY, 0, "summary.json");
     assert_name(RESULTS_FILES_SCENARIO, 0, "scenario.json");
     assert_name(RESULTS_FILES_CURVE, 0, "curve.csv");
@@ -37,7 +31,6 @@ static void names_are_those_of_the_contract(void **unused)
 
 static void the_largest_index_fits(void **unused)
 {
-    (void)unused;
     assert_name(RESULTS_FILES_SNAPSHOT, UINT64_MAX, "snapshots/18446744073709551615.npy");
 }
 

@@ -5,15 +5,10 @@
 #include "core/base/memory.h"
 #include "core/scene/belt_stops.h"
 #include "core/scene/plate_drive.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const char run_id[] = "0190a0b0-0000-7000-8000-000000000001";
 
@@ -37,7 +32,6 @@ static void changes_of_photo_eyes_are_lines(void **state)
 {
     bf_buffer csv = { 0 };
 
-    (void)state;
     for (size_t k = 0; k < N_CHANGES; k++)
         assert_int_equal(results_photo_eyes_csv(&changes[k], &csv, NULL), BF_OK);
     assert_string_equal(csv.bytes, expected);
@@ -75,7 +69,6 @@ static void stored_events_give_the_same_lines(void **state)
     results_changes read = { 0 };
     bf_buffer text = { 0 };
 
-    (void)state;
     assert_int_equal(results_changes_read(&services, run_id, &read, NULL), BF_OK);
     assert_int_equal(results_changes_csv(&read, &text, NULL), BF_OK);
     assert_string_equal(text.bytes, expected);
@@ -102,7 +95,6 @@ static void as_many_as_a_run_keeps_may_not_be_all(void **state)
     results_changes kept = { 0 };
     bf_buffer json = { 0 };
 
-    (void)state;
     assert_int_equal(buffer_append(&kept.drives, &drive, sizeof drive), BF_OK);
     assert_int_equal(buffer_append(&kept.stops, &stop, sizeof stop), BF_OK);
     for (int k = 0; k < FRAME_CHANGES_MAX - 4; k++)
@@ -123,7 +115,6 @@ static void a_damaged_event_is_reported(void **state)
     const api_services services = { .store = (void *)&(int){ 1 }, .read_changes = read_changes };
     results_changes read = { 0 };
 
-    (void)state;
     assert_int_equal(results_changes_read(&services, run_id, &read, NULL), BF_ECORRUPT);
     assert_int_equal(read.eyes.n + read.actions.n + read.drives.n + read.stops.n, 0);
 }
@@ -132,7 +123,6 @@ static void events_say_what_changed(void **state)
 {
     bf_buffer data = { 0 };
 
-    (void)state;
     assert_int_equal(events_change(run_id, &changes[0], &data, NULL), BF_OK);
     assert_non_null(strstr(data.bytes, "\"t_s\":0.5,\"photo_eye\":\"pe1\",\"state\":\"blocked\"}"));
     data.n = 0;

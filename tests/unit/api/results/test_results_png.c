@@ -3,16 +3,11 @@
 #include "api/results/results.h"
 
 #include "tests/unit/api/helper_appender.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <png.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Three cells by two, twice as long as wide; y = 0 is the first row.
 static const bf_grid grid = { .n1 = 3, .n2 = 2, .d1 = 0.02, .d2 = 0.01 };
@@ -20,8 +15,6 @@ static const float rho[] = { 0.0F, 0.5F, 1.0F, 1.5F, 2.0F, 0.25F };
 
 static bf_status give_cells(void *context, size_t j, const float **ret_cells, bf_error *err)
 {
-    (void)context;
-    (void)err;
     *ret_cells = rho + 3 * j;
     return BF_OK;
 }
@@ -69,7 +62,6 @@ static void a_picture_has_the_colors_of_its_cells_with_y_up(void **unused)
     bf_buffer file = { 0 };
     uint32_t width, height;
 
-    (void)unused;
     assert_int_equal(draw(60, "viridis", &file), BF_OK);
     uint8_t *pixels = read_back(&file, &width, &height);
     assert_int_equal(width, 60);
@@ -87,7 +79,6 @@ static void an_empty_belt_is_white_in_grey(void **unused)
     bf_buffer file = { 0 };
     uint32_t width, height;
 
-    (void)unused;
     assert_int_equal(draw(3, "grey", &file), BF_OK);
     uint8_t *pixels = read_back(&file, &width, &height);
     assert_int_equal(height, 1);          // 3 * 0.02 m by 2 * 0.01 m
@@ -108,7 +99,6 @@ static void a_picture_is_small_and_says_what_it_shows(void **unused)
     bf_buffer file = { 0 };
     bool is_found = false;
 
-    (void)unused;
     assert_int_equal(draw(3000, "cividis", &file), BF_OK);
     assert_int_equal(file.bytes[24], 8);
     assert_int_equal(file.bytes[25], PNG_COLOR_TYPE_PALETTE);
@@ -126,7 +116,6 @@ static bf_status append_png(bf_buffer *out)
 
 static void no_memory_leaves_what_was_there(void **unused)
 {
-    (void)unused;
     appender_survives_no_memory(append_png);
 }
 

@@ -3,15 +3,10 @@
 #include "api/results/results.h"
 
 #include "tests/unit/api/helper_appender.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const bf_grid grid = {
     .n1 = 3, .n2 = 2, .lower1 = -0.5, .lower2 = 1.0, .d1 = 0.5, .d2 = 0.25
@@ -24,7 +19,6 @@ static void csv_is_a_matrix_with_its_axes(void **unused)
 {
     bf_buffer out = { 0 };
 
-    (void)unused;
     assert_int_equal(results_snapshot_csv(rho, &grid, &out, NULL), BF_OK);
     assert_string_equal(out.bytes, "y_m/x_m,-0.25,0.25,0.75\n"
                                    "1.125,0,0.1,1.25\n"
@@ -36,7 +30,6 @@ static void json_has_rows_along_x(void **unused)
 {
     bf_buffer out = { 0 };
 
-    (void)unused;
     assert_int_equal(results_snapshot_json(rho, &grid, &snapshot, &out, NULL), BF_OK);
     assert_string_equal(out.bytes, "{\"n\":7,\"t_s\":0.7,\"peak\":1.25,\"mass\":12.5,"
                                    "\"origin_m\":[-0.5,1],\"cell_m\":[0.5,0.25],\"shape\":[2,3],"
@@ -56,7 +49,6 @@ static bf_status append_json(bf_buffer *out)
 
 static void no_memory_leaves_what_was_there(void **unused)
 {
-    (void)unused;
     appender_survives_no_memory(append_csv);
     appender_survives_no_memory(append_json);
 }

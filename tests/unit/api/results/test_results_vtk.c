@@ -3,17 +3,12 @@
 #include "api/results/results.h"
 
 #include "tests/unit/api/helper_appender.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const bf_grid grid = {
     .n1 = 3, .n2 = 2, .lower1 = -0.5, .lower2 = 0.25, .d1 = 0.1, .d2 = 0.2
@@ -74,7 +69,6 @@ static void a_snapshot_is_an_image_of_cells(void **unused)
 {
     bf_buffer file = { 0 };
 
-    (void)unused;
     assert_int_equal(results_snapshot_vti(rho, &grid, 0.1, &file, NULL), BF_OK);
     assert_has(&file, "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
                       "header_type=\"UInt64\">");
@@ -95,7 +89,6 @@ static void disk_parts_are_points_in_the_plane(void **unused)
     static const double heading[] = { 3, 9 }, spin[] = { 6, 12 };
     static const int32_t part[] = { 0, 2 }, from_0[] = { 0, 1 }, from_1[] = { 1, 2 };
 
-    (void)unused;
     assert_int_equal(results_parts_vtp(disk_rows, &planar, 2.5, &file, NULL), BF_OK);
     assert_has(&file, "<VTKFile type=\"PolyData\"");
     assert_has(&file, "<Piece NumberOfPoints=\"2\" NumberOfVerts=\"2\"");
@@ -115,7 +108,6 @@ static void body_parts_have_their_quaternion(void **unused)
 {
     bf_buffer file = { 0 };
 
-    (void)unused;
     assert_int_equal(results_parts_vtp(body_rows, &spatial, 0.0, &file, NULL), BF_OK);
     assert_has(&file, "Name=\"quaternion_wxyz\" NumberOfComponents=\"4\"");
     assert_memory_equal(block_of(&file, "position_m", 24), &body_rows[0], 24);
@@ -130,7 +122,6 @@ static void when_all_parts_have_left_there_are_no_points(void **unused)
     const api_parts one = { .n_parts = 1, .n_values = FRAME_VALUES_PLANAR };
     bf_buffer file = { 0 };
 
-    (void)unused;
     assert_int_equal(results_parts_vtp(disk_rows + 6, &one, 0.0, &file, NULL), BF_OK);
     assert_has(&file, "<Piece NumberOfPoints=\"0\" NumberOfVerts=\"0\"");
     (void)block_of(&file, "position_m", 0);
@@ -150,7 +141,6 @@ static void a_series_names_the_files_with_their_times(void **unused)
     api_snapshot_list list = make_list();
     bf_buffer file = { 0 };
 
-    (void)unused;
     assert_int_equal(results_series_pvd(&list, RESULTS_FILES_PARTS_VTK, &file, NULL), BF_OK);
     assert_string_equal(file.bytes,
                         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
@@ -180,7 +170,6 @@ static bf_status append_pvd(bf_buffer *out)
 
 static void no_memory_leaves_what_was_there(void **unused)
 {
-    (void)unused;
     appender_survives_no_memory(append_vti);
     appender_survives_no_memory(append_vtp);
     appender_survives_no_memory(append_pvd);

@@ -5,15 +5,10 @@
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // 1 m of belt, a plate whose lower end is 0.9 m from the west side, 2 parts/s = 7,200 parts/h for 100 s.
 #define FED                                                                                        \
@@ -94,7 +89,6 @@ static void everything_gets_through_up_to_what_chance_leaves_open(void **unused)
 {
     told *t = begin(FED, RUN_MICRO);
 
-    (void)unused;
     feed(t, 7100.0, 200.0, 199.0);
     set(t, FIGURE_THROUGHPUT_ERROR, 120.0);
     const verdict *v = say(t, "everything_through");
@@ -118,7 +112,6 @@ static void a_belt_fills_until_twice_as_long_as_parts_stay(void **unused)
 {
     told *t = begin(FED, RUN_MICRO);
 
-    (void)unused;
     feed(t, 7100.0, 200.0, 199.0);
     set(t, FIGURE_RESIDENCE_MEAN, 4.9);
     (void)say(t, "queue_grows");
@@ -133,7 +126,6 @@ static void a_wide_interval_does_not_make_up_for_what_is_missing(void **unused)
 {
     told *t = begin(FED, RUN_MICRO);
 
-    (void)unused;
     feed(t, 6500.0, 200.0, 199.0);
     set(t, FIGURE_THROUGHPUT_ERROR, 2000.0);
     (void)say(t, "everything_through");
@@ -147,7 +139,6 @@ static void parts_that_wait_are_held_by_the_queue_or_by_the_inlet(void **unused)
 {
     told *t = begin(FED, RUN_MICRO);
 
-    (void)unused;
     feed(t, 3600.0, 200.0, 120.0);
     const verdict *v = say(t, "inlet_limit");
     assert_non_null(strstr(v->text, "'infeed'"));
@@ -176,7 +167,6 @@ static void the_queue_at_the_inlet_is_that_of_the_next_plate(void **unused)
                     "'feeds': [{'id': 'infeed', 'edge': 'west', 'rate_per_s': 2}]}",
                     RUN_MICRO);
 
-    (void)unused;
     feed(t, 3600.0, 200.0, 100.0);
     set(t, FIGURE_QUEUE_END, 0.3);
     (void)say(t, "inlet_limit");
@@ -189,7 +179,6 @@ static void a_density_has_a_queue_where_the_inlet_could_take_more(void **unused)
 {
     told *t = begin(FED, RUN_MACRO);
 
-    (void)unused;
     feed(t, 3600.0, 200.0, 120.0);
     set(t, FIGURE_QUEUE_END, (double)NAN);
     (void)say(t, "queue_at_inlet");
@@ -200,7 +189,6 @@ static void a_heap_is_drained_or_not(void **unused)
 {
     told *t = begin(HEAP, RUN_MICRO);
 
-    (void)unused;
     set(t, FIGURE_DRAINED_AT, 0.75);
     const verdict *v = say(t, "drained");
     assert_non_null(strstr(v->text, "since 0.75 s"));
@@ -215,7 +203,6 @@ static void parts_bridge_where_they_stand_before_a_plate(void **unused)
 {
     told *t = begin(FED, RUN_MICRO);
 
-    (void)unused;
     feed(t, 7200.0, 200.0, 200.0);
     set(t, FIGURE_JAM_COUNT, 2.0);
     set(t, FIGURE_JAM_FIRST, 20.5);
@@ -236,7 +223,6 @@ static void plates_that_cargo_stops_are_told(void **unused)
                     "[0, -45]}}], 'feeds': [{'id': 'infeed', 'edge': 'west', 'rate_per_s': 2}]}",
                     RUN_MICRO);
 
-    (void)unused;
     feed(t, 7200.0, 200.0, 200.0);
     set(t, FIGURE_STALL_COUNT, 2.0);
     set(t, FIGURE_STALL_FIRST, 4.25);
@@ -252,7 +238,6 @@ static void a_density_tells_no_throughput_where_parts_bridge(void **unused)
 {
     told *t = begin(NARROW, RUN_MACRO);
 
-    (void)unused;
     feed(t, 90000.0, 5000.0, 2600.0);
     const verdict *v = say(t, "bridged");
     assert_ptr_equal(v, &t->verdicts.items[0]);
@@ -271,7 +256,6 @@ static void a_run_that_is_too_short_says_how_long_it_has_to_be(void **unused)
 {
     told *t = begin(FED, RUN_MICRO);
 
-    (void)unused;
     feed(t, 7200.0, 200.0, 200.0);
     set(t, FIGURE_THROUGHPUT_NEEDS, 655.2);
     // Places on the line are drawn, though arrivals are regular.
@@ -288,7 +272,6 @@ static void more_than_there_is_room_for_is_dropped(void **unused)
 {
     verdicts *all = memory_alloc(1, sizeof *all);
 
-    (void)unused;
     assert_non_null(all);
     for (size_t k = 0; k < VERDICTS_MAX + 3; k++) {
         verdict *v = verdict_add(all, "kind");

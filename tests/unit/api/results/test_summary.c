@@ -5,16 +5,11 @@
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static json_t *parse(const bf_buffer *b)
 {
@@ -81,7 +76,6 @@ static void a_summary_has_the_figures_of_the_run(void **unused)
 {
     json_t *root = summarise(&begin, &end);
 
-    (void)unused;
     assert_string_equal(json_string_value(json_object_get(root, "model")), "macro");
     assert_true(json_is_string(json_object_get(root, "solver_version")));
     assert_true(number_at(root, "steps") == 800);
@@ -107,7 +101,6 @@ static void a_summary_warns(void **unused)
 {
     frame_end dense = end;
 
-    (void)unused;
     dense.peak = 1.41;
     dense.stopped = 1;
     json_t *root = summarise_scenario(
@@ -136,7 +129,6 @@ static void a_summary_says_whether_the_model_was_compared_for_such_a_scenario(vo
     json_t *root = summarise(&begin, &end);
     const json_t *compared = json_object_get(root, "validity");
 
-    (void)unused;
     assert_true(json_is_true(json_object_get(compared, "compared")));
     assert_int_equal(json_array_size(json_object_get(compared, "outside")), 0);
     json_decref(root);
@@ -176,7 +168,6 @@ static void parts_of_feeds_count_in_a_summary(void **unused)
     frame_begin fed = micro_begin;
     frame_end over = micro_end;
 
-    (void)unused;
     fed.n_parts = 2;
     over.parts_start = 2.0;
     over.parts_entered = 40.0;
@@ -192,7 +183,6 @@ static void a_microscopic_summary_counts_parts(void **unused)
 {
     json_t *root = summarise(&micro_begin, &micro_end);
 
-    (void)unused;
     assert_string_equal(json_string_value(json_object_get(root, "path")), "planar");
     assert_true(number_at(root, "parts") == 192);
     assert_true(number_at(root, "particle_steps_per_s") == 192.0 * 100000.0 / 0.5);
@@ -217,7 +207,6 @@ static void a_microscopic_summary_warns_of_soft_parts_only(void **unused)
     json_t *soft_root = summarise(&micro_begin, &micro_end);
     json_t *texts = json_object_get(soft_root, "warnings");
 
-    (void)unused;
     assert_int_equal(json_array_size(texts), 1);
     const json_t *details = json_object_get(soft_root, "warning_details");
     assert_non_null(strstr(text_at(details, 0, "detail"), "6.25 % of a radius"));
@@ -233,7 +222,6 @@ static void a_damaged_scenario_gives_no_summary(void **unused)
     bf_buffer out = { 0 };
     bf_error err = { 0 };
 
-    (void)unused;
     assert_int_equal(
         results_summary(RUN_MACRO, "{", 1, &begin, &end, &figures, &timing, &out, &err),
         BF_ECORRUPT);
@@ -251,7 +239,6 @@ static void a_cached_summary_differs_in_its_scenario_alone(void **unused)
                                              "{" DOCUMENT_NEEDED "}" };
     bf_buffer summary = { 0 };
 
-    (void)unused;
     for (size_t i = 0; i < sizeof documents / sizeof *documents; i++) {
         bf_buffer scenario = document_resolve(documents[i]), wanted = { 0 }, out = { 0 };
         assert_int_equal(results_summary(RUN_MACRO, scenario.bytes, scenario.n, &begin, &end,
@@ -281,7 +268,6 @@ static void what_is_no_summary_is_not_made_a_cached_one(void **unused)
 {
     bf_buffer out = { 0 };
 
-    (void)unused;
     assert_int_equal(buffer_printf(&out, "before"), BF_OK);
     assert_int_equal(results_summary_cached("{\"steps\":1}", 11, "{}", 2, &out, NULL), BF_ECORRUPT);
     assert_int_equal(results_summary_cached("", 0, "{}", 2, &out, NULL), BF_ECORRUPT);
@@ -300,7 +286,6 @@ static void no_memory_leaves_what_was_there(void **unused)
     bf_buffer scenario = document_resolve("{" DOCUMENT_NEEDED "}");
     bf_status status = BF_ENOMEM;
 
-    (void)unused;
     for (size_t n = 1; status != BF_OK; n++) {
         bf_buffer out = { 0 };
         assert_int_equal(buffer_printf(&out, "before"), BF_OK);

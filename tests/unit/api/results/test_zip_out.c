@@ -4,15 +4,10 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_unzip.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { LARGE = 300000, MTIME_S = 1769860800 };
 
@@ -23,7 +18,6 @@ static int fill_large(void **unused)
 {
     uint32_t x = 1;
 
-    (void)unused;
     for (size_t i = 0; i < LARGE; i++) {
         x = x * 1664525 + 1013904223;
         large[i] = (char)(x >> 24);
@@ -59,7 +53,6 @@ static void an_archive_holds_its_files(void **unused)
     unzip_file files[UNZIP_FILES_MAX];
     bf_buffer out = { 0 };
 
-    (void)unused;
     assert_int_equal(write_archive(&out), BF_OK);
     size_t n = unzip_all(&out, files);
     assert_int_equal(n, 3);
@@ -81,7 +74,6 @@ static void bytes_come_out_while_a_file_goes_in(void **unused)
     bf_buffer out = { 0 };
     zip_out *z = NULL;
 
-    (void)unused;
     assert_int_equal(zip_out_create(MTIME_S, &z, NULL), BF_OK);
     assert_int_equal(zip_out_file(z, "a", LARGE, &out, NULL), BF_OK);
     assert_true(out.n > 0); // the file's header
@@ -96,7 +88,6 @@ static void an_archive_can_be_given_up_at_any_point(void **unused)
     bf_buffer out = { 0 };
     zip_out *z = NULL;
 
-    (void)unused;
     assert_null(zip_out_destroy(NULL));
     assert_int_equal(zip_out_create(MTIME_S, &z, NULL), BF_OK);
     assert_null(zip_out_destroy(z));
@@ -114,7 +105,6 @@ static void no_memory_is_said(void **unused)
     bf_status status = BF_ENOMEM;
     size_t n = 0;
 
-    (void)unused;
     while (status != BF_OK) {
         bf_buffer out = { 0 };
         memory_plan_fault(++n, 0);

@@ -4,15 +4,10 @@
 
 #include "api/scenario/scenario.h"
 #include "core/run/run.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static scene read_example(const char *name)
 {
@@ -32,7 +27,6 @@ static void all_examples_are_sound_and_sorted(void **unused)
     size_t n;
     const example *items = examples_list(&n);
 
-    (void)unused;
     assert_true(n >= 12);
     for (size_t k = 0; k < n; k++) {
         scene s = read_example(items[k].name);
@@ -46,7 +40,6 @@ static void all_examples_are_sound_and_sorted(void **unused)
 
 static void other_names_are_not_found(void **unused)
 {
-    (void)unused;
     assert_null(examples_find(""));
     assert_null(examples_find("example"));
     assert_null(examples_find("example-1.json"));
@@ -58,7 +51,6 @@ static void example_1_is_the_papers(void **unused)
 {
     scene s = read_example("example-1");
 
-    (void)unused;
     assert_int_equal(scene_parts(&s), 192);
     assert_true(s.duration == 6.0);
     assert_true(s.belts[0].velocity.x == 0.395 && s.belts[0].velocity.y == 0.0);
@@ -75,7 +67,6 @@ static void example_2_stands_across_the_belt(void **unused)
 {
     scene s = read_example("example-2");
 
-    (void)unused;
     assert_true(s.obstacles[0].path[0].x == 0.75 && s.obstacles[0].path[0].y == 0.0);
     assert_true(s.obstacles[0].path[1].x == 0.75 && s.obstacles[0].path[1].y == 0.5);
     scene_fini(&s);
@@ -86,7 +77,6 @@ static void example_3_disperses_at_every_density(void **unused)
     scene rings = read_example("example-3");
     scene lanes = read_example("example-3-lanes");
 
-    (void)unused;
     assert_int_equal(rings.macro.heaviside, SCENE_HEAVISIDE_NONE);
     assert_int_equal(lanes.macro.heaviside, SCENE_HEAVISIDE_NONE);
     assert_true(rings.macro.mollifier == 1e4 && lanes.macro.mollifier == 1e3);
@@ -101,7 +91,6 @@ static void one_example_chooses_its_own_step(void **unused)
     scene s = read_example("example-1-implicit");
     scene paper = read_example("example-1");
 
-    (void)unused;
     assert_int_equal(s.micro.integrator, SCENE_IMPLICIT);
     assert_true(s.micro.step == 0.0);
     assert_true(paper.micro.integrator == SCENE_VERLET && paper.micro.step == 1e-5);
@@ -116,7 +105,6 @@ static void mixed_cargo_is_cylinders_and_boxes(void **unused)
 {
     scene s = read_example("mixed-cargo");
 
-    (void)unused;
     assert_int_equal(s.n_cargo, 2);
     assert_int_equal(s.cargo[0].shape.type, SCENE_CYLINDER);
     assert_int_equal(s.cargo[1].shape.type, SCENE_BOX);
@@ -128,7 +116,6 @@ static void the_curve_turns_left_between_two_straight_belts(void **unused)
 {
     scene s = read_example("curve");
 
-    (void)unused;
     assert_int_equal(s.n_belts, 3);
     assert_true(!s.belts[0].arc.is_given && s.belts[1].arc.is_given && !s.belts[2].arc.is_given);
     // 0.5 m/s in the middle between 0.4 and 0.9 m.
@@ -141,7 +128,6 @@ static void the_merge_is_a_path_of_five_sections_and_a_belt_from_its_side(void *
 {
     scene s = read_example("merge");
 
-    (void)unused;
     assert_int_equal(s.n_belts, 2);
     assert_int_equal(s.n_sections, 6);
     assert_int_equal(s.n_actions, 2);
@@ -157,7 +143,6 @@ static void the_pusher_and_its_gate_go_out_and_come_back(void **unused)
     vec2 sum[4] = { { 0.0, 0.0 } };
     int n[4] = { 0 };
 
-    (void)unused;
     for (size_t k = 0; k < s.n_actions; k++) {
         if (s.actions[k].type != SCENE_ACTION_SHIFT)
             continue;
@@ -176,7 +161,6 @@ static void the_packers_take_less_than_is_offered(void **unused)
 {
     scene s = read_example("packers");
 
-    (void)unused;
     assert_int_equal(s.n_sinks, 2);
     assert_true(s.sinks[0].rate + s.sinks[1].rate < s.feeds[0].rate);
     scene_fini(&s);
@@ -188,7 +172,6 @@ static void fed_examples_have_soft_parts_and_the_congested_closure(void **unused
     static const char *const names[] = { "diverter", "photo-eye", "poisson-mix", "singulator",
                                          "transfer" };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
         scene s = read_example(names[k]);
         assert_int_equal(s.n_feeds, 1);
@@ -204,7 +187,6 @@ static void every_example_can_be_solved_by_both_models(void **unused)
     size_t n;
     const example *items = examples_list(&n);
 
-    (void)unused;
     for (size_t k = 0; k < n; k++) {
         bf_faults faults = { 0 };
         scene s = read_example(items[k].name);
@@ -220,7 +202,6 @@ static void the_free_belt_has_no_obstacle(void **unused)
 {
     scene s = read_example("free-belt");
 
-    (void)unused;
     assert_int_equal(s.n_obstacles, 0);
     scene_fini(&s);
 }

@@ -3,16 +3,11 @@
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SCENE                                                                                      \
     "'duration_s': 100, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]},"                               \
@@ -52,7 +47,6 @@ static void a_profile_may_be_csv(void **unused)
         PROFILE("'csv': 'rate_per_h,t_s\\r\\n7200,0\\r\\n0,30\\r\\n14400,60.5', 'repeat_s': 90"),
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof documents / sizeof *documents; k++) {
         scene s = read_text(documents[k]);
         const scene_series *p = &s.feeds[0].profile;
@@ -75,7 +69,6 @@ static void counts_are_rates_that_step(void **unused)
     const scene_series *p = &s.feeds[0].profile;
     double sum = 0.0;
 
-    (void)unused;
     assert_int_equal(p->n_times, 8);
     for (size_t k = 0; k < 8; k++) {
         assert_true(p->times[k] == (k % 2 == 0 ? nextafter(times[k], 0.0) : times[k]));
@@ -94,7 +87,6 @@ static void a_list_of_arrivals_may_be_csv(void **unused)
                        "1.5,tin,0.4,-30,7\\n'"));
     const scene_arrival_list *l = &s.feeds[0].schedule;
 
-    (void)unused;
     assert_int_equal(l->n, 3);
     assert_true(l->times[0] == 0.0 && l->times[2] == 1.5);
     assert_true(l->kinds[0] == 1 && l->kinds[1] == 0 && l->kinds[2] == 1);
@@ -118,7 +110,6 @@ static void csv_is_resolved_to_numbers(void **unused)
     scene s = read_text(LIST("'csv': 't_s,kind,y_m\\n0,tin,0.1\\n2,box,0.3'"));
     bf_buffer written = { 0 };
 
-    (void)unused;
     assert_int_equal(scenario_write(&s, &written, NULL), BF_OK);
     assert_non_null(strstr(written.bytes, "\"schedule\":{\"t_s\":[0,2],\"kind\":[\"tin\",\"box\"],"
                                           "\"place\":[0,0.49999999999999994]}"));
@@ -222,7 +213,6 @@ static const struct {
 
 static void what_is_wrong_is_pointed_at(void **unused)
 {
-    (void)unused;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         bf_buffer document = document_quote(bad[k].document);
         bf_error err = { 0 };
@@ -241,7 +231,6 @@ static void a_million_rows_are_beyond_the_limit(void **unused)
                                         "'t_s,rate_per_s");
     bf_error err;
 
-    (void)unused;
     for (int k = 0; k < 1000000; k++)
         assert_int_equal(buffer_printf(&document, "\\n%d,1", k), BF_OK);
     assert_int_equal(buffer_printf(&document, "\"}}]}"), BF_OK);
@@ -258,7 +247,6 @@ static void no_memory_for_csv_is_reported(void **unused)
         LIST("'csv': 't_s,kind,y_m,heading_deg,count\\n0,tin,0.1,,2'"),
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof documents / sizeof *documents; k++) {
         bf_buffer document = document_quote(documents[k]);
         bf_status status = BF_ENOMEM;

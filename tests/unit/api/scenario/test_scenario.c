@@ -7,18 +7,13 @@
 #include "core/base/random.h"
 #include "core/scene/definition.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bf_faults faults;
 
@@ -66,7 +61,6 @@ static void the_needed_members_suffice(void **unused)
 {
     scene s = read_text("{" DOCUMENT_NEEDED "}");
 
-    (void)unused;
     assert_string_equal(s.name, "");
     assert_true(s.duration == 1.0);
     assert_true(s.domain.x_min == 0.0 && s.domain.x_max == 1.0);
@@ -87,7 +81,6 @@ static void every_member_finds_its_place(void **unused)
     bf_buffer document = document_complete();
     scene s;
 
-    (void)unused;
     assert_int_equal(read_bytes(&document, &s, NULL), BF_OK);
     assert_string_equal(s.name, "All members");
     assert_true(s.domain.x_min == -0.5 && s.domain.y_max == 0.9);
@@ -147,7 +140,6 @@ static void cargo_may_be_a_list_of_kinds(void **unused)
         "{'shape': {'type': 'prism', 'outline_m': [[0, 0], [0.02, 0], [0, 0.02]]},"
         " 'spin_friction_radius_m': 0.5}], 'initial': {'positions_m': [[0.2, 0.3]]}}");
 
-    (void)unused;
     assert_int_equal(s.n_cargo, 2);
     assert_true(s.is_mix && s.cargo_seed == 1);
     assert_true(s.cargo[0].share == 3.0 && s.cargo[1].share == 1.0);
@@ -167,7 +159,6 @@ static void one_kind_is_written_as_one_object(void **unused)
                                     "'cargo': [{}], 'initial': {'positions_m': [[0.2, 0.3]]}}");
     bf_buffer of_one = resolve(&one), of_list = resolve(&list);
 
-    (void)unused;
     assert_non_null(strstr(of_one.bytes, "\"cargo\":{\"shape\":{\"type\":\"cylinder\""));
     assert_null(strstr(of_one.bytes, "share"));
     assert_non_null(strstr(of_list.bytes, "\"cargo\":[{\"share\":1,\"shape\":"));
@@ -185,7 +176,6 @@ static void the_default_step_follows_the_integrator(void **unused)
     scene implicit = read_text(DOCUMENT_WITH("'micro': {'integrator': 'implicit'}"));
     scene automatic = read_text(DOCUMENT_WITH("'micro': {'step_s': 'auto'}"));
 
-    (void)unused;
     assert_true(verlet.micro.step == 1e-5);
     assert_true(none.micro.step == 0.0);
     assert_true(implicit.micro.step == 0.0);
@@ -203,7 +193,6 @@ static void how_a_speed_changes_is_written_only_where_it_was_given(void **unused
     bf_buffer with = document_quote(DOCUMENT_WITH("'belts': [{'deceleration_m_s2': 2}]"));
     bf_buffer of_none = resolve(&without), of_one = resolve(&with);
 
-    (void)unused;
     assert_non_null(strstr(of_none.bytes, "[{\"id\":\"main\",\"velocity_m_s\":[0.395,0]}]"));
     assert_non_null(strstr(of_one.bytes, "[0.395,0],\"deceleration_m_s2\":2}]"));
     buffer_fini(&without);
@@ -218,7 +207,6 @@ static void a_complete_document_is_written_as_it_was_read(void **unused)
     bf_buffer document = document_complete();
     bf_buffer written = resolve(&document);
 
-    (void)unused;
     json_t *before = json_loadb(document.bytes, document.n, JSON_DECODE_INT_AS_REAL, NULL);
     json_t *after = json_loadb(written.bytes, written.n, JSON_DECODE_INT_AS_REAL, NULL);
     // What the document left to the defaults: the second counter is the domain.
@@ -238,7 +226,6 @@ static void a_fed_document_keeps_its_definition(void **unused)
     bf_buffer document = document_fed();
     scene s, back;
 
-    (void)unused;
     bf_status status = read_bytes(&document, &s, NULL);
     if (status != BF_OK)
         fail_msg("%s: %s", faults.items[0].pointer, faults.items[0].text);
@@ -259,7 +246,6 @@ static void what_feeds_and_moves_finds_its_place(void **unused)
     bf_buffer document = document_fed();
     scene s;
 
-    (void)unused;
     assert_int_equal(read_bytes(&document, &s, NULL), BF_OK);
     const scene_obstacle *swing = &s.obstacles[0], *stop = &s.obstacles[1], *arm = &s.obstacles[2];
     assert_true(swing->pivot.x == 0.55 && swing->turn.n_times == 3 && swing->turn.repeat == 10);
@@ -321,7 +307,6 @@ static void later_members_are_written_only_where_they_say_something(void **unuse
         "'until': 'duration', 'substream': 0, 'feeds': [], 'actions': []"));
     bf_buffer written = resolve(&document);
 
-    (void)unused;
     for (size_t k = 0; k < sizeof names / sizeof *names; k++)
         assert_null(strstr(written.bytes, names[k]));
     buffer_fini(&document);
@@ -335,7 +320,6 @@ static void goods_stand_for_what_is_not_beside_them(void **unused)
                         "{'conveyor_cargo': {'friction': 0.2}},"
                         "'initial': {'positions_m': [[0.5, 0.3]]}}");
 
-    (void)unused;
     assert_int_equal(s.cargo[0].goods, SCENE_CAN_330);
     assert_int_equal(s.cargo[0].surface, SCENE_STEEL);
     assert_true(s.cargo[0].shape.radius == 0.033 && s.cargo[0].shape.height == 0.1);
@@ -372,7 +356,6 @@ static void what_was_written_reads_back_to_the_same_bytes(void **unused)
         "'cylinder', 'radius_m': 0.1}}], 'initial': {'positions_m': [[0.5, 0.5], [1.2, 1.2]]}}",
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof documents / sizeof *documents; k++) {
         bf_buffer document = document_quote(documents[k]);
         bf_buffer once = resolve(&document);
@@ -390,7 +373,6 @@ static void numbers_keep_their_bits(void **unused)
 {
     bf_random random;
 
-    (void)unused;
     random_init(&random, 11);
     for (int k = 0; k < 300; k++) {
         char text[400];
@@ -421,7 +403,6 @@ static void the_three_forms_of_an_obstacle_agree(void **unused)
         "'path_m': [[0.75, 0.25], [0.75, 0.5]]",
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof forms / sizeof *forms; k++) {
         char text[500];
         snprintf(text, sizeof text, DOCUMENT_WITH("'obstacles': [{%s}]"), forms[k]);
@@ -440,7 +421,6 @@ static void an_obstacle_starts_before_its_end(void **unused)
     scene s = read_text(DOCUMENT_WITH("'obstacles': [{'end_m': [0.75, 0.5], 'angle_deg': 60,"
                                       "'length_m': 0.2}]"));
 
-    (void)unused;
     assert_true(fabs(s.obstacles[0].path[0].x - 0.65) < 1e-15);
     assert_true(fabs(s.obstacles[0].path[0].y - (0.5 - 0.1 * sqrt(3.0))) < 1e-15);
     scene_fini(&s);
@@ -452,7 +432,6 @@ static void whole_numbers_may_have_a_point(void **unused)
                         "'initial': {'hexagonal': {'rows': 2.0, 'columns': 3e0, 'first_m':"
                         "[0.3, 0.3], 'spacing_m': 0.1}}}");
 
-    (void)unused;
     assert_int_equal(s.initial.n_rows, 2);
     assert_int_equal(s.initial.n_columns, 3);
     scene_fini(&s);
@@ -463,7 +442,6 @@ static void columns_are_the_counters_and_left_domain(void **unused)
     scene s = read_text(DOCUMENT_WITH("'counters': [{'id': 'a'}, {'id': 'b'}]"));
     bf_buffer columns = { 0 };
 
-    (void)unused;
     assert_int_equal(scenario_columns(&s, &columns, NULL), BF_OK);
     assert_string_equal(columns.bytes, "a,b,left_domain");
     buffer_fini(&columns);
@@ -498,7 +476,6 @@ static void check_reading_without_memory(bf_buffer document)
 
 static void no_memory_is_reported_and_leaves_the_output(void **unused)
 {
-    (void)unused;
     check_reading_without_memory(document_complete());
     check_reading_without_memory(document_fed());
 }
@@ -528,7 +505,6 @@ static void check_writing_without_memory(bf_buffer document)
 
 static void writing_without_memory_leaves_the_buffer(void **unused)
 {
-    (void)unused;
     check_writing_without_memory(document_complete());
     check_writing_without_memory(document_fed());
 }

@@ -6,17 +6,12 @@
 #include "api/scenario/examples.h"
 #include "core/base/random.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <jansson.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bf_faults faults;
 
@@ -77,7 +72,6 @@ static void every_member_refuses_other_types_and_every_object_other_members(void
     bf_buffer document = document_complete();
     json_t *root = json_loadb(document.bytes, document.n, JSON_DECODE_INT_AS_REAL, NULL);
 
-    (void)unused;
     try_members(root, root, "");
     json_decref(root);
     buffer_fini(&document);
@@ -106,7 +100,6 @@ static void check_limit(const char *before, const char *item, size_t limit, cons
 
 static void lists_have_limits(void **unused)
 {
-    (void)unused;
     check_limit("'belts': ", "{}", SCENE_BELTS_MAX, "", "/belts");
     check_limit("'obstacles': ", "{}", SCENE_OBSTACLES_MAX, "", "/obstacles");
     check_limit("'counters': ", "{}", SCENE_COUNTERS_MAX, "", "/counters");
@@ -120,7 +113,6 @@ static void mixes_have_a_limit(void **unused)
     bf_buffer text = { 0 };
     bf_error err;
 
-    (void)unused;
     assert_int_equal(buffer_printf(&text, "{\"cargo\": [{}"), BF_OK);
     for (int k = 0; k < SCENE_KINDS_MAX; k++)
         assert_int_equal(buffer_printf(&text, ", {}"), BF_OK);
@@ -136,7 +128,6 @@ static void texts_have_limits(void **unused)
     char name[SCENE_NAME_SIZE + 1];
     bf_error err;
 
-    (void)unused;
     memset(name, 'n', sizeof name);
     name[SCENE_NAME_SIZE] = '\0';
     snprintf(text, sizeof text, DOCUMENT_WITH("'name': '%s'"), name);
@@ -153,7 +144,6 @@ static void nesting_has_a_limit(void **unused)
     static char text[LEVELS];
     bf_error err;
 
-    (void)unused;
     memset(text, '[', sizeof text);
     assert_int_equal(document_refuse(text, sizeof text, &faults, &err), BF_ELIMIT);
     assert_non_null(strstr(err.text, "column 33: nested deeper than 32 levels"));
@@ -168,7 +158,6 @@ static void long_names_of_members_are_cut(void **unused)
     bf_buffer b = { 0 };
     bf_error err;
 
-    (void)unused;
     assert_int_equal(buffer_append(&b, "{\"", 2), BF_OK);
     for (int k = 0; k < 5000; k++)
         assert_int_equal(buffer_append(&b, "\xe2\x82\xac", 3), BF_OK);
@@ -184,7 +173,6 @@ static void many_faults_are_counted(void **unused)
     bf_buffer b = { 0 };
     bf_error err;
 
-    (void)unused;
     assert_int_equal(buffer_append(&b, "{", 1), BF_OK);
     for (int k = 0; k < 3000; k++)
         assert_int_equal(buffer_printf(&b, "%s\"x%d\":1", k == 0 ? "" : ",", k), BF_OK);
@@ -274,7 +262,6 @@ static void damaged_documents_never_harm(void **unused)
     size_t n;
     const example *examples = examples_list(&n);
 
-    (void)unused;
     random_init(&random, 2014);
     for (int k = 0; k < MUTATIONS; k++) {
         for (size_t i = 0; i < n; i++)

@@ -2,15 +2,10 @@
 // happens.
 
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define START(initial)                                                                             \
     "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, 'cargo': {}, "                  \
@@ -205,14 +200,12 @@ static void check_bad(const bad_document *bad)
 
 static void what_is_not_json_is_refused_with_its_place(void **unused)
 {
-    (void)unused;
     for (size_t k = 0; k < sizeof not_json / sizeof *not_json; k++)
         check_bad(&not_json[k]);
 }
 
 static void what_is_wrong_is_pointed_at(void **unused)
 {
-    (void)unused;
     for (size_t k = 0; k < sizeof wrong_documents / sizeof *wrong_documents; k++)
         check_bad(&wrong_documents[k]);
 }
@@ -228,7 +221,6 @@ static void all_faults_are_found_in_one_pass(void **unused)
     };
     bf_error err;
 
-    (void)unused;
     document_refuse(document.bytes, document.n, &faults, &err);
     assert_int_equal(faults.n, sizeof pointers / sizeof *pointers);
     for (size_t k = 0; k < sizeof pointers / sizeof *pointers; k++)

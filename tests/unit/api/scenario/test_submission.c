@@ -5,15 +5,10 @@
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SCENARIO "'scenario': {'name': 'N', " DOCUMENT_NEEDED "}"
 
@@ -34,7 +29,6 @@ static void a_scenario_alone_suffices(void **unused)
 {
     api_submission submission;
 
-    (void)unused;
     assert_int_equal(read_text("{" SCENARIO "}", &submission, NULL), BF_OK);
     assert_int_equal(submission.model, RUN_MACRO);
     assert_int_equal(submission.priority, 0);
@@ -51,7 +45,6 @@ static void all_members_are_taken_over(void **unused)
 {
     api_submission submission;
 
-    (void)unused;
     assert_int_equal(read_text("{" SCENARIO ", 'model': 'macro', 'label': 'night shift',"
                                "'priority': -100, 'fresh': true}",
                                &submission, NULL),
@@ -70,7 +63,6 @@ static void the_document_is_resolved(void **unused)
     api_submission submission;
     scene s;
 
-    (void)unused;
     faults.n = 0;
     assert_int_equal(scenario_read(document.bytes, document.n, &s, &faults, NULL), BF_OK);
     assert_int_equal(scenario_write(&s, &resolved, NULL), BF_OK);
@@ -98,7 +90,6 @@ static void the_identity_is_the_scenario_without_its_name(void **unused)
     };
     api_submission first, other;
 
-    (void)unused;
     assert_int_equal(read_text("{" SCENARIO "}", &first, NULL), BF_OK);
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         assert_int_equal(read_text(others[i].body, &other, NULL), BF_OK);
@@ -131,7 +122,6 @@ static void faults_have_pointers_of_the_body(void **unused)
         { "/duration_s", "{'duration_s': 1, " SCENARIO "}" },
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         api_submission submission;
         api_submission before;
@@ -171,7 +161,6 @@ static void the_model_has_its_own_faults(void **unused)
         { "/scenario/macro/step_s", MACRO("'cargo': {}, 'macro': {'step_s': 0.1}"), "unstable" },
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         api_submission submission = { 0 };
         bf_error err = { 0 };
@@ -190,7 +179,6 @@ static void another_model_does_not_mind(void **unused)
         MICRO("'cargo': {}, 'macro': {'step_s': 0.1}"),
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
         api_submission submission;
         assert_int_equal(read_text(good[k], &submission, NULL), BF_OK);
@@ -205,7 +193,6 @@ static void a_long_label_is_refused(void **unused)
     api_submission submission;
     bf_error err = { 0 };
 
-    (void)unused;
     memset(label, 'l', sizeof label);
     label[API_LABEL_SIZE] = '\0';
     snprintf(text, sizeof text, "{" SCENARIO ", 'label': '%s'}", label);
@@ -215,7 +202,6 @@ static void a_long_label_is_refused(void **unused)
 
 static void a_model_that_is_not_built_in_is_refused(void **unused)
 {
-    (void)unused;
     for (unsigned model = 0; model < RUN_MODEL_COUNT; model++) {
         char text[600];
         api_submission submission;
@@ -268,7 +254,6 @@ static void a_validation_says_what_the_results_would_be_doubted_for(void **unuse
 {
     bf_buffer free_belt = { 0 }, macro = { 0 }, micro = { 0 };
 
-    (void)unused;
     validate("{" SCENARIO "}", &free_belt);
     assert_begins(
         &free_belt,
@@ -326,7 +311,6 @@ static void assert_parts(size_t parts_max, const char *expected)
 
 static void a_validation_lists_as_many_parts_as_are_asked_for(void **unused)
 {
-    (void)unused;
     assert_parts(0, "\"never_compared\":[]},\"resolved\":{");
     assert_parts(1, "\"parts\":[" PART("0.125") "],\"resolved\":{");
     assert_parts(2, "\"parts\":[" PART("0.125") "," PART("0.375") "],\"resolved\":{");
@@ -341,7 +325,6 @@ static void a_validation_without_memory_is_reported(void **unused)
     bf_status status = BF_ENOMEM;
     api_submission submission;
 
-    (void)unused;
     assert_int_equal(read_text("{" DEFLECTED "}", &submission, NULL), BF_OK);
     for (size_t n = 1; status != BF_OK; n++) {
         bf_buffer out = { 0 };
@@ -360,7 +343,6 @@ static void no_memory_is_reported(void **unused)
 {
     bf_status status = BF_ENOMEM;
 
-    (void)unused;
     for (size_t n = 1; status != BF_OK; n++) {
         bf_buffer document = document_quote("{" SCENARIO ", 'model': 'micro'}");
         api_submission submission;

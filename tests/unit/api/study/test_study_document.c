@@ -5,16 +5,11 @@
 #include "api/study/study_best.h"
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SCENARIO_WITH(more)                                                                        \
     "{" DOCUMENT_NEEDED more                                                                       \
@@ -59,7 +54,6 @@ static study_document read_good(const char *text)
 
 static void a_document_is_read_with_its_defaults(void **state)
 {
-    (void)state;
     study_document d = read_good(WITH("", ANGLE, THROUGHPUT, "'type': 'sobol'", ""));
     const study_definition def = study_document_definition(&d);
     assert_int_equal(def.method, STUDY_SOBOL);
@@ -78,7 +72,6 @@ static void a_document_is_read_with_its_defaults(void **state)
 
 static void members_are_taken_over(void **state)
 {
-    (void)state;
     study_document d = read_good(FED(
         ", 'model': 'micro'",
         ANGLE ", {'pointer': '/macro/mollifier_per_m2', 'range': [1000, 10000], 'scale': 'log'}",
@@ -109,7 +102,6 @@ static void members_are_taken_over(void **state)
 // In the middle of a logarithmic range lies the geometric mean.
 static void coordinates_are_values_of_ranges_and_lists(void **state)
 {
-    (void)state;
     study_document d =
         read_good(WITH("", "{'pointer': '/obstacles/0/angle_deg', 'values': [30, 45, 80]}",
                        THROUGHPUT, "'type': 'list'", ""));
@@ -127,7 +119,6 @@ static void coordinates_are_values_of_ranges_and_lists(void **state)
 
 static void a_trial_has_the_numbers_of_its_point_and_the_substream(void **state)
 {
-    (void)state;
     study_document d =
         read_good(WITH("", ANGLE ", {'pointer': '/macro/mollifier_per_m2', 'range': [1000, 9000]}",
                        THROUGHPUT, "'type': 'cmaes'", ""));
@@ -149,7 +140,6 @@ static void a_trial_has_the_numbers_of_its_point_and_the_substream(void **state)
 
 static void numbers_that_a_scenario_cannot_have_are_faults_of_the_trial(void **state)
 {
-    (void)state;
     study_document d = read_good(WITH("", "{'pointer': '/macro/cell_m', 'range': [-1, 0.02]}",
                                       THROUGHPUT, "'type': 'grid'", ""));
     const double point = 0.0;
@@ -300,7 +290,6 @@ static const struct {
 
 static void what_cannot_be_studied_is_refused_at_its_place(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         study_document d;
         const bf_status status = read_text(cases[k].text, &d);
@@ -331,7 +320,6 @@ static bf_status read_items(const char *before, const char *item, size_t n, cons
 
 static void lists_beyond_their_limits_are_refused(void **state)
 {
-    (void)state;
 #define BASE "{'base': {'scenario': " SCENARIO "}, "
     static const struct {
         const char *before, *item, *after, *pointer;
@@ -362,7 +350,6 @@ static void lists_beyond_their_limits_are_refused(void **state)
 // key figures.
 static void values_are_key_figures_or_distances_of_curves(void **state)
 {
-    (void)state;
     static const double t[] = { 0, 1, 2 }, columns[] = { 9, 4, 0, 9, 3, 1, 9, 0, 4 };
     const double point = 0.5;
     study_document d =
@@ -398,7 +385,6 @@ static void values_are_key_figures_or_distances_of_curves(void **state)
 // 12.7062; Wilson's interval of 1 of 2 is 1/2 -+ 0.4055 by hand: z^2 = 3.8415, z/(2 + z^2) sqrt(1/2 + z^2/4).
 static void the_best_point_is_told_with_its_intervals(void **state)
 {
-    (void)state;
     study_document d =
         read_good(FED(", 'model': 'micro'", ANGLE, THROUGHPUT ", {'figure': 'jam.count'}",
                       "'type': 'sobol', 'points': 1", ", 'replications': 2, 'name': 'N'"));
@@ -449,7 +435,6 @@ static void assert_says(study_document *d, const study *s, const char *const *te
 // get through; 63 is slowest, of 45 and 54 the first is taken by residence.
 static void a_deterministic_study_is_solved_once_and_names_what_is_equal(void **state)
 {
-    (void)state;
     static const double throughputs[] = { 6000.0, 7199.9, 7200.0, 7200.0, 6500.0 },
                         residences[] = { 9.0, 3.5, 3.8, 6.1, 8.0 };
     study_document d = read_good(FED("",
@@ -481,7 +466,6 @@ static void a_deterministic_study_is_solved_once_and_names_what_is_equal(void **
 // 99 % of 7200 parts/h are 7128.
 static void a_demand_says_where_it_is_met_or_what_is_nearest(void **state)
 {
-    (void)state;
     static const double throughputs[] = { 6000.0, 7100.0, 7200.0, 7150.0, 6500.0 };
     static const char *const met[] = {
         "\"best\":{\"point\":2,", "\"demand\":7128,\"is_met\":true,",
@@ -521,7 +505,6 @@ static void a_demand_says_where_it_is_met_or_what_is_nearest(void **state)
 // it open: nothing says that it gets through.
 static void a_demand_that_chance_leaves_open_is_not_told_as_met(void **state)
 {
-    (void)state;
     study_document d = read_good(FED(", 'model': 'micro'",
                                      "{'pointer': '/obstacles/0/angle_deg', 'values': [36, 54]}",
                                      "{'figure': 'throughput_per_h', 'demand': 'offered'}",
@@ -559,7 +542,6 @@ static study_document read_screening(void)
 // runs are no advice.
 static void a_screening_that_is_decided_asks_for_no_more_runs(void **state)
 {
-    (void)state;
     study_document d = read_screening();
     study *s = begin_study(&d);
     bf_buffer out = { 0 };
@@ -584,7 +566,6 @@ static void a_screening_that_is_decided_asks_for_no_more_runs(void **state)
 // More parts take longer at 54 degrees; 72 is worse in both.
 static void two_objectives_leave_a_front(void **state)
 {
-    (void)state;
     static const double throughputs[] = { 6000.0, 7000.0, 5000.0 },
                         residences[] = { 3.0, 4.0, 5.0 };
     study_document d =
@@ -606,7 +587,6 @@ static void two_objectives_leave_a_front(void **state)
 
 static void a_best_point_at_the_edge_is_told(void **state)
 {
-    (void)state;
     study_document d =
         read_good(WITH("", "{'pointer': '/obstacles/0/angle_deg', 'range': [40, 80]}", THROUGHPUT,
                        "'type': 'grid'", ""));
@@ -629,7 +609,6 @@ static void a_best_point_at_the_edge_is_told(void **state)
 // 2 parts/s are 7,200 parts/h, and all get through at 40 degrees: no angle is better, but in the time that parts take.
 static void beyond_a_range_nothing_is_better_where_everything_gets_through(void **state)
 {
-    (void)state;
     static const char *const objectives[] = { THROUGHPUT,
                                               THROUGHPUT ", {'figure': 'residence_s.mean'}" };
     for (size_t k = 0; k < 2; k++) {
@@ -657,7 +636,6 @@ static void beyond_a_range_nothing_is_better_where_everything_gets_through(void 
 // 0.2 less two steps of 0.1 is 0 but for rounding, which is no number to try where all are positive.
 static void a_range_to_try_stays_positive(void **state)
 {
-    (void)state;
     static const char *const texts[] = { "\"advice\":\"Try 0.1 to 0.3.\"", NULL };
     study_document d = read_good(FED("", "{'pointer': '/feeds/0/rate_per_s', 'range': [0.2, 0.6]}",
                                      THROUGHPUT, "'type': 'grid'", ""));
@@ -672,7 +650,6 @@ static void a_range_to_try_stays_positive(void **state)
 
 static void one_run_each_says_nothing_of_chance(void **state)
 {
-    (void)state;
     study_document d =
         read_good(FED(", 'model': 'micro'", ANGLE, THROUGHPUT, "'type': 'grid'", ""));
     study *s = begin_study(&d);
@@ -689,7 +666,6 @@ static void one_run_each_says_nothing_of_chance(void **state)
 // Nothing is less than no jam at all; and a figure that no trial says has no best point.
 static void objectives_without_anything_to_tell_apart_say_so(void **state)
 {
-    (void)state;
     static const char *const texts[][3] = {
         { "\"text\":\"Equally good in jam.count: angle_deg ",
           "Nothing but the same value counts as equal.", NULL },
@@ -717,7 +693,6 @@ static void objectives_without_anything_to_tell_apart_say_so(void **state)
 // 10 runs of 2 points; the models differ by 10 % and 0 %.
 static void a_screening_says_what_was_compared(void **state)
 {
-    (void)state;
     study_document d = read_screening();
     study *s = begin_study(&d);
     for (size_t k = 0; k < 3; k++)
@@ -745,7 +720,6 @@ static void a_screening_says_what_was_compared(void **state)
 
 static void without_memory_no_document_is_read(void **state)
 {
-    (void)state;
     bf_buffer document = document_quote(
         WITH("", "{'pointer': '/duration_s', 'values': [1, 2]}", THROUGHPUT, "'type': 'grid'", ""));
     bf_status status = BF_ENOMEM;

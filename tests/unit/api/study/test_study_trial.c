@@ -4,15 +4,10 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static study_document document;
 static study *made;
@@ -31,7 +26,6 @@ static int begin(void **state)
     bf_buffer text = document_quote(study_text);
     bf_faults faults = { 0 };
 
-    (void)state;
     assert_int_equal(study_document_read(text.bytes, text.n, &document, &faults, NULL), BF_OK);
     const study_definition def = study_document_definition(&document);
     assert_int_equal(study_create(&def, &made, NULL), BF_OK);
@@ -43,7 +37,6 @@ static int begin(void **state)
 
 static int end(void **state)
 {
-    (void)state;
     study_destroy(made);
     study_document_fini(&document);
     return 0;
@@ -60,7 +53,6 @@ static api_trial third(void)
 
 static void a_trial_has_the_numbers_of_its_point(void **state)
 {
-    (void)state;
     const api_trial trial = third();
     assert_int_equal(trial.number, 2);
     assert_int_equal(trial.point, 2);
@@ -76,7 +68,6 @@ static void a_trial_has_the_numbers_of_its_point(void **state)
 
 static void columns_read_back(void **state)
 {
-    (void)state;
     static const char *const damaged[] = {
         "",
         "{}",
@@ -120,7 +111,6 @@ static bf_buffer as_json(const api_trial *trial)
 
 static void what_a_trial_does_not_have_is_missing(void **state)
 {
-    (void)state;
     api_trial trial = third();
     bf_buffer text = as_json(&trial);
     assert_string_equal(text.bytes,
@@ -141,7 +131,6 @@ static void what_a_trial_does_not_have_is_missing(void **state)
 
 static void lines_read_back(void **state)
 {
-    (void)state;
     api_trial trial = third();
     double values[STUDY_VALUES];
     bf_buffer line = { 0 };

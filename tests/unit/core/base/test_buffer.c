@@ -3,19 +3,14 @@
 #include "core/base/buffer.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 static void appended_bytes_stand_in_order_and_end_in_zero(void **state)
 {
     bf_buffer b = { 0 };
 
-    (void)state;
     assert_int_equal(buffer_append(&b, "ab", 2), BF_OK);
     assert_int_equal(buffer_append(&b, NULL, 0), BF_OK);
     assert_int_equal(buffer_append(&b, "c\0d", 3), BF_OK);
@@ -30,7 +25,6 @@ static void formatted_text_of_any_length_is_appended(void **state)
 {
     bf_buffer b = { 0 };
 
-    (void)state;
     assert_int_equal(buffer_printf(&b, "%d-", 7), BF_OK);
     assert_int_equal(buffer_printf(&b, "%5000d", 1), BF_OK);
     assert_int_equal(b.n, 5002);
@@ -44,7 +38,6 @@ static void reserved_room_lies_behind_what_is_there(void **state)
 {
     bf_buffer b = { 0 };
 
-    (void)state;
     assert_int_equal(buffer_append(&b, "ab", 2), BF_OK);
     char *end = buffer_reserve(&b, 1000);
     assert_ptr_equal(end, b.bytes + 2);
@@ -58,7 +51,6 @@ static void dropped_bytes_are_gone_from_the_front(void **state)
 {
     bf_buffer b = { 0 };
 
-    (void)state;
     buffer_drop(&b, 0);
     assert_int_equal(buffer_append(&b, "abcdef", 6), BF_OK);
     buffer_drop(&b, 2);
@@ -73,7 +65,6 @@ static void truncated_bytes_are_gone_from_the_end(void **state)
 {
     bf_buffer b = { 0 };
 
-    (void)state;
     buffer_truncate(&b, 0);
     assert_null(b.bytes);
     assert_int_equal(buffer_append(&b, "abcdef", 6), BF_OK);
@@ -89,7 +80,6 @@ static void without_memory_the_buffer_is_as_before(void **state)
     bf_buffer b = { 0 };
     char many[100] = { 0 };
 
-    (void)state;
     assert_int_equal(buffer_append(&b, "ab", 2), BF_OK);
     memory_plan_fault(1, 1);
     assert_int_equal(buffer_append(&b, many, sizeof many), BF_ENOMEM);

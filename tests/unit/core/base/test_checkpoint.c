@@ -2,14 +2,10 @@
 
 #include "core/base/checkpoint.h"
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { DEFINITION = 77, ENVELOPE_BYTES = 40 };
 
@@ -45,7 +41,6 @@ static void what_was_written_is_read(void **state)
     checkpoint_reader r;
     uint64_t n = 0, number = 0;
 
-    (void)state;
     assert_int_equal(saved.n, ENVELOPE_BYTES + 4 * sizeof(uint64_t));
     assert_int_equal(open_numbers(&r, saved.bytes, saved.n), BF_OK);
     assert_true(checkpoint_read(&r, &n, sizeof n));
@@ -64,7 +59,6 @@ static void nothing_is_read_beyond_the_end(void **state)
     checkpoint_reader r;
     char five[33] = { 0 };
 
-    (void)state;
     assert_int_equal(open_numbers(&r, saved.bytes, saved.n), BF_OK);
     assert_false(checkpoint_read(&r, five, 33));
     assert_null(checkpoint_read_items(&r, UINT64_MAX / 4, 8)); // 8 times that overflows
@@ -77,7 +71,6 @@ static void every_damage_is_found(void **state)
     bf_buffer saved = write_numbers();
     checkpoint_reader r;
 
-    (void)state;
     for (size_t k = 0; k < saved.n; k++) {
         saved.bytes[k] ^= 1;
         assert_int_equal(open_numbers(&r, saved.bytes, saved.n), BF_ECORRUPT);
@@ -92,7 +85,6 @@ static void another_kind_or_definition_is_refused(void **state)
     bf_buffer saved = write_numbers();
     checkpoint_reader r;
 
-    (void)state;
     assert_int_equal(checkpoint_open(&r, saved.bytes, saved.n, CHECKPOINT_RUN, DEFINITION, NULL),
                      BF_ECORRUPT);
     assert_int_equal(
@@ -107,7 +99,6 @@ static void without_memory_the_buffer_is_as_before(void **state)
     checkpoint_writer w;
     static char large[4096];
 
-    (void)state;
     assert_int_equal(buffer_append(&out, "before", 6), BF_OK);
     checkpoint_begin(&w, &out, CHECKPOINT_MACRO, DEFINITION);
     memory_plan_fault(1, 0);

@@ -1,12 +1,8 @@
 // Unit tests of the digest. Its values are not specified, only that different inputs have different digests.
 
 #include "core/base/digest.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 enum { N = 100 };
@@ -15,7 +11,6 @@ static void equal_bytes_have_equal_digests_wherever_they_lie(void **state)
 {
     unsigned char bytes[N + 8];
 
-    (void)state;
     for (size_t shift = 0; shift < 8; shift++) {
         for (size_t k = 0; k < N; k++)
             bytes[shift + k] = (unsigned char)(7 * k);
@@ -31,7 +26,6 @@ static void every_flipped_bit_changes_the_digest(void **state)
     unsigned char bytes[N];
     uint64_t seen[8 * N];
 
-    (void)state;
     memset(bytes, 0x5a, sizeof bytes);
     uint64_t whole = digest_add(DIGEST_START, bytes, N);
     for (size_t k = 0; k < sizeof seen / sizeof *seen; k++) {
@@ -49,7 +43,6 @@ static void a_torn_end_and_added_zeros_change_the_digest(void **state)
     unsigned char zeros[N] = { 0 };
     uint64_t seen[N];
 
-    (void)state;
     for (size_t n = 0; n < N; n++) {
         seen[n] = digest_add(DIGEST_START, zeros, n);
         for (size_t m = 0; m < n; m++)
@@ -61,14 +54,12 @@ static void swapped_words_change_the_digest(void **state)
 {
     uint64_t words[2] = { 1, 2 }, swapped[2] = { 2, 1 };
 
-    (void)state;
     assert_true(digest_add(DIGEST_START, words, sizeof words) !=
                 digest_add(DIGEST_START, swapped, sizeof swapped));
 }
 
 static void the_cuts_between_additions_count(void **state)
 {
-    (void)state;
     uint64_t once = digest_add(DIGEST_START, "abcdefghijkl", 12);
     uint64_t twice = digest_add(digest_add(DIGEST_START, "abcd", 4), "efghijkl", 8);
     assert_true(once != twice);

@@ -3,19 +3,12 @@
 #include "core/base/draws.h"
 
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 // The first three are the known answers of the authors' Random123 (kat_vectors, philox4x64 10); the last one is from
 // numpy.random.Philox (which adds one to its counter first). All four were compared with numpy 2.
 static void philox_gives_the_known_answers(void **state)
 {
-    (void)state;
     static const uint64_t all = UINT64_MAX;
     static const struct {
         uint64_t counter[4], key[2], words[4];
@@ -43,7 +36,6 @@ static void philox_gives_the_known_answers(void **state)
 // Draw 5 of part 9 for a kind is the second word of the counter (1 + 2^56, 9, feed, substream).
 static void a_draw_is_the_word_of_its_own_counter(void **state)
 {
-    (void)state;
     const draws from = { .seed = 11, .substream = 3, .source = 77 };
     const uint64_t counter[4] = { 1 | UINT64_C(1) << 56, 9, 77, 3 }, key[2] = { 11, 0 };
     uint64_t words[4];
@@ -54,7 +46,6 @@ static void a_draw_is_the_word_of_its_own_counter(void **state)
 // n uniform draws: their mean is 1/2 with a standard deviation of sqrt(1/12/n), their mean square 1/3 with sqrt(4/45/n).
 static void units_are_inside_and_uniform(void **state)
 {
-    (void)state;
     enum { N = 100000 };
     const draws from = { .seed = 1 };
     double sum = 0.0, squares = 0.0;
@@ -72,7 +63,6 @@ static void units_are_inside_and_uniform(void **state)
 // ones.
 static void gaps_have_the_moments_of_erlang(void **state)
 {
-    (void)state;
     enum { N = 100000 };
     const draws from = { .seed = 5, .source = 1 };
     static const uint32_t shapes[] = { 1, 2, 7 };

@@ -1,12 +1,8 @@
 // Unit tests of the list of faults.
 
 #include "core/base/faults.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 static void an_empty_list_is_no_failure(void **state)
@@ -14,7 +10,6 @@ static void an_empty_list_is_no_failure(void **state)
     static const bf_faults faults;
     bf_error err = { .code = BF_EBUSY, .text = "untouched" };
 
-    (void)state;
     assert_int_equal(faults_status(&faults, &err), BF_OK);
     assert_int_equal(faults_kept(&faults), 0);
     assert_string_equal(err.text, "untouched");
@@ -25,7 +20,6 @@ static void faults_retain_their_order_code_place_and_text(void **state)
     static bf_faults faults;
     bf_error err = { .code = BF_ENOMEM, .pointer = "/c", .text = "three" };
 
-    (void)state;
     faults_add(&faults, "/a", "one %d", 1);
     faults_add_limit(&faults, "/b", "two %s", "2");
     faults_add_error(&faults, &err);
@@ -44,7 +38,6 @@ static void the_first_fault_is_the_status(void **state)
     static bf_faults faults;
     bf_error err = { 0 };
 
-    (void)state;
     faults_add_limit(&faults, "/first", "large");
     faults_add(&faults, "/second", "bad");
     assert_int_equal(faults_status(&faults, &err), BF_ELIMIT);
@@ -57,7 +50,6 @@ static void a_flood_is_counted_but_not_kept(void **state)
     static bf_faults faults;
     bf_error err = { .code = BF_EINPUT };
 
-    (void)state;
     for (int k = 0; k < 1000; k++)
         faults_add(&faults, "/x", "%d", k);
     faults_add_error(&faults, &err);
@@ -71,7 +63,6 @@ static void long_texts_and_pointers_are_cut(void **state)
     static bf_faults faults;
     char pointer[1000];
 
-    (void)state;
     memset(pointer, 'p', sizeof pointer - 1);
     pointer[sizeof pointer - 1] = '\0';
     faults_add(&faults, pointer, "%1000d", 1);

@@ -1,18 +1,13 @@
 // Unit tests of memory with planned faults.
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdlib.h>
 #include <string.h>
 
 static void room_is_zeroed_and_aligned_to_cache_lines(void **state)
 {
-    (void)state;
     for (size_t n = 0; n < 200; n++) {
         unsigned char *block = memory_alloc(n, 3);
         assert_non_null(block);
@@ -26,7 +21,6 @@ static void room_is_zeroed_and_aligned_to_cache_lines(void **state)
 
 static void a_size_that_overflows_is_no_memory(void **state)
 {
-    (void)state;
     assert_null(memory_alloc(SIZE_MAX / 2 + 2, 2));
     assert_null(memory_alloc(SIZE_MAX, 1));
     assert_null(memory_alloc(1, SIZE_MAX - 10));
@@ -34,7 +28,6 @@ static void a_size_that_overflows_is_no_memory(void **state)
 
 static void freeing_nothing_is_fine(void **state)
 {
-    (void)state;
     memory_free(NULL);
 }
 
@@ -43,7 +36,6 @@ static void reserved_memory_grows_by_a_quarter_and_retains_its_content(void **st
     int *items = NULL;
     size_t capacity = 0, n_moves = 0;
 
-    (void)state;
     for (int k = 0; k < 1000; k++) {
         int *before = items;
         assert_int_equal(memory_reserve(&items, &capacity, (size_t)k + 1, sizeof *items), 0);
@@ -63,7 +55,6 @@ static void a_failed_reservation_leaves_everything(void **state)
     char *items = NULL;
     size_t capacity = 0;
 
-    (void)state;
     assert_int_equal(memory_reserve(&items, &capacity, 5, 1), 0);
     char *before = items;
     items[4] = 'x';
@@ -86,7 +77,6 @@ static void arrays_share_a_block_one_task_after_the_other(void **state)
     const memory_array second[] = { { &a, sizeof *a, 3, 3 }, { &c, 1, 0, 1000 } };
     const memory_array too_large[] = { { &a, sizeof *a, 3, SIZE_MAX / 2 } };
 
-    (void)state;
     assert_int_equal(memory_lay_out(&block, first, 2), 0);
     assert_int_equal((uintptr_t)b % 64, 0);
     assert_true(b - (char *)a >= 3 * (ptrdiff_t)sizeof *a);
@@ -124,7 +114,6 @@ static const char *try_allocations(size_t n)
 
 static void a_planned_fault_strikes_once_or_for_good(void **state)
 {
-    (void)state;
     memory_plan_fault(3, 0);
     assert_string_equal(try_allocations(6), "++-+++");
     assert_int_equal(memory_faults(), 1);
@@ -138,7 +127,6 @@ static void a_planned_fault_strikes_once_or_for_good(void **state)
 
 static void plain_memory_is_freed_as_malloc_gave_it(void **state)
 {
-    (void)state;
     memory_plan_fault(2, 0);
     void *first = memory_alloc_plain(10);
     void *second = memory_alloc_plain(10);

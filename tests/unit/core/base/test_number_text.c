@@ -1,14 +1,9 @@
 // Unit tests of numbers in sentences.
 
 #include "core/base/number_text.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static void numbers_have_their_digits_and_thousands_apart(void **state)
 {
@@ -38,7 +33,6 @@ static void numbers_have_their_digits_and_thousands_apart(void **state)
     };
     char text[NUMBER_TEXT_SIZE];
 
-    (void)state;
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++)
         assert_string_equal(number_text(expected[k].value, expected[k].digits, text),
                             expected[k].text);

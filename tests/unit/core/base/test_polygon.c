@@ -4,13 +4,10 @@
 
 #include "core/base/random.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static vec2 draw(bf_random *random)
 {
@@ -22,7 +19,6 @@ static void a_vector_along_an_axis_has_its_length_exactly(void **state)
 {
     bf_random random;
 
-    (void)state;
     random_init(&random, 1);
     assert_true(vec2_length((vec2){ 0.395, 0.0 }) == 0.395);
     for (int k = 0; k < 1000; k++) {
@@ -35,7 +31,6 @@ static void the_distance_to_a_segment_is_to_its_nearest_point(void **state)
 {
     vec2 a = { 1.0, 1.0 }, b = { 3.0, 1.0 };
 
-    (void)state;
     assert_near(polygon_segment_distance((vec2){ 2.0, 4.0 }, a, b), 3.0, 1e-15);
     assert_near(polygon_segment_distance((vec2){ 0.0, 1.0 }, a, b), 1.0, 1e-15);
     assert_near(polygon_segment_distance((vec2){ 6.0, 5.0 }, a, b), 5.0, 1e-15);
@@ -47,7 +42,6 @@ static void a_segment_that_is_far_along_an_axis_is_no_nearer_than_that(void **st
     bf_random random;
     int n_far = 0;
 
-    (void)state;
     random_init(&random, 7);
     for (int k = 0; k < 10000; k++) {
         const vec2 at = draw(&random), a = draw(&random), b = draw(&random);
@@ -83,7 +77,6 @@ static void segments_touch_where_they_cross_or_come_near(void **state)
         { { 0, 0 }, { 3, 0 }, { 0, 1e-2 }, { 3, 1e-2 }, false }, // parallel
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         vec2 a = cases[k].a, b = cases[k].b, c = cases[k].c, d = cases[k].d;
         assert_int_equal(polygon_segments_touch(a, b, c, d, 1e-3), cases[k].touch);
@@ -97,7 +90,6 @@ static void a_polygon_holds_what_is_inside_or_on_its_border(void **state)
     static const vec2 corners[] = { { 0, 0 }, { 2, 0 }, { 2, 1 }, { 1, 1 }, { 1, 2 }, { 0, 2 } };
     bf_random random;
 
-    (void)state;
     random_init(&random, 2);
     for (int k = 0; k < 10000; k++) {
         vec2 at = vec2_add(vec2_scale(draw(&random), 3.0), (vec2){ -0.5, -0.5 });
@@ -117,7 +109,6 @@ static void a_convex_hull_is_convex_and_has_all_points(void **state)
     enum { N = 40 };
     bf_random random;
 
-    (void)state;
     random_init(&random, 3);
     for (int trial = 0; trial < 300; trial++) {
         vec2 points[N], sorted[N], hull[N + 1];
@@ -143,7 +134,6 @@ static void points_on_a_line_have_a_hull_of_two_ends_and_equal_ones_of_one(void 
     vec2 line[] = { { 2, 2 }, { 0, 0 }, { 1, 1 }, { 0, 0 } }, hull[5];
     vec2 equal[] = { { 7, 7 }, { 7, 7 }, { 7, 7 } };
 
-    (void)state;
     assert_int_equal(polygon_convex_hull(line, 4, hull), 2);
     assert_true(hull[0].x == 0.0 && hull[1].x == 2.0);
     assert_int_equal(polygon_convex_hull(equal, 3, hull), 1);
@@ -154,7 +144,6 @@ static void points_on_a_line_have_a_hull_of_two_ends_and_equal_ones_of_one(void 
 // either by less and by more than the tolerance, and inside.
 static void a_disk_overlaps_a_polygon_that_it_enters(void **state)
 {
-    (void)state;
     static const vec2 square[] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } };
     const double diagonal = 1.0 + sqrt(0.5);
     static const double tolerance = 1e-3;
@@ -178,7 +167,6 @@ static void assert_clipped(vec2 start, vec2 end, bool is_left, vec2 from, vec2 t
 // The rectangle from (0, 0) to (4, 2).
 static void a_segment_is_cut_at_a_rectangle(void **state)
 {
-    (void)state;
     assert_clipped((vec2){ 1, 1 }, (vec2){ 2, 2 }, true, (vec2){ 1, 1 }, (vec2){ 2, 2 });
     assert_clipped((vec2){ -1, -1 }, (vec2){ 3, 3 }, true, (vec2){ 0, 0 }, (vec2){ 2, 2 });
     assert_clipped((vec2){ 5, 1 }, (vec2){ 3, 1 }, true, (vec2){ 4, 1 }, (vec2){ 3, 1 });
@@ -200,7 +188,6 @@ static void assert_apart(const vec2 *a, const vec2 *b, double distance, vec2 on_
 // A unit square, one that stands on its corner (3, 0.5), and others that touch or overlap it.
 static void polygons_are_as_far_apart_as_their_nearest_points(void **state)
 {
-    (void)state;
     static const vec2 square[] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
     static const vec2 diamond[] = { { 3, 0.5 }, { 4, -0.5 }, { 5, 0.5 }, { 4, 1.5 } };
     static const vec2 diagonal[] = { { 4, 5 }, { 5, 5 }, { 5, 6 }, { 4, 6 } };

@@ -1,18 +1,12 @@
 // Unit tests of the random generator. The first numbers are those of the authors' reference code.
 
 #include "core/base/random.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 static void splitmix_and_xoshiro_give_the_published_sequences(void **state)
 {
     bf_random random;
 
-    (void)state;
     // splitmix64 from 1234567, the test vector that is in wide use.
     random_init(&random, 1234567);
     assert_true(random.state[0] == UINT64_C(6457827717110365317));
@@ -32,7 +26,6 @@ static void numbers_are_uniform_between_0_and_1(void **state)
     int counts[BINS] = { 0 };
     bf_random random;
 
-    (void)state;
     random_init(&random, 0);
     for (int k = 0; k < N; k++) {
         double x = random_unit(&random);
@@ -48,7 +41,6 @@ static void different_seeds_give_different_sequences(void **state)
 {
     bf_random a, b;
 
-    (void)state;
     random_init(&a, 1);
     random_init(&b, 2);
     assert_true(random_bits(&a) != random_bits(&b));

@@ -4,19 +4,14 @@
 
 #include "core/study/variates.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 // By mpmath with 30 digits; the first five agree with printed tables: 12.706, 2.228, 4.032, 2.093, 1.6973. For one degree of
 // freedom t is tan(pi (1/2 - tail)), for two (1 - 2 tail)/sqrt(2 tail (1 - tail)).
 static void students_quantiles_are_those_of_tables(void **state)
 {
-    (void)state;
     static const struct {
         double tail, freedom, t;
     } cases[] = {
@@ -35,7 +30,6 @@ static void students_quantiles_are_those_of_tables(void **state)
 
 static void normal_quantiles_are_those_of_tables(void **state)
 {
-    (void)state;
     assert_near(statistics_normal(0.025), 1.959963984540054, 1e-10);
     assert_near(statistics_normal(0.005), 2.5758293035489004, 1e-10);
     assert_true(statistics_normal(0.5) == 0.0);
@@ -44,7 +38,6 @@ static void normal_quantiles_are_those_of_tables(void **state)
 // 2, 4, 4, 4, 5, 5, 7, 9: mean 5, sum of squares 32, deviation sqrt(32/7); t(0.975; 7) = 2.3646 by a printed table.
 static void deviation_and_half_width_are_students(void **state)
 {
-    (void)state;
     static const double values[] = { 2, 4, 4, 4, 5, 5, 7, 9 };
     statistics_sample s = { 0 };
     assert_true(isnan(statistics_deviation(&s)));
@@ -61,7 +54,6 @@ static void deviation_and_half_width_are_students(void **state)
 // method 3.
 static void wilsons_intervals_are_the_published_ones(void **state)
 {
-    (void)state;
     static const struct {
         uint64_t hits, n;
         double low, high;
@@ -89,7 +81,6 @@ static void wilsons_intervals_are_the_published_ones(void **state)
 // 95 % of them nearly.
 static void intervals_hold_the_truth_in_93_to_97_percent_of_studies(void **state)
 {
-    (void)state;
     enum { STUDIES = 1000, REPLICATIONS = 10, TRIES = 40 };
     int n_means = 0, n_jams = 0;
     for (uint64_t study = 0; study < STUDIES; study++) {

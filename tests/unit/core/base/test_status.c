@@ -1,17 +1,12 @@
 // Unit tests of status codes and the error record.
 
 #include "core/base/status.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 static void every_code_has_a_word_of_its_own(void **state)
 {
-    (void)state;
     assert_string_equal(bf_status_word(BF_OK), "ok");
     assert_string_equal(bf_status_word(BF_EINPUT), "bad-input");
     for (int a = 0; a < BF_STATUS_COUNT; a++) {
@@ -22,7 +17,6 @@ static void every_code_has_a_word_of_its_own(void **state)
 
 static void a_code_out_of_range_has_a_word_too(void **state)
 {
-    (void)state;
     assert_string_equal(bf_status_word(BF_STATUS_COUNT), "unknown");
     assert_string_equal(bf_status_word((bf_status)12345), "unknown");
 }
@@ -31,7 +25,6 @@ static void a_failure_fills_the_record_and_returns_its_code(void **state)
 {
     bf_error err;
 
-    (void)state;
     assert_int_equal(bf_fail(&err, BF_ELIMIT, "/macro/cell_m", "%d cells", 7), BF_ELIMIT);
     assert_int_equal(err.code, BF_ELIMIT);
     assert_string_equal(err.pointer, "/macro/cell_m");
@@ -40,7 +33,6 @@ static void a_failure_fills_the_record_and_returns_its_code(void **state)
 
 static void no_record_is_needed(void **state)
 {
-    (void)state;
     assert_int_equal(bf_fail(NULL, BF_ENOMEM, "", "nothing"), BF_ENOMEM);
 }
 
@@ -48,7 +40,6 @@ static void too_long_a_text_is_cut(void **state)
 {
     bf_error err;
 
-    (void)state;
     assert_int_equal(bf_fail(&err, BF_EINPUT, "", "%1000d", 1), BF_EINPUT);
     assert_int_equal(strlen(err.text), BF_TEXT_SIZE - 1);
 }

@@ -1,12 +1,8 @@
 // Unit tests of parallel loops and teams of threads.
 
 #include "core/base/team.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <time.h>
@@ -24,7 +20,6 @@ static void every_item_is_done_once_for_any_number_of_threads(void **state)
     static const int n_threads[] = { -1, 0, 1, 2, 3, 7, 16 };
     static const size_t n_items[] = { 0, 1, 2, 5, ITEMS_MAX - 1 };
 
-    (void)state;
     for (size_t t = 0; t < sizeof n_threads / sizeof *n_threads; t++) {
         for (size_t k = 0; k < sizeof n_items / sizeof *n_items; k++) {
             int counts[ITEMS_MAX] = { 0 };
@@ -63,7 +58,6 @@ static void threads_of_a_team_wait_for_each_other(void **state)
 {
     static const int n_threads[] = { -1, 0, 1, 2, 3, 5 };
 
-    (void)state;
     for (size_t t = 0; t < sizeof n_threads / sizeof *n_threads; t++) {
         meeting m = { 0 };
         team_run(n_threads[t], meet, &m);
@@ -81,7 +75,6 @@ static void meet_late(void *context, int member, int n_members, team_barrier *ba
     const struct timespec late = { .tv_nsec = 20000000 };
     int *n_rounds = context;
 
-    (void)n_members;
     for (int round = 0; round < 5; round++) {
         if (member == round % 2)
             (void)nanosleep(&late, NULL);
@@ -94,7 +87,6 @@ static void a_thread_that_waits_long_is_woken(void **state)
 {
     int n_rounds[2] = { 0 };
 
-    (void)state;
     team_run(2, meet_late, n_rounds);
     assert_int_equal(n_rounds[0], 5);
     assert_int_equal(n_rounds[1], 5);
@@ -113,7 +105,6 @@ static void loops_on_threads_may_be_nested(void **state)
 {
     static int counts[OUTER][ITEMS_MAX];
 
-    (void)state;
     team_for(OUTER, OUTER, count_in_own_loop, counts);
     for (size_t k = 0; k < OUTER; k++)
         for (size_t m = 0; m < ITEMS_MAX; m++)
@@ -133,7 +124,6 @@ static void threads_of_one_process_may_have_teams_at_the_same_time(void **state)
     meeting meetings[OUTER] = { 0 };
     pthread_t threads[OUTER];
 
-    (void)state;
     for (int k = 0; k < OUTER; k++)
         assert_int_equal(pthread_create(&threads[k], NULL, meet_often, &meetings[k]), 0);
     for (int k = 0; k < OUTER; k++)
@@ -157,7 +147,6 @@ static void nap(void *context, int member, int n_members, team_barrier *barrier)
     atomic_int *n_naps = context;
 
     (void)barrier;
-    (void)n_members;
     // Members finish milliseconds apart, so that workers and callers sleep and are woken.
     sleep_ms(member);
     atomic_fetch_add(n_naps, 1);
@@ -167,7 +156,6 @@ static void threads_that_sleep_are_woken(void **state)
 {
     atomic_int n_naps = 0;
 
-    (void)state;
     for (int k = 0; k < CALLS; k++) {
         team_run(INNER, nap, &n_naps);
         sleep_ms(2 * (k % 2));
@@ -177,7 +165,6 @@ static void threads_that_sleep_are_woken(void **state)
 
 static void there_is_at_least_one_processor(void **state)
 {
-    (void)state;
     assert_true(team_processors() >= 1);
 }
 

@@ -2,21 +2,15 @@
 
 #include "core/compare/compare.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static const double t_coarse[] = { 0.0, 1.0, 2.0 };
 static const double t_fine[] = { 0.0, 0.5, 1.0, 1.5, 2.0 };
 
 static void a_curve_is_at_no_distance_from_itself(void **state)
 {
-    (void)state;
     static const double parts[] = { 192.0, 100.0, 1.0 };
     const compare_curve c = { 3, t_coarse, parts };
     compare_measures m;
@@ -31,7 +25,6 @@ static void a_curve_is_at_no_distance_from_itself(void **state)
 // The same line sampled twice as finely is the same curve.
 static void curves_are_read_linearly_between_their_samples(void **state)
 {
-    (void)state;
     static const double coarse[] = { 10.0, 6.0, 2.0 }, fine[] = { 10.0, 8.0, 6.0, 4.0, 2.0 };
     const compare_curve a = { 3, t_coarse, coarse }, b = { 5, t_fine, fine };
     compare_measures m;
@@ -43,7 +36,6 @@ static void curves_are_read_linearly_between_their_samples(void **state)
 // a - b goes from 2 to -2 on [0, 2]: mean |gap| 1, mean square 4/3, largest 2 at the start.
 static void a_crossing_counts_on_both_its_sides(void **state)
 {
-    (void)state;
     static const double ends[] = { 0.0, 2.0 }, falling[] = { 2.0, -2.0 }, zero[] = { 0.0, 0.0 };
     const compare_curve a = { 2, ends, falling }, b = { 2, ends, zero };
     compare_measures m;
@@ -58,7 +50,6 @@ static void a_crossing_counts_on_both_its_sides(void **state)
 // Curves on [0, 2] and [1, 3] meet on [1, 2], where the gap is 5 throughout.
 static void only_the_common_interval_counts(void **state)
 {
-    (void)state;
     static const double ta[] = { 0.0, 2.0 }, tb[] = { 1.0, 3.0 };
     static const double a_parts[] = { 5.0, 5.0 }, b_parts[] = { 0.0, 0.0 };
     const compare_curve a = { 2, ta, a_parts }, b = { 2, tb, b_parts };
@@ -75,7 +66,6 @@ static void only_the_common_interval_counts(void **state)
 // at 2.8 s. Seen through [1, 2] alone 50 parts leave, at the same rate.
 static void throughput_is_taken_from_ten_to_ninety_percent_of_what_left(void **state)
 {
-    (void)state;
     static const double t[] = { 0.0, 1.0, 3.0, 6.0 }, parts[] = { 120.0, 120.0, 20.0, 20.0 };
     static const double flat_t[] = { 1.0, 2.0 }, flat[] = { 7.0, 7.0 };
     const compare_curve c = { 4, t, parts }, still = { 2, flat_t, flat };
@@ -100,7 +90,6 @@ static void throughput_is_taken_from_ten_to_ninety_percent_of_what_left(void **s
 // or not, and so it does for a counter that fills instead.
 static void the_ramp_and_the_tail_do_not_count(void **state)
 {
-    (void)state;
     static const double t[] = { 0.0, 10.0, 12.0, 22.0 }, out[] = { 100.0, 90.0, 10.0, 0.0 };
     static const double in[] = { 0.0, 10.0, 90.0, 100.0 };
     static double fine_t[221], fine[221];
@@ -123,7 +112,6 @@ static void the_ramp_and_the_tail_do_not_count(void **state)
 // Curves with the same shape, b 1 s later and twice as slow: drained 2 s later.
 static void gaps_of_figures_are_b_minus_a(void **state)
 {
-    (void)state;
     static const double ta[] = { 0.0, 1.0, 4.0 }, tb[] = { 0.0, 1.0, 3.0, 4.0 };
     static const double pa[] = { 10.0, 0.0, 0.0 }, pb[] = { 10.0, 10.0, 0.0, 0.0 };
     const compare_curve a = { 3, ta, pa }, b = { 4, tb, pb };
@@ -138,7 +126,6 @@ static void gaps_of_figures_are_b_minus_a(void **state)
 // What rises from nothing was empty at its start, which is no drain.
 static void a_curve_that_rises_never_drains(void **state)
 {
-    (void)state;
     static const double rising[] = { 0.0, 5.0, 9.0 }, falling[] = { 9.0, 5.0, 0.0 };
     const compare_curve a = { 3, t_coarse, rising }, b = { 3, t_coarse, falling };
     compare_figures f;
@@ -152,7 +139,6 @@ static void a_curve_that_rises_never_drains(void **state)
 
 static void a_content_has_gaps_but_no_outflow(void **state)
 {
-    (void)state;
     static const double parts[] = { 10.0, 5.0, 0.0 }, fewer[] = { 8.0, 5.0, 0.0 };
     const compare_curve a = { 3, t_coarse, parts }, b = { 3, t_coarse, fewer };
     compare_figures f;
@@ -178,7 +164,6 @@ static void a_content_has_gaps_but_no_outflow(void **state)
 
 static void a_single_sample_has_figures_but_no_throughput(void **state)
 {
-    (void)state;
     static const double t[] = { 2.0 }, parts[] = { 5.0 };
     const compare_curve c = { 1, t, parts }, none = { 0, t, parts };
     compare_figures f = { .t_start = -1.0 };
@@ -192,7 +177,6 @@ static void a_single_sample_has_figures_but_no_throughput(void **state)
 
 static void curves_that_are_none_are_refused_by_name(void **state)
 {
-    (void)state;
     static const double good[] = { 3.0, 2.0, 1.0 }, late[] = { 5.0, 6.0, 7.0 };
     static const double stuck[] = { 0.0, 1.0, 1.0 }, broken[] = { 3.0, NAN, 1.0 };
     const compare_curve fine = { 3, t_coarse, good };

@@ -3,15 +3,10 @@
 #include "core/base/memory.h"
 #include "core/compare/compare.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { N1 = 40, N2 = 30 };
 static const bf_grid grid = { .n1 = N1, .n2 = N2, .lower1 = -3.0, .d1 = 0.02, .d2 = 0.05 };
@@ -36,7 +31,6 @@ static compare_distance distance(void)
 
 static void a_density_is_at_no_distance_from_itself(void **state)
 {
-    (void)state;
     put_block(of_a, 3, 9, 4, 20, 0.7F);
     memcpy(of_b, of_a, sizeof of_b);
     compare_distance d = distance();
@@ -49,7 +43,6 @@ static void a_density_is_at_no_distance_from_itself(void **state)
 // Every part of the cargo has to be carried by the shift, however far that is.
 static void a_shifted_block_is_as_far_as_its_shift(void **state)
 {
-    (void)state;
     put_block(of_a, 3, 9, 4, 14, 0.7F);
     for (size_t shift = 1; shift <= 31; shift += 3) {
         put_block(of_b, 3 + shift, 9 + shift, 4, 14, 0.7F);
@@ -69,7 +62,6 @@ static void a_shifted_block_is_as_far_as_its_shift(void **state)
 // (2 q - 1) w/2 off: on average over q, w/4.
 static void a_block_that_spreads_is_carried_by_a_quarter_of_its_width(void **state)
 {
-    (void)state;
     put_block(of_a, 15, 25, 0, N2, 0.8F);
     put_block(of_b, 10, 30, 0, N2, 0.4F);
     compare_distance d = distance();
@@ -81,7 +73,6 @@ static void a_block_that_spreads_is_carried_by_a_quarter_of_its_width(void **sta
 // Twice the cargo in the same place: |1 - 2| / (1 + 2), and nothing to be carried.
 static void unequal_masses_change_l1_alone(void **state)
 {
-    (void)state;
     put_block(of_a, 3, 9, 4, 14, 0.25F);
     put_block(of_b, 3, 9, 4, 14, 0.5F);
     compare_distance d = distance();
@@ -94,7 +85,6 @@ static void unequal_masses_change_l1_alone(void **state)
 
 static void an_empty_belt_is_nowhere(void **state)
 {
-    (void)state;
     put_block(of_a, 0, 0, 0, 0, 0.0F);
     put_block(of_b, 3, 9, 4, 14, 0.5F);
     compare_distance d = distance();
@@ -108,7 +98,6 @@ static void an_empty_belt_is_nowhere(void **state)
 
 static void without_memory_nothing_is_compared(void **state)
 {
-    (void)state;
     compare_distance d = { .l1 = -1.0 };
     memory_plan_fault(1, 0);
     bf_status status = compare_densities(&grid, of_a, of_b, &d, NULL);
@@ -121,7 +110,6 @@ static void grids_are_the_same_up_to_rounding(void **state)
 {
     bf_grid other = grid;
 
-    (void)state;
     other.lower1 += 1e-12;
     other.d2 *= 1.0 + 1e-13;
     assert_true(compare_is_same_grid(&grid, &other));
@@ -144,7 +132,6 @@ static void common_times_are_found_in_order(void **state)
                         b = { 5, of_thirds, sizeof(double) };
     size_t i = 1, k = 1;
 
-    (void)state;
     assert_int_equal(compare_count_common(&a, &b), 3);
     assert_true(compare_next_common(&a, &b, &i, &k));
     assert_int_equal(i, 2);
@@ -157,7 +144,6 @@ static void a_mean_counts_what_is_known(void **state)
 {
     compare_mean mean = { .n_l1 = 0 };
 
-    (void)state;
     compare_mean_add(&mean, &(compare_distance){ 1.0, 0.5, NAN, 0.1 });
     compare_mean_add(&mean, &(compare_distance){ 3.0, NAN, NAN, 0.3 });
     const compare_distance d = compare_mean_of(&mean);

@@ -4,14 +4,9 @@
 
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <ccd/ccd.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 /// A hull in its place, for libccd.
 typedef struct placed {
@@ -64,7 +59,6 @@ static gjk_pair make_pair(bf_random *random, int k, hull *a, hull *b, placed *at
 // early: where the two differ, ours agrees with an exhaustive search.
 static void libccd_finds_the_same_contacts_and_depths(void **state)
 {
-    (void)state;
     bf_random random;
     int n_deep = 0, n_equal = 0;
     random_init(&random, 9);

@@ -5,13 +5,7 @@
 
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 static const mat3 still = { { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } } };
 static const vec3 origin = { 0.0, 0.0, 0.0 };
@@ -43,7 +37,6 @@ static gjk_result measure(const gjk_pair *pair)
 
 static void boxes_apart_face_to_face_edge_to_edge_and_corner_to_corner(void **state)
 {
-    (void)state;
     hull a, b;
     helper_hull_box(2.0, 2.0, 2.0, &a);
     helper_hull_box(1.0, 1.0, 1.0, &b);
@@ -62,7 +55,6 @@ static void boxes_apart_face_to_face_edge_to_edge_and_corner_to_corner(void **st
 
 static void boxes_in_each_other_come_out_the_shortest_way(void **state)
 {
-    (void)state;
     hull a, b;
     helper_hull_box(2.0, 2.0, 2.0, &a);
     helper_hull_box(1.0, 1.0, 1.0, &b);
@@ -82,7 +74,6 @@ static void boxes_in_each_other_come_out_the_shortest_way(void **state)
 // A ball is a point with a radius: its distance is that of the point less the radius.
 static void points_stand_for_balls(void **state)
 {
-    (void)state;
     hull a, b;
     const double point[1][3] = { { 0.0, 0.0, 0.0 } };
     hull_set_points(point, 1, &a);
@@ -106,7 +97,6 @@ static void points_stand_for_balls(void **state)
 // Depth or distance 0, in a face, an edge and a corner, and for flat things.
 static void touching_is_neither_apart_nor_deep(void **state)
 {
-    (void)state;
     const vec3 places[] = { { 1.5, 0.2, 0.1 }, { 1.5, 1.5, 0.1 }, { 1.5, -1.5, 1.5 } };
     const double segment[2][3] = { { -1.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0 } };
     hull a, b, s;
@@ -129,7 +119,6 @@ static void touching_is_neither_apart_nor_deep(void **state)
 // A plate of 1e-6 of its length, in contact with a corner, and one through which a box stands.
 static void thin_plates_are_no_harder(void **state)
 {
-    (void)state;
     hull plate, box;
     helper_hull_box(1.0, 1.0, 1e-6, &plate);
     helper_hull_box(0.1, 0.1, 0.1, &box);
@@ -146,7 +135,6 @@ static void thin_plates_are_no_harder(void **state)
 
 static void random_hulls_agree_with_everything_tried(void **state)
 {
-    (void)state;
     bf_random random;
     int n_deep = 0;
     random_init(&random, 4);
@@ -176,7 +164,6 @@ static void random_hulls_agree_with_everything_tried(void **state)
 // normal is across the face, and the region is the common part of both sides.
 static void flush_boxes_tilted_by_rounding_touch_at_their_faces(void **state)
 {
-    (void)state;
     const struct {
         double a[3], b[3];
         mat3 rotation;

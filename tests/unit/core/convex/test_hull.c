@@ -5,14 +5,9 @@
 #include "core/scene/shape.h"
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void assert_counts(const hull *h, size_t n_vertices, size_t n_faces)
 {
@@ -47,7 +42,6 @@ static void assert_sound(const hull *h)
 // Besides its corners: its middle, middles of faces, of edges and a third along an edge.
 static void points_that_are_no_corners_are_dropped(void **state)
 {
-    (void)state;
     const double points[][3] = {
         { 0.0, 0.0, 0.0 },  { -1.0, -2.0, -3.0 }, { 1.0, -2.0, -3.0 },    { 0.0, 2.0, 3.0 },
         { 1.0, 2.0, -3.0 }, { -1.0, 2.0, -3.0 },  { -1.0, -2.0, 3.0 },    { 1.0, 0.3, 0.7 },
@@ -64,7 +58,6 @@ static void points_that_are_no_corners_are_dropped(void **state)
 // V = l w h, I = m/12 (w^2 + h^2, ...), wherever the box is.
 static void a_box_weighs_what_it_should(void **state)
 {
-    (void)state;
     const vec2 outline[] = { { 5.0, 7.0 }, { 7.0, 7.0 }, { 7.0, 10.0 }, { 5.0, 10.0 } };
     hull h;
     hull_from_outline(outline, 4, -3.0, 1.0, &h);
@@ -83,7 +76,6 @@ static void a_box_weighs_what_it_should(void **state)
 // The integral of p p^T over a tetrahedron about its centre is V/20 sum p p^T over its corners.
 static void a_tetrahedron_weighs_what_it_should(void **state)
 {
-    (void)state;
     const double points[][3] = {
         { 0.0, 0.0, 0.0 }, { 4.0, 0.0, 0.0 }, { 1.0, 3.0, 0.0 }, { 1.0, 1.0, 2.0 }
     };
@@ -103,7 +95,6 @@ static void a_tetrahedron_weighs_what_it_should(void **state)
 // shape_volume() sums cones over facets that it finds by itself.
 static void random_hulls_are_sound_and_have_their_volume(void **state)
 {
-    (void)state;
     bf_random random;
     random_init(&random, 1);
     for (int k = 0; k < 40; k++) {
@@ -125,7 +116,6 @@ static void random_hulls_are_sound_and_have_their_volume(void **state)
 // A box turned by R has the tensor R diag R^T.
 static void principal_axes_undo_a_rotation(void **state)
 {
-    (void)state;
     bf_random random;
     random_init(&random, 2);
     for (int k = 0; k < 20; k++) {
@@ -153,7 +143,6 @@ static void principal_axes_undo_a_rotation(void **state)
 
 static void a_diagonal_tensor_is_left_alone(void **state)
 {
-    (void)state;
     const mat3 m = { { { 3.0, 0.0, 1e-17 }, { 0.0, 3.0, 0.0 }, { 1e-17, 0.0, 1.0 } } };
     vec3 moments;
     mat3 axes = hull_principal_axes(&m, &moments);
@@ -165,7 +154,6 @@ static void a_diagonal_tensor_is_left_alone(void **state)
 
 static void a_cylinder_is_a_prism_with_its_corners_on_the_circle(void **state)
 {
-    (void)state;
     hull h;
     hull_from_cylinder(0.012, 0.008, &h);
     assert_counts(&h, 64, 34);
@@ -178,7 +166,6 @@ static void a_cylinder_is_a_prism_with_its_corners_on_the_circle(void **state)
 
 static void the_largest_prism_fits(void **state)
 {
-    (void)state;
     vec2 outline[HULL_POINTS_MAX];
     hull h;
     for (int k = 0; k < HULL_POINTS_MAX; k++) {
@@ -196,7 +183,6 @@ static void the_largest_prism_fits(void **state)
 
 static void the_support_is_the_farthest_vertex_and_faces_look_from_it(void **state)
 {
-    (void)state;
     bf_random random;
     random_init(&random, 3);
     for (int k = 0; k < 50; k++) {
@@ -217,7 +203,6 @@ static void the_support_is_the_farthest_vertex_and_faces_look_from_it(void **sta
 
 static void points_in_a_plane_are_refused_and_leave_the_output_alone(void **state)
 {
-    (void)state;
     const double points[][3] = { { 0.0, 0.0, 1.0 },
                                  { 1.0, 0.0, 1.0 },
                                  { 0.0, 1.0, 1.0 },

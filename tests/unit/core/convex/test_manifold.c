@@ -4,13 +4,7 @@
 
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 static const mat3 still = { { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } } };
 static const vec3 origin = { 0.0, 0.0, 0.0 };
@@ -51,7 +45,6 @@ static manifold_feature find(const gjk_pair *pair, manifold *m)
 
 static void a_box_rests_on_a_box_on_its_four_corners(void **state)
 {
-    (void)state;
     hull a, b;
     manifold m;
     helper_hull_box(4.0, 4.0, 2.0, &a);
@@ -76,7 +69,6 @@ static void a_box_rests_on_a_box_on_its_four_corners(void **state)
 // an octagon with equal sides.
 static void what_extends_over_the_side_is_clipped(void **state)
 {
-    (void)state;
     hull a, b;
     manifold m;
     helper_hull_box(4.0, 4.0, 2.0, &a);
@@ -98,7 +90,6 @@ static void what_extends_over_the_side_is_clipped(void **state)
 // Crossed wedges touch in one point, half way along both.
 static void crossing_edges_have_one_point(void **state)
 {
-    (void)state;
     hull a, b;
     manifold m;
     helper_hull_box(1.0, 1.0, 1.0, &a);
@@ -122,7 +113,6 @@ static void crossing_edges_have_one_point(void **state)
 // An edge that lies in a face: two points at full depth, two at none.
 static void an_edge_in_a_face_has_half_the_stiffness(void **state)
 {
-    (void)state;
     hull a, b;
     manifold m;
     helper_hull_box(4.0, 4.0, 2.0, &a);
@@ -140,7 +130,6 @@ static void an_edge_in_a_face_has_half_the_stiffness(void **state)
 // What the feature says is what the search found; points lie within both hulls.
 static void random_pairs_have_their_depth_and_weights_that_sum_to_one(void **state)
 {
-    (void)state;
     bf_random random;
     int n_edges = 0, n_faces = 0;
     random_init(&random, 6);
@@ -177,7 +166,6 @@ static void random_pairs_have_their_depth_and_weights_that_sum_to_one(void **sta
 // says so when a way to the side has become shorter.
 static void a_feature_is_kept_while_it_is_the_least_and_no_longer(void **state)
 {
-    (void)state;
     hull a;
     manifold m;
     helper_hull_box(2.0, 2.0, 2.0, &a);
@@ -203,7 +191,6 @@ static void a_feature_is_kept_while_it_is_the_least_and_no_longer(void **state)
 
 static void a_prism_lies_on_a_plane_with_all_its_face(void **state)
 {
-    (void)state;
     const manifold_plane floor = { .normal = { 0.0, 0.0, 1.0 }, .offset = 2.0 };
     hull h;
     manifold m;
@@ -219,7 +206,6 @@ static void a_prism_lies_on_a_plane_with_all_its_face(void **state)
 
 static void a_strip_of_a_plane_ends(void **state)
 {
-    (void)state;
     manifold_plane strip = { .normal = { 0.0, 0.0, 1.0 },
                              .half_length = 1.0,
                              .along = { 1.0, 0.0, 0.0 },
@@ -239,7 +225,6 @@ static void a_strip_of_a_plane_ends(void **state)
 
 static void caps_of_cylinders_in_the_same_place_fit_into_the_room(void **state)
 {
-    (void)state;
     vec2 outline[HULL_POINTS_MAX];
     hull h;
     manifold m;

@@ -5,14 +5,9 @@
 #include "core/base/memory.h"
 #include "core/feed/capacity.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A feed of one kind with a rate; its arrays are borrowed.
 static scene_feed make_feed(double rate)
@@ -44,7 +39,6 @@ static feed_arrivals *make(const scene_feed *f)
 
 static void a_constant_rate_counts_from_start_to_end(void **state)
 {
-    (void)state;
     scene_feed f = make_feed(4.0);
     f.start = 2.0;
     f.end = 5.0;
@@ -68,7 +62,6 @@ static void a_constant_rate_counts_from_start_to_end(void **state)
 // between Lambda(2) = 2 + (2 + 4)/2.
 static void a_profile_is_the_integral_of_its_pieces(void **state)
 {
-    (void)state;
     double times[] = { 1.0, 3.0 }, values[] = { 2.0, 6.0 };
     scene_feed f = make_feed(NAN);
     set_profile(&f, 2, times, values, INFINITY);
@@ -89,7 +82,6 @@ static void a_profile_is_the_integral_of_its_pieces(void **state)
 // from 4 s on (constant 0 until then).
 static void a_profile_repeats_and_pauses(void **state)
 {
-    (void)state;
     double times[] = { 0.0, 1.0, 1.0 + 1e-12, 2.0 - 1e-12, 2.0, 3.0 };
     double values[] = { 3.0, 3.0, 0.0, 0.0, 2.0, 0.0 };
     scene_feed f = make_feed(NAN);
@@ -111,7 +103,6 @@ static void a_profile_repeats_and_pauses(void **state)
 // 2.5 and 7.5 parts are reached: at 0.925 and 2.175 s. The density has 14 parts of both.
 static void parts_of_all_feeds_are_counted_as_they_are_drawn(void **state)
 {
-    (void)state;
     scene_feed feeds[] = { make_feed(10.0), make_feed(4.0) };
     const scene s = { .n_feeds = 2, .feeds = feeds };
     double parts = 0.0;
@@ -127,7 +118,6 @@ static void parts_of_all_feeds_are_counted_as_they_are_drawn(void **state)
 
 static void a_profile_that_ends_with_nothing_is_finite(void **state)
 {
-    (void)state;
     double times[] = { 0.0, 2.0 }, values[] = { 5.0, 0.0 };
     scene_feed f = make_feed(NAN);
     set_profile(&f, 2, times, values, INFINITY);
@@ -142,7 +132,6 @@ static void a_profile_that_ends_with_nothing_is_finite(void **state)
 // Times of a random profile and back.
 static void the_inverse_undoes_lambda(void **state)
 {
-    (void)state;
     enum { N = 1000 };
     double times[N], values[N], t = 0.0;
     for (size_t k = 0; k < N; k++) {
@@ -177,7 +166,6 @@ static void check_times(const scene_feed *f, const double *expected, size_t n)
 // 4 a second from 1 s on: where Lambda is 1/2, 3/2, 5/2, until 2 s. Batches of three: where it is 3/2 and 9/2.
 static void regular_and_batch_arrivals_are_at_halves(void **state)
 {
-    (void)state;
     scene_feed f = make_feed(4.0);
     f.start = 1.0;
     f.end = 2.0;
@@ -192,7 +180,6 @@ static void regular_and_batch_arrivals_are_at_halves(void **state)
 
 static void a_list_is_delivered_between_start_and_end(void **state)
 {
-    (void)state;
     double times[] = { 0.0, 0.4, 0.4, 2.0, 3.0 }, places[] = { 0.1, NAN, 0.3, 0.4, 0.5 };
     uint32_t counts[] = { 1, 3, 1, 2, 1 }, kinds[] = { 3, 1, 0, 2, 0 };
     double headings[] = { NAN, 1.0, 2.0, 3.0, 4.0 };
@@ -232,7 +219,6 @@ static void a_list_is_delivered_between_start_and_end(void **state)
 
 static void an_empty_list_delivers_nothing(void **state)
 {
-    (void)state;
     double times[] = { 5.0 };
     scene_feed f = make_feed(NAN);
     f.demand = SCENE_DEMAND_SCHEDULE;
@@ -249,7 +235,6 @@ static void an_empty_list_delivers_nothing(void **state)
 // Stegun, table 26.8).
 static void poisson_counts_pass_a_chi_square_test(void **state)
 {
-    (void)state;
     enum { RUNS = 200, CLASSES = 10 };
     static const unsigned upper[CLASSES] = { 14, 16, 17, 18, 19, 20, 21, 23, 25, UINT32_MAX };
     double expected[CLASSES] = { 0.0 }, term = exp(-20.0), statistic = 0.0;
@@ -284,7 +269,6 @@ static void poisson_counts_pass_a_chi_square_test(void **state)
 // A profile changes when parts arrive, and nothing else about them.
 static void parts_of_equal_substream_are_equal(void **state)
 {
-    (void)state;
     scene_feed f = make_feed(3.0), other;
     feed_cursor c[3];
     size_t n_differ = 0, n_second = 0;
@@ -319,7 +303,6 @@ static void parts_of_equal_substream_are_equal(void **state)
 // the cursor goes on alike.
 static void a_million_parts_arrive_in_order(void **state)
 {
-    (void)state;
     enum { N = 1000000 };
     scene_feed f = make_feed(1.0);
     f.arrivals = SCENE_ARRIVALS_ERLANG;
@@ -346,7 +329,6 @@ static void a_million_parts_arrive_in_order(void **state)
 // at all: parts make room for each other one by one.
 static void the_capacity_is_what_the_belt_carries_away(void **state)
 {
-    (void)state;
     const double width = 1.0 / sqrt(1000.0);
     scene_feed f = make_feed(1.0);
     scene s;
@@ -370,7 +352,6 @@ static void the_capacity_is_what_the_belt_carries_away(void **state)
 
 static void out_of_memory_anywhere_is_an_error(void **state)
 {
-    (void)state;
     double times[] = { 1.0 }, values[] = { 2.0 };
     scene_feed feeds[] = { make_feed(1.0), make_feed(NAN), make_feed(NAN) };
     set_profile(&feeds[1], 1, times, values, INFINITY);

@@ -4,14 +4,9 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { N1 = 10, N2 = 4, KINDS = 2 };
 
@@ -96,7 +91,6 @@ static void check_balance(const feed_density *d, size_t feed, double offered, do
 // 40 parts are 0.1 in each of the four cells of the west side.
 static void equal_cells_take_equal_amounts(void **state)
 {
-    (void)state;
     cells c;
     scene s;
     make_scene(&s, 1, 800.0);
@@ -117,7 +111,6 @@ static void equal_cells_take_equal_amounts(void **state)
 // demand of 0.68 the second one is full, too, and the last two take 0.215. All rooms are 0.75.
 static void what_a_full_cell_cannot_take_goes_to_the_others(void **state)
 {
-    (void)state;
     static const double demands[] = { 0.5, 0.68, 0.9 };
     static const double expected[][N2] = { { 0.15, 0.05, 0.15, 0.15 },
                                            { 0.2, 0.05, 0.215, 0.215 },
@@ -148,7 +141,6 @@ static void what_a_full_cell_cannot_take_goes_to_the_others(void **state)
 // The outer cell has room for 0.1 and the belt takes 0.25: the other 0.15 go behind it.
 static void the_inner_cell_takes_what_the_outer_one_cannot(void **state)
 {
-    (void)state;
     cells c;
     scene s;
     make_scene(&s, 1, 1e5);
@@ -170,7 +162,6 @@ static void the_inner_cell_takes_what_the_outer_one_cannot(void **state)
 // From y = 0.15 to 0.35 m: half a cell, a cell, half a cell. At half its speed the belt takes half as much.
 static void a_part_of_a_side_takes_a_part_of_the_belt(void **state)
 {
-    (void)state;
     cells c;
     scene s;
     make_scene(&s, 1, 1e5);
@@ -191,7 +182,6 @@ static void a_part_of_a_side_takes_a_part_of_the_belt(void **state)
 // degrees into the domain, 0.5 m/s across the side.
 static void every_side_has_its_cells(void **state)
 {
-    (void)state;
     static const struct {
         scene_side side;
         size_t outer, inner, n;
@@ -221,7 +211,6 @@ static void every_side_has_its_cells(void **state)
 // next, so that 6 parts are 0.04 and 0.02.
 static void a_line_inside_has_no_bound_but_its_room(void **state)
 {
-    (void)state;
     cells c;
     scene s;
     make_scene(&s, 1, 6.0 / dt);
@@ -246,7 +235,6 @@ static void a_line_inside_has_no_bound_but_its_room(void **state)
 // Blocked for 2 s at 10 parts/s, then open: those that enter are 20 less 15 that had waited for 0.5 s.
 static void waits_and_drops_follow_the_order_of_arrival(void **state)
 {
-    (void)state;
     cells c;
     scene s;
     make_scene(&s, 1, 10.0);
@@ -273,7 +261,6 @@ static void waits_and_drops_follow_the_order_of_arrival(void **state)
 // Both want all of the room of the line that they share: who is first takes it.
 static void feeds_in_the_same_cells_take_turns(void **state)
 {
-    (void)state;
     cells c;
     scene s;
     make_scene(&s, 2, 1e5);
@@ -295,7 +282,6 @@ static void feeds_in_the_same_cells_take_turns(void **state)
 
 static void out_of_memory_anywhere_is_an_error(void **state)
 {
-    (void)state;
     bf_status status = BF_ENOMEM;
     feed_density *d = NULL;
     scene s;
@@ -323,7 +309,6 @@ static void what_enters_is_of_the_kinds_of_the_parts_in_their_order(void **state
     scene s;
     cells c = { .factor = 1.0 };
 
-    (void)state;
     make_scene(&s, 1, 1.0);
     helper_scene_resolve(&s);
     s.n_cargo = 2;

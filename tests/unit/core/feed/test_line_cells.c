@@ -4,13 +4,7 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 // 6 x 4 cells of 0.5 m x 0.25 m from (-1, 1).
 static const bf_grid grid = { 6, 4, -1.0, 1.0, 0.5, 0.25 };
@@ -31,7 +25,6 @@ static void check_cells(vec2 start, vec2 end, const line_cell *expected, size_t 
 
 static void lines_along_the_axes_are_cut_at_the_borders(void **state)
 {
-    (void)state;
     check_cells((vec2){ -0.75, 1.6 }, (vec2){ 0.6, 1.6 },
                 (line_cell[]){ { 12, 0.25 }, { 13, 0.5 }, { 14, 0.5 }, { 15, 0.1 } }, 4);
     check_cells((vec2){ 0.1, 2.0 }, (vec2){ 0.1, 1.3 },
@@ -42,7 +35,6 @@ static void lines_along_the_axes_are_cut_at_the_borders(void **state)
 // Along y = 1.5, a border: the cells above it. On the upper end of the grid: those below.
 static void a_line_on_a_border_lies_in_one_row(void **state)
 {
-    (void)state;
     check_cells((vec2){ -1.0, 1.5 }, (vec2){ 0.0, 1.5 }, (line_cell[]){ { 12, 0.5 }, { 13, 0.5 } },
                 2);
     check_cells((vec2){ 0.0, 2.0 }, (vec2){ -1.0, 2.0 }, (line_cell[]){ { 19, 0.5 }, { 18, 0.5 } },
@@ -53,7 +45,6 @@ static void a_line_on_a_border_lies_in_one_row(void **state)
 // Each piece of a cell in x is hypot(0.5, 0.125) m long; at a = 2 both are met in one point.
 static void a_diagonal_changes_rows_in_corners(void **state)
 {
-    (void)state;
     const double piece = sqrt(0.25 + 0.015625);
     check_cells((vec2){ -1.0, 1.0 }, (vec2){ 1.0, 1.5 },
                 (line_cell[]){ { 0, piece }, { 1, piece }, { 8, piece }, { 9, piece } }, 4);
@@ -63,7 +54,6 @@ static void a_diagonal_changes_rows_in_corners(void **state)
 
 static void a_point_has_one_cell_and_what_is_outside_the_nearest(void **state)
 {
-    (void)state;
     check_cells((vec2){ 0.3, 1.3 }, (vec2){ 0.3, 1.3 }, (line_cell[]){ { 8, 1.0 } }, 1);
     check_cells((vec2){ 2.0, 2.0 }, (vec2){ 2.0, 2.0 }, (line_cell[]){ { 23, 1.0 } }, 1);
     check_cells((vec2){ -2.0, 1.1 }, (vec2){ -0.9, 1.1 }, (line_cell[]){ { 0, 1.1 } }, 1);
@@ -72,7 +62,6 @@ static void a_point_has_one_cell_and_what_is_outside_the_nearest(void **state)
 // The lengths in all cells add up, each cell is met once, and the next one is beside the last.
 static void any_line_is_covered_once(void **state)
 {
-    (void)state;
     for (int k = 0; k < 1000; k++) {
         const vec2 start = { -1.0 + 0.003 * (k * 37 % 1000), 1.0 + 0.001 * (k * 91 % 1000) };
         const vec2 end = { -1.0 + 0.003 * (k * 53 % 1000), 1.0 + 0.001 * (k * 17 % 1000) };
@@ -97,7 +86,6 @@ static void any_line_is_covered_once(void **state)
 
 static void out_of_memory_is_an_error(void **state)
 {
-    (void)state;
     line_cell *cells = NULL;
     size_t n;
     memory_plan_fault(1, 0);

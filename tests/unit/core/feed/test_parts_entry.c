@@ -7,14 +7,9 @@
 #include "core/feed/arrivals.h"
 #include "core/scene/mix.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { MAX = 2000 };
 
@@ -168,7 +163,6 @@ static void set_list(scene_feed *f, size_t n, const double *places, const uint32
 // between 0.05 and 0.95 m, as the walls need the radius.
 static void parts_enter_at_the_first_tick_where_they_were_drawn(void **state)
 {
-    (void)state;
     static room r;
     feed_arrivals *a = NULL;
     scene s;
@@ -201,7 +195,6 @@ static void parts_enter_at_the_first_tick_where_they_were_drawn(void **state)
 // at 0.5501 m leaves 0.1 mm there. With one at 0.51 m, which denies 0.45 m, the first place is 0.61 m.
 static void the_first_free_place_of_a_disk_is_exact(void **state)
 {
-    (void)state;
     static const double last[] = { NAN, 0.5501, 0.51 };
     static const double expected[] = { 0.45, 0.45, 0.61 };
     for (size_t k = 0; k < 3; k++) {
@@ -229,7 +222,6 @@ static void the_first_free_place_of_a_disk_is_exact(void **state)
 // 0.0125 m: the first one that is free is 0.625 m, in the middle of the only gap that disks leave.
 static void a_free_place_behind_a_plate_is_found(void **state)
 {
-    (void)state;
     static room r;
     scene s;
     make_scene(&s, 1);
@@ -248,7 +240,6 @@ static void a_free_place_behind_a_plate_is_found(void **state)
 // cost at most one search a tick.
 static void parts_wait_in_order_while_the_line_is_full(void **state)
 {
-    (void)state;
     static room r;
     scene s;
     make_scene(&s, 1);
@@ -276,7 +267,6 @@ static void parts_wait_in_order_while_the_line_is_full(void **state)
 // to where the disk fits.
 static void a_given_place_is_the_only_one(void **state)
 {
-    (void)state;
     static room r;
     scene s;
     make_scene(&s, 1);
@@ -301,7 +291,6 @@ static void a_given_place_is_the_only_one(void **state)
 // (0.1 + 0.05)/sqrt(2) in y. Its given places are moved by as much from the walls.
 static void other_footprints_keep_off_the_walls_at_their_heading(void **state)
 {
-    (void)state;
     static const double headings[] = { 0.0, M_PI / 2.0, M_PI / 4.0 };
     static const double reached[] = { 0.05, 0.1, 0.10606601717798213 };
     for (size_t k = 0; k < 3; k++) {
@@ -325,7 +314,6 @@ static void other_footprints_keep_off_the_walls_at_their_heading(void **state)
 // what could be packed enters, and the line is full: between neighbours there is less than a box and a trial's step.
 static void other_footprints_are_tried_along_the_line(void **state)
 {
-    (void)state;
     static room r;
     scene s;
     make_scene(&s, 1);
@@ -349,7 +337,6 @@ static void other_footprints_are_tried_along_the_line(void **state)
 // less the one that enters.
 static void parts_are_dropped_that_have_waited_too_long(void **state)
 {
-    (void)state;
     static room r;
     scene s;
     make_scene(&s, 1);
@@ -376,7 +363,6 @@ static void parts_are_dropped_that_have_waited_too_long(void **state)
 
 static void a_held_feed_admits_nothing(void **state)
 {
-    (void)state;
     static room r;
     scene s;
     make_scene(&s, 2);
@@ -396,7 +382,6 @@ static void a_held_feed_admits_nothing(void **state)
 // Two feeds onto the same point, which is free at every call: they alternate.
 static void feeds_at_one_place_take_turns(void **state)
 {
-    (void)state;
     static room r;
     scene s;
     make_scene(&s, 2);
@@ -416,7 +401,6 @@ static void feeds_at_one_place_take_turns(void **state)
 
 static void a_saved_state_goes_on_alike(void **state)
 {
-    (void)state;
     static room r, again;
     bf_buffer saved = { 0 };
     checkpoint_writer w;
@@ -458,7 +442,6 @@ static void a_saved_state_goes_on_alike(void **state)
 
 static void failures_are_handed_on(void **state)
 {
-    (void)state;
     static room r;
     const feed_room table = { &r, is_free, near, admit };
     bf_status status = BF_ENOMEM;

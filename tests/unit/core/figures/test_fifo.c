@@ -4,12 +4,9 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 static fifo begin(quantiles *times)
 {
@@ -29,7 +26,6 @@ static void end(fifo *f, quantiles *times)
 // Entries at 2 parts/s from t = 0, exits of the same rate from t = 3: everyone stays 3 s.
 static void a_delay_is_everyones_time(void **state)
 {
-    (void)state;
     quantiles times;
     fifo f = begin(&times);
     for (int k = 0; k <= 40; k++) {
@@ -45,7 +41,6 @@ static void a_delay_is_everyones_time(void **state)
 // 10 parts are there at t = 0 and leave from 1 s to 2 s, evenly: times are uniform from 1 s to 2 s.
 static void what_is_there_at_the_start_enters_then(void **state)
 {
-    (void)state;
     quantiles times;
     fifo f = begin(&times);
     fifo_sample(&f, 0.0, 10.0, 0.0, &times);
@@ -62,7 +57,6 @@ static void what_is_there_at_the_start_enters_then(void **state)
 // time 3 u/4 is uniform from 0 to 3 s.
 static void a_queue_grows_with_what_is_ahead(void **state)
 {
-    (void)state;
     quantiles times;
     fifo f = begin(&times);
     fifo_sample(&f, 0.0, 0.0, 0.0, &times);
@@ -78,7 +72,6 @@ static void a_queue_grows_with_what_is_ahead(void **state)
 // The exits of the first second are not wanted.
 static void exits_can_be_left_out(void **state)
 {
-    (void)state;
     quantiles times;
     fifo f = begin(&times);
     fifo_sample(&f, 0.0, 2.0, 0.0, NULL);
@@ -91,7 +84,6 @@ static void exits_can_be_left_out(void **state)
 
 static void curves_that_fall_by_rounding_do_no_harm(void **state)
 {
-    (void)state;
     quantiles times;
     fifo f = begin(&times);
     fifo_sample(&f, 0.0, 5.0, 0.0, &times);
@@ -107,7 +99,6 @@ static void curves_that_fall_by_rounding_do_no_harm(void **state)
 // of levels 0 .. u at t(u): E = t^2, t = sqrt(u); all leaves at T = 2000 at once: mean time T - 2/3 T = T/3.
 static void many_corners_cost_resolution_alone(void **state)
 {
-    (void)state;
     const double t_end = 2000.0;
     quantiles times;
     fifo f = begin(&times);
@@ -122,7 +113,6 @@ static void many_corners_cost_resolution_alone(void **state)
 
 static void a_checkpoint_goes_on_with_the_same_bits(void **state)
 {
-    (void)state;
     bf_buffer bytes = { 0 };
     checkpoint_writer w;
     checkpoint_reader r;
@@ -147,7 +137,6 @@ static void a_checkpoint_goes_on_with_the_same_bits(void **state)
 
 static void no_memory_is_reported(void **state)
 {
-    (void)state;
     fifo f;
     memory_plan_fault(1, 0);
     assert_int_equal(fifo_init(&f, NULL), BF_ENOMEM);

@@ -4,13 +4,10 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { VALUES_MAX = 64 };
 
@@ -80,7 +77,6 @@ static void sample(fixture *x, double t, double inside, double exited)
 // Every value but those that a run without events has is absent.
 static void what_is_not_known_is_absent(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 10.0, true);
     sample(&x, 0.0, 3.0, 0.0);
@@ -95,7 +91,6 @@ static void what_is_not_known_is_absent(void **state)
 // 4 parts leave in the 2 s before the warm-up ends, 6 in the 3 s after it: 2 parts/s.
 static void throughput_leaves_out_the_warm_up(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 2.0, true);
     sample(&x, 0.0, 10.0, 0.0);
@@ -111,7 +106,6 @@ static void throughput_leaves_out_the_warm_up(void **state)
 // 3.1 s and 90 % at 11.9 s. After a warm-up of 4 s 9 leave, of which 10 % have at 4.9 s and 90 % at 13 s.
 static void throughput_without_feeds_is_that_of_the_middle_of_the_parts(void **state)
 {
-    (void)state;
     for (int has_warmup = 0; has_warmup < 2; has_warmup++) {
         fixture x;
         begin_with(&x, has_warmup ? 4.0 : 0.0, true, 0);
@@ -128,7 +122,6 @@ static void throughput_without_feeds_is_that_of_the_middle_of_the_parts(void **s
 
 static void throughput_with_feeds_is_sustained(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 1.0, false);
     sample(&x, 0.0, 3.0, 0.0);
@@ -140,7 +133,6 @@ static void throughput_with_feeds_is_sustained(void **state)
 
 static void where_nothing_passes_throughput_is_0(void **state)
 {
-    (void)state;
     fixture x;
     begin_with(&x, 0.0, true, 0);
     sample(&x, 0.0, 3.0, 0.0);
@@ -154,7 +146,6 @@ static void where_nothing_passes_throughput_is_0(void **state)
 // 3 parts at the start, of which 2 leave while 5 enter; the warm-up of 10 s does not matter.
 static void parts_are_counted_from_the_start(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 10.0, false);
     sample(&x, 0.0, 3.0, 0.0);
@@ -167,7 +158,6 @@ static void parts_are_counted_from_the_start(void **state)
 // 1 part leaves in each of 20 s: the error is 0, and the throughput steady at 20 s.
 static void a_constant_throughput_is_steady_after_32_batches(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     for (int k = 0; k <= 20; k++)
@@ -181,7 +171,6 @@ static void a_constant_throughput_is_steady_after_32_batches(void **state)
 // After the warm-up leave parts of 1, 2, 3 and 10 s; one before it does not count.
 static void residence_is_that_of_each_part_that_left(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 1.0, true);
     sample(&x, 0.0, 5.0, 0.0);
@@ -204,7 +193,6 @@ static void residence_is_that_of_each_part_that_left(void **state)
 // 3 s; at 5 s, where the first one is the only one, to 0. The mean is 1 + 2 3/4 + 2 3/8.
 static void parts_that_are_inside_stay_longer_than_their_age(void **state)
 {
-    (void)state;
     static const figures_cargo at_first[] = { { { 0.1, 0.3 }, 0.4, 0.4, 1.0, 4.0 } };
     static const figures_cargo at_last[] = { { { 0.1, 0.3 }, 0.4, 0.4, 1.0, 2.0 },
                                              { { 0.2, 0.3 }, 0.4, 0.4, 1.0, 4.0 } };
@@ -233,7 +221,6 @@ static void parts_that_are_inside_stay_longer_than_their_age(void **state)
 // 10 parts of the start leave evenly from 1 s to 3 s: uniform from 1 s to 3 s.
 static void residence_of_a_density_is_the_distance_of_the_curves(void **state)
 {
-    (void)state;
     fixture x;
     begin_with(&x, 0.0, false, 0);
     sample(&x, 0.0, 10.0, 0.0);
@@ -248,7 +235,6 @@ static void residence_of_a_density_is_the_distance_of_the_curves(void **state)
 // says nothing of residence.
 static void residence_of_a_density_that_is_fed_is_what_exits_tell(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, false);
     sample(&x, 0.0, 0.0, 0.0);
@@ -271,7 +257,6 @@ static void residence_of_a_density_that_is_fed_is_what_exits_tell(void **state)
 // 233640 parts/h by sums and products of doubles.
 static void figures_have_the_digits_that_they_have(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     sample(&x, 0.0, 649.0, 0.0);
@@ -289,7 +274,6 @@ static void figures_have_the_digits_that_they_have(void **state)
 // Exits at 1 s and at 9 s with cargo inside: from 1 s to 9 s nothing leaves, 8 s >= 5 s. Then 4 s without an exit are none.
 static void a_jam_is_a_long_time_without_an_exit(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     sample(&x, 0.0, 10.0, 0.0);
@@ -309,7 +293,6 @@ static void a_jam_is_a_long_time_without_an_exit(void **state)
 // A density loses a tenth of a part a second: a part has left every 10 s, so a jam of 5 s begins at once.
 static void less_than_a_part_is_no_exit(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, false);
     for (int t = 0; t <= 9; t++)
@@ -323,7 +306,6 @@ static void less_than_a_part_is_no_exit(void **state)
 // A part a minute crosses in 20 s: nothing leaves for 40 s, and nothing is queued. Then one stands at the end from 80 s to 100 s.
 static void where_nothing_is_queued_there_is_no_jam_and_no_queue(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     for (int t = 0; t <= 120; t++) {
@@ -352,7 +334,6 @@ static void where_nothing_is_queued_there_is_no_jam_and_no_queue(void **state)
 // thin end. With 0.4 parts alone, 5 % of them at the far end, 0.025 m, are.
 static void thin_ends_of_a_density_are_not_its_queue(void **state)
 {
-    (void)state;
     static const vec2 plate[] = { { 0.9, 0.0 }, { 0.9, 0.5 } };
 
     for (int is_thin = 0; is_thin < 2; is_thin++) {
@@ -375,7 +356,6 @@ static void thin_ends_of_a_density_are_not_its_queue(void **state)
 
 static void an_empty_belt_is_no_jam(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     for (int t = 0; t <= 20; t++)
@@ -389,7 +369,6 @@ static void an_empty_belt_is_no_jam(void **state)
 // 0 to 8 parts in 2 s, then 8 for 1 s: a mean of (8 + 8)/3; the second counter has half of it.
 static void content_is_a_mean_over_time(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     sample(&x, 0.0, 0.0, 0.0);
@@ -406,7 +385,6 @@ static void content_is_a_mean_over_time(void **state)
 // stands, which is blocked too.
 static void states_go_by_the_speed_of_the_belt(void **state)
 {
-    (void)state;
     static const figures_cargo cargo[] = { { { 0.1, 0.3 }, 0.33, 0.4, 1.0, 0.0 },
                                            { { 0.2, 0.3 }, 0.31, 0.4, 1.0, 0.0 },
                                            { { 0.7, 0.3 }, 0.019, 0.4, 1.0, 0.0 },
@@ -434,7 +412,6 @@ static void states_go_by_the_speed_of_the_belt(void **state)
 // fast one at 0.1 does not count, and a slow one behind both is a queue of its own width.
 static void a_queue_reaches_from_the_next_plate_to_its_last_slow_part(void **state)
 {
-    (void)state;
     static const vec2 rail[] = { { 0.0, 0.1 }, { 1.0, 0.1 } },
                       plate[] = { { 0.9, 0.1 }, { 0.7, 0.5 } },
                       gate[] = { { 0.3, 0.1 }, { 0.3, 0.5 } };
@@ -461,7 +438,6 @@ static void a_queue_reaches_from_the_next_plate_to_its_last_slow_part(void **sta
 
 static void the_peak_leaves_out_the_warm_up(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 1.0, false);
     sample(&x, 0.0, 1.0, 0.0);
@@ -477,7 +453,6 @@ static void the_peak_leaves_out_the_warm_up(void **state)
 // Empty at 2 s, but a part waits; then one is inside again; empty for good from 5 s on.
 static void drained_is_since_when_the_belt_is_empty(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     sample(&x, 0.0, 1.0, 0.0);
@@ -493,7 +468,6 @@ static void drained_is_since_when_the_belt_is_empty(void **state)
 // The feed begins after 2 s.
 static void a_belt_that_nothing_has_entered_is_not_drained(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     sample(&x, 0.0, 0.0, 0.0);
@@ -506,7 +480,6 @@ static void a_belt_that_nothing_has_entered_is_not_drained(void **state)
 
 static void a_feed_has_its_balance_and_the_waits_of_its_parts(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     sample(&x, 0.0, 0.0, 0.0);
@@ -527,7 +500,6 @@ static void a_feed_has_its_balance_and_the_waits_of_its_parts(void **state)
 // at u/4, enter at 3 + (u - 1)/3. Waits from 2.75 s to 3 s, uniformly.
 static void waits_of_a_density_leave_out_what_is_dropped(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, false);
     sample(&x, 0.0, 0.0, 0.0);
@@ -543,7 +515,6 @@ static void waits_of_a_density_leave_out_what_is_dropped(void **state)
 // 0.65..0.75. Gaps 0.05, 0.05 and 0.2 m; two of five parts are doubles.
 static void an_eye_sees_gaps_and_doubles(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     sample(&x, 0.0, 0.0, 0.0);
@@ -567,7 +538,6 @@ static void an_eye_sees_gaps_and_doubles(void **state)
 // Three parts of which each overlaps with the next one are three doubles.
 static void a_chain_of_parts_is_all_doubles(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     sample(&x, 0.0, 0.0, 0.0);
@@ -585,7 +555,6 @@ static void a_chain_of_parts_is_all_doubles(void **state)
 // Blocked from 0.5 s to 2 s, of which 1 s is after the warm-up, from 3 s to 3.5 s, and from 4 s on.
 static void an_eye_is_blocked_for_some_time_after_the_warm_up(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 1.0, true);
     figures_eye_state(x.f, 0, 0.5, true);
@@ -644,7 +613,6 @@ static void take_over(const fixture *from, fixture *to)
 
 static void a_checkpoint_goes_on_with_the_same_bits_in_both_models(void **state)
 {
-    (void)state;
     for (size_t kind = 0; kind < 4; kind++) {
         const bool has_parts = kind % 2 == 1;
         const size_t n_feeds = kind / 2;
@@ -671,7 +639,6 @@ static void a_checkpoint_goes_on_with_the_same_bits_in_both_models(void **state)
 static void stops_of_a_commanded_belt_are_those_of_its_curve(void **state)
 {
     static double times[] = { 2.0, 3.0, 5.0, 7.0, 9.0 }, factors[] = { 0.0, 1.0, 0.0, 1.0, 0.0 };
-    (void)state;
     for (int is_saved = 0; is_saved < 2; is_saved++) {
         fixture x, other;
         belt_speeds speeds;
@@ -706,7 +673,6 @@ static void stops_of_a_commanded_belt_are_those_of_its_curve(void **state)
 
 static void the_values_of_items_follow_each_other(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x, 0.0, true);
     size_t n = 0;
@@ -721,7 +687,6 @@ static void the_values_of_items_follow_each_other(void **state)
 // The JSON object of a word is written at once, so its members must be neighbours; and every word has a definition.
 static void the_table_is_sorted_by_scope_and_word(void **state)
 {
-    (void)state;
     for (figure_id id = 0; id < FIGURE_COUNT; id++) {
         const figure *f = &figure_table[id];
         assert_true(strlen(f->definition) > 8 && f->models != 0);
@@ -736,7 +701,6 @@ static void the_table_is_sorted_by_scope_and_word(void **state)
 
 static void every_failed_allocation_is_reported(void **state)
 {
-    (void)state;
     for (size_t kind = 0; kind < 4; kind++) {
         const bool has_parts = kind % 2 == 1;
         const size_t has_feed = kind / 2;

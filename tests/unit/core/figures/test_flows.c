@@ -5,14 +5,9 @@
 #include "core/figures/figures.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 enum { SAMPLES_IN_1_S = 4, WARM_UP = 10, TOO_SHORT = 15, LONG = 400, VALUES_MAX = 100 };
 
@@ -41,7 +36,6 @@ static void the_interval_of_a_flow_is_its_own_and_no_less_than_its_part_of_the_t
     bf_random random;
     double flows[2] = { 0.0, 0.0 }, values[VALUES_MAX];
 
-    (void)state;
     make_scene(&s);
     assert_true(figure_values(&s) <= VALUES_MAX);
     assert_int_equal(figures_create(&s, true, &f, NULL), BF_OK);

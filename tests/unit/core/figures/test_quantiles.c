@@ -4,12 +4,9 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 static quantiles empty(void)
 {
@@ -21,7 +18,6 @@ static quantiles empty(void)
 
 static void nothing_has_neither_mean_nor_quantiles(void **state)
 {
-    (void)state;
     quantiles q = empty();
     assert_true(isnan(quantiles_mean(&q)));
     assert_true(isnan(quantiles_at(&q, 0.5)));
@@ -30,7 +26,6 @@ static void nothing_has_neither_mean_nor_quantiles(void **state)
 
 static void one_value_is_every_quantile_to_the_bit(void **state)
 {
-    (void)state;
     quantiles q = empty();
     quantiles_add(&q, 12.345, 3.0);
     assert_true(quantiles_at(&q, 0.01) == 12.345);
@@ -42,7 +37,6 @@ static void one_value_is_every_quantile_to_the_bit(void **state)
 // 1, 2, ..., 1000 s: the mean is 500.5, the quantile p is 1000 p.
 static void quantiles_are_off_by_less_than_four_thousandths(void **state)
 {
-    (void)state;
     static const double p[] = { 0.05, 0.5, 0.9, 0.95, 0.99 };
     quantiles q = empty();
     for (int k = 1; k <= 1000; k++)
@@ -58,7 +52,6 @@ static void quantiles_are_off_by_less_than_four_thousandths(void **state)
 // Nine parts at 1 s and one at 100 s: at most 90 % of the weight lies below 1.004 s.
 static void weights_decide(void **state)
 {
-    (void)state;
     quantiles q = empty();
     quantiles_add(&q, 1.0, 9.0);
     quantiles_add(&q, 100.0, 1.0);
@@ -71,7 +64,6 @@ static void weights_decide(void **state)
 // Uniform from 0.2 to 0.7, over two borders of octaves, in either direction: quantile p is 0.2 + p/2.
 static void a_uniform_weight_has_the_quantiles_of_its_interval(void **state)
 {
-    (void)state;
     quantiles q = empty();
     quantiles_add_uniform(&q, 0.2, 0.7, 3.0);
     quantiles_add_uniform(&q, 0.7, 0.2, 5.0);
@@ -84,7 +76,6 @@ static void a_uniform_weight_has_the_quantiles_of_its_interval(void **state)
 
 static void a_uniform_weight_on_one_value_is_that_value(void **state)
 {
-    (void)state;
     quantiles q = empty();
     quantiles_add_uniform(&q, 3.0, 3.0, 2.0);
     assert_near(quantiles_at(&q, 0.5), 3.0, 0.0);
@@ -94,7 +85,6 @@ static void a_uniform_weight_on_one_value_is_that_value(void **state)
 
 static void what_lies_outside_the_range_counts_with_its_extremes(void **state)
 {
-    (void)state;
     quantiles q = empty();
     quantiles_add(&q, 0.0, 1.0);
     quantiles_add(&q, 1e30, 1.0);
@@ -107,7 +97,6 @@ static void what_lies_outside_the_range_counts_with_its_extremes(void **state)
 
 static void a_checkpoint_brings_back_every_bit(void **state)
 {
-    (void)state;
     bf_buffer bytes = { 0 };
     checkpoint_writer w;
     checkpoint_reader r;
@@ -131,7 +120,6 @@ static void a_checkpoint_brings_back_every_bit(void **state)
 
 static void no_memory_is_reported(void **state)
 {
-    (void)state;
     quantiles q;
     bf_error err;
     memory_plan_fault(1, 0);

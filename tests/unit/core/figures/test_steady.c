@@ -6,13 +6,9 @@
 #include "core/base/random.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 static const scene_regime by_chance = { .has_chance = true, .is_constant = true };
 static const scene_regime without_chance = { .is_constant = true };
@@ -30,7 +26,6 @@ static void add(steady *s, double dt, double parts)
 
 static void nothing_is_said_of_fewer_than_32_batches(void **state)
 {
-    (void)state;
     steady s = begin(&by_chance, 0.05);
     for (int k = 0; k < 31; k++)
         add(&s, 0.25, k % 3);
@@ -43,7 +38,6 @@ static void nothing_is_said_of_fewer_than_32_batches(void **state)
 // Pairs are 1, 3, 1, 3, ... parts by 0.25 s: k = 16, s^2 = 16/15 (parts/batch)^2; t(0.975; 15) = 2.13145 by a printed table.
 static void the_interval_is_students_of_pairs(void **state)
 {
-    (void)state;
     steady s = begin(&by_chance, 0.05);
     for (int k = 0; k < 32; k++)
         add(&s, 0.25, k / 2 % 2 == 0 ? 1.0 : 3.0);
@@ -56,7 +50,6 @@ static void the_interval_is_students_of_pairs(void **state)
 // Blocks of four: r = (4 - 1)/4 nearly, so pairs are looked at, whose r is about 1/2, and so on: too short.
 static void what_is_not_independent_has_no_interval(void **state)
 {
-    (void)state;
     steady s = begin(&by_chance, 0.05);
     for (int k = 0; k < 40; k++)
         add(&s, 0.25, k / 8 % 2 == 0 ? 1.0 : 3.0);
@@ -67,7 +60,6 @@ static void what_is_not_independent_has_no_interval(void **state)
 
 static void what_alternates_has_no_interval_but_is_steady(void **state)
 {
-    (void)state;
     steady s = begin(&by_chance, 0.05);
     for (int k = 0; k < 64; k++)
         add(&s, 0.25, k % 2 == 0 ? 1.9 : 2.1);
@@ -78,7 +70,6 @@ static void what_alternates_has_no_interval_but_is_steady(void **state)
 
 static void without_chance_there_is_no_interval(void **state)
 {
-    (void)state;
     const scene_regime changing = { .has_chance = true };
     steady s = begin(&without_chance, 0.05), t = begin(&changing, 0.05),
            u = begin(&by_chance, 0.05);
@@ -98,7 +89,6 @@ static void without_chance_there_is_no_interval(void **state)
 // from 42 s on, 4/(1 - 2/T) <= 1.05; tests are at 40 s and 48 s.
 static void a_start_from_nothing_is_waited_for(void **state)
 {
-    (void)state;
     steady s = begin(&without_chance, 0.05);
     for (int k = 0; k < 400; k++)
         add(&s, 0.25, k < 8 ? 0.0 : 1.0);
@@ -107,7 +97,6 @@ static void a_start_from_nothing_is_waited_for(void **state)
 
 static void batches_merge_when_they_are_many(void **state)
 {
-    (void)state;
     steady s = begin(&by_chance, 1e-6);
     for (int k = 0; k < STEADY_BATCHES_MAX; k++)
         add(&s, 0.25, k);
@@ -119,7 +108,6 @@ static void batches_merge_when_they_are_many(void **state)
 
 static void batches_are_whole_cycles(void **state)
 {
-    (void)state;
     const scene_regime slow = { .is_constant = true, .cycle = 12.0 },
                        fast = { .is_constant = true, .cycle = 0.1 };
     assert_near(begin(&slow, 0.05).length, 12.0, 0.0);
@@ -128,7 +116,6 @@ static void batches_are_whole_cycles(void **state)
 
 static void samples_are_joined_by_lines(void **state)
 {
-    (void)state;
     steady s = begin(&by_chance, 0.05);
     add(&s, 3.125, 25.0);
     assert_int_equal(s.n, 12);
@@ -138,7 +125,6 @@ static void samples_are_joined_by_lines(void **state)
 
 static void a_throughput_of_nothing_is_never_steady(void **state)
 {
-    (void)state;
     steady s = begin(&without_chance, 0.05), t = begin(&by_chance, 0.05);
     add(&s, 1000.0, 0.0);
     add(&t, 1000.0, 0.0);
@@ -147,7 +133,6 @@ static void a_throughput_of_nothing_is_never_steady(void **state)
 
 static void a_drift_is_not_steady(void **state)
 {
-    (void)state;
     steady s = begin(&by_chance, 0.05);
     for (int k = 0; k < 400; k++)
         add(&s, 0.25, 100.0 + 0.5 * k);
@@ -157,7 +142,6 @@ static void a_drift_is_not_steady(void **state)
 // 10 parts/s come and leave with a spread, but more and more stay inside.
 static void what_stays_inside_takes_the_interval_away(void **state)
 {
-    (void)state;
     bf_random random;
     steady s = begin(&by_chance, 0.05);
     random_init(&random, 5);
@@ -266,7 +250,6 @@ static const process processes[] = {
 // with three standard errors of the counting beyond that: sqrt(0.95 0.05/n).
 static void intervals_cover(void **state)
 {
-    (void)state;
     static const double durations[] = { 40.0, 120.0, 400.0, 1200.0 };
     enum { RUNS = 400, DURATIONS = HELPER_AMOUNT(4, 1) };
 
@@ -313,13 +296,11 @@ static int count_misses(double rho, uint64_t seed)
 // 5 % by the interval, some more because it is tested several times.
 static void independent_rates_are_known_when_they_are_steady(void **state)
 {
-    (void)state;
     assert_true(count_misses(0.0, 20260401) <= 20);
 }
 
 static void correlated_rates_wait_for_longer_batches(void **state)
 {
-    (void)state;
     assert_true(count_misses(0.8, 7) <= 40);
 }
 

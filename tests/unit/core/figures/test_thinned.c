@@ -4,11 +4,7 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 // Samples at t = first .. end - 1 of the curve 3 t.
 static void add(thinned *c, int first, int end)
@@ -29,7 +25,6 @@ static void check(const compare_curve *curve, size_t n, double every, double las
 
 static void all_stay_while_they_are_few(void **state)
 {
-    (void)state;
     thinned c;
     assert_int_equal(thinned_init(&c, NULL), BF_OK);
     assert_int_equal(thinned_curve(&c).n, 0);
@@ -42,7 +37,6 @@ static void all_stay_while_they_are_few(void **state)
 // One too many: 0, 2, ... 4094 and the newest. The next one is the last, until 4098 stays.
 static void of_more_every_second_and_the_last_stay(void **state)
 {
-    (void)state;
     thinned c;
     assert_int_equal(thinned_init(&c, NULL), BF_OK);
     for (int n = THINNED_SAMPLES + 1; n < THINNED_SAMPLES + 5; n++) {
@@ -56,7 +50,6 @@ static void of_more_every_second_and_the_last_stay(void **state)
 // 100,000 samples: every 32nd, of 0, 32 ... 99,968, and the last.
 static void a_long_curve_is_even(void **state)
 {
-    (void)state;
     thinned c;
     assert_int_equal(thinned_init(&c, NULL), BF_OK);
     add(&c, 0, 100000);
@@ -67,7 +60,6 @@ static void a_long_curve_is_even(void **state)
 
 static void a_checkpoint_of_any_length_goes_on_alike(void **state)
 {
-    (void)state;
     static const int lengths[] = { 0, 1, 4095, 4096, 4097, 4098, 9001 };
 
     for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++) {
@@ -99,7 +91,6 @@ static void a_checkpoint_of_any_length_goes_on_alike(void **state)
 // Whatever a damaged count says, as many samples as that would leave are missing.
 static void a_count_without_its_samples_is_refused(void **state)
 {
-    (void)state;
     static const uint64_t counts[] = { 1, 5, THINNED_SAMPLES + 1, UINT64_MAX };
 
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
@@ -120,7 +111,6 @@ static void a_count_without_its_samples_is_refused(void **state)
 
 static void no_memory_is_reported(void **state)
 {
-    (void)state;
     thinned c;
     memory_plan_fault(1, 0);
     assert_int_equal(thinned_init(&c, NULL), BF_ENOMEM);

@@ -1,21 +1,15 @@
 // Unit tests of sets of blocks.
 
 #include "core/macro/active_blocks.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { N_BLOCKS = 200, WORDS = 4 };
 
 static void runs_cover_exactly_the_blocks_of_a_set(void **state)
 {
-    (void)state;
     srand(5);
     for (int round = 0; round < 200; round++) {
         uint64_t set[WORDS] = { 0 }, seen[WORDS] = { 0 };
@@ -40,7 +34,6 @@ static void runs_cover_exactly_the_blocks_of_a_set(void **state)
 
 static void a_span_word_holds_the_blocks_of_the_span(void **state)
 {
-    (void)state;
     for (ptrdiff_t first = -1; first < 140; first += 7)
         for (ptrdiff_t last = first; last < 160; last += 5) {
             uint64_t expected[WORDS] = { 0 };
@@ -53,7 +46,6 @@ static void a_span_word_holds_the_blocks_of_the_span(void **state)
 
 static void shifting_down_moves_every_block_to_its_western_neighbour(void **state)
 {
-    (void)state;
     for (ptrdiff_t k = 0; k < N_BLOCKS; k++) {
         uint64_t set[WORDS] = { 0 }, expected[WORDS] = { 0 };
         block_set_add(set, k);

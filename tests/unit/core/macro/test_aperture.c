@@ -6,14 +6,9 @@
 #include "core/base/polygon.h"
 #include "core/macro/velocity_field.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
 static const double speed = 0.4;   // m/s
@@ -111,7 +106,6 @@ static void the_radius_is_that_of_the_mean_footprint(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, 0.01, (vec2){ speed, 0.0 });
     assert_near(aperture_radius(&s), 0.012, exact);
     s.n_cargo = 2;
@@ -130,7 +124,6 @@ static void frictions_and_speed_widen_the_extension(void **state)
                                         { 0.15, 0.19, 0.19, 0.2 },
                                         { 0.05, 0.0, 0.0, 0.5 } };
 
-    (void)state;
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
         for (double belt = 0.1; belt < 2.0; belt *= 2.0)
             assert_near(right_angled(belt, 0.6, &others[k]),
@@ -168,7 +161,6 @@ static void arches_of_boxes_close_a_share_of_the_outlet(void **state)
 {
     scene s;
 
-    (void)state;
     for (double angle = 30.0 * degree; angle < 91.0 * degree; angle += 15.0 * degree)
         for (double friction = 0.1; friction < 1.0; friction *= 3.0) {
             double m = NAN;
@@ -188,7 +180,6 @@ static void arches_stand_on_both_ends_of_a_funnel(void **state)
 {
     double open[2];
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         scene s;
         make_boxes(&s, 90.0 * degree, 2 * k);
@@ -202,7 +193,6 @@ static void boxes_do_not_arch_beside_an_open_edge(void **state)
 {
     double lost[2];
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         scene s;
         make_boxes(&s, 90.0 * degree, 2 * k);
@@ -215,7 +205,6 @@ static void boxes_do_not_arch_beside_an_open_edge(void **state)
 // What a slope accelerates cargo by, uphill or down, counts in the place of friction.
 static void on_a_slope_the_extension_is_that_of_its_drive(void **state)
 {
-    (void)state;
     for (double incline = -8.0 * degree; incline < 0.2; incline += 16.0 * degree) {
         const frictions drive = { 0.15, 0.19, 0.19, 0.3 * cos(incline) - sin(incline) };
         scene s;
@@ -234,7 +223,6 @@ static void a_belt_with_a_friction_of_its_own_has_the_extension_of_that(void **s
     const frictions rough = { 0.15, 0.19, 0.19, 0.3 };
     scene s;
 
-    (void)state;
     make_belt(&s, 0.01, (vec2){ 0.8, 0.0 });
     s.belts[0].friction = rough.belt;
     add_plate(&s, (vec2){ 1.0, 0.0 }, (vec2){ 1.0, 0.7 });
@@ -246,7 +234,6 @@ static void an_extension_never_closes_the_outlet(void **state)
 {
     const frictions slippery = { 0.15, 0.19, 0.19, 0.0 }, smooth = { 0.0, 0.0, 0.0, 1.0 };
 
-    (void)state;
     assert_near(right_angled(speed, 0.6, &slippery), 0.9 * 0.6, exact);
     assert_near(right_angled(speed, 0.02, &fitted), 0.9 * 0.02, exact);
     assert_true(right_angled(1e-3, 0.6, &smooth) >= 0.0);
@@ -258,7 +245,6 @@ static const double tips[] = { 0.4, 0.4001, 0.4033, 0.405, 0.4062, 0.4099, 0.5 }
 // The plate takes its height, whatever share of its last cell that is, and goes on by delta.
 static void a_plate_takes_its_height_and_its_extension(void **state)
 {
-    (void)state;
     for (size_t a = 0; a < sizeof angles / sizeof *angles; a++)
         for (size_t k = 0; k < sizeof tips / sizeof *tips; k++)
             for (int north = 0; north < 2; north++) {
@@ -274,7 +260,6 @@ static void a_plate_takes_its_height_and_its_extension(void **state)
 
 static void a_finer_grid_gives_the_same_width(void **state)
 {
-    (void)state;
     static const double cells[] = { 0.02, 0.01, 0.005, 0.0025 };
     for (size_t k = 0; k < sizeof cells / sizeof *cells; k++) {
         scene s;
@@ -287,7 +272,6 @@ static void a_finer_grid_gives_the_same_width(void **state)
 
 static void a_belt_that_moves_back_or_across_has_the_same_extensions(void **state)
 {
-    (void)state;
     const double sine = sin(60.0 * degree);
     scene s;
     make_belt(&s, 0.01, (vec2){ -speed, 0.0 });
@@ -306,7 +290,6 @@ static void a_belt_that_moves_back_or_across_has_the_same_extensions(void **stat
 
 static void a_funnel_loses_an_extension_on_each_side(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < 4; k++) {
         const double angle = angles[k] * degree, sine = sin(angle);
         scene s;
@@ -359,7 +342,6 @@ static void a_lane_is_narrower_by_what_its_guides_cost(void **state)
 {
     const frictions rough = { 0.45, 0.4, 0.4, 1.0 };
 
-    (void)state;
     for (size_t k = 0; tips[k] < 0.5; k++)
         for (int n = 1; n <= 2; n++) {
             const double at = tips[k], sine = sin(60.0 * degree), to = n == 1 ? 1.0 : 1.0 - at;
@@ -383,7 +365,6 @@ static void a_lane_is_narrower_by_what_its_guides_cost(void **state)
 
 static void a_free_plate_goes_on_at_both_ends(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < sizeof angles / sizeof *angles; k++) {
         const double angle = angles[k] * degree, sine = sin(angle);
         scene s;
@@ -396,7 +377,6 @@ static void a_free_plate_goes_on_at_both_ends(void **state)
 
 static void only_the_last_piece_of_a_bent_plate_counts(void **state)
 {
-    (void)state;
     const double sine = sin(50.0 * degree);
     const vec2 bend = { 1.0, 0.3 }, tip = beyond(bend, 0.2, 50.0 * degree);
     const vec2 path[] = { { 1.0, 0.0 }, bend, tip };
@@ -409,7 +389,6 @@ static void only_the_last_piece_of_a_bent_plate_counts(void **state)
 // From wall to wall, and two plates that meet in the middle.
 static void an_end_at_a_wall_or_at_another_plate_has_no_extension(void **state)
 {
-    (void)state;
     scene s;
     make_belt(&s, 0.01, (vec2){ speed, 0.0 });
     add_plate(&s, (vec2){ 0.8, 0.0 }, (vec2){ 1.3, 1.0 });
@@ -425,7 +404,6 @@ static void beside_an_open_edge_only_the_end_costs(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, 0.01, (vec2){ speed, 0.0 });
     s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
     add_plate(&s, (vec2){ 1.0, 0.0 }, (vec2){ 1.0, 0.4 });
@@ -437,7 +415,6 @@ static void a_guide_is_opposite_like_a_wall(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, 0.01, (vec2){ speed, 0.0 });
     s.micro.wall_friction = 0.8;
     add_plate(&s, (vec2){ 1.0, 0.0 }, (vec2){ 1.0, 0.4 });
@@ -454,7 +431,6 @@ static void a_guide_is_opposite_like_a_wall(void **state)
 
 static void beside_a_belt_that_does_not_move_plates_do_not_go_on(void **state)
 {
-    (void)state;
     static const vec2 elsewhere[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 1.0 }, { 0.0, 1.0 } };
     scene s;
     helper_scene_belt(&s, 2.0, 1.0, 0.01, &somewhere, 1);
@@ -467,7 +443,6 @@ static void beside_a_belt_that_does_not_move_plates_do_not_go_on(void **state)
 // Where nothing is partly closed, faces are open or closed as in the other closure; velocities are those of open faces.
 static void a_face_is_closed_where_its_aperture_is_zero(void **state)
 {
-    (void)state;
     scene s;
     velocity_field *f = NULL;
     size_t n_partly = 0;
@@ -542,7 +517,6 @@ static void nothing_passes_between_a_plate_and_its_extension(void **state)
 {
     const double cell = 0.004, far = 1.0;
 
-    (void)state;
     for (double turned = 0.0; turned < 90.0; turned += 10.0)
         for (double angle = 45.0; angle <= 90.0; angle += 15.0)
             for (int k = 0; k < 16; k++) {

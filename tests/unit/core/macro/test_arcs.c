@@ -6,14 +6,9 @@
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define INNER     0.2
 #define OUTER     0.6
@@ -111,7 +106,6 @@ static void the_field_of_an_arc_is_free_of_divergence_and_crosses_no_border_and_
 {
     world w;
 
-    (void)state;
     make_scene(&w.s, 0.0, 360.0, 0.013, SCENE_CONGESTED, SCENE_SCHEME_ROE);
     add_rail(&w.s, 0.47, 90);
     start(&w, half_full, 1);
@@ -143,7 +137,6 @@ static void no_cell_of_an_arc_is_emptied_in_a_step_wherever_its_rails_stand(void
     static const double rails[] = { OUTER, OUTER - 0.003, OUTER - 0.02, INNER + 0.012, 0.52, 0.4 };
     double largest = 0.0;
 
-    (void)state;
     for (size_t k = 0; k < sizeof cells / sizeof *cells; k++)
         for (size_t m = 0; m < sizeof rails / sizeof *rails; m++) {
             world w;
@@ -182,7 +175,6 @@ static void check_uniform(scene_closure closure, scene_scheme scheme, double to,
 // beside the borders.
 static void a_uniform_density_stays_uniform_on_a_ring(void **state)
 {
-    (void)state;
     for (int k = 0; k < 2; k++) {
         const double to = k == 0 ? 360.0 : -360.0;
         check_uniform(SCENE_CONGESTED, SCENE_SCHEME_ROE, to, 1e-12);
@@ -197,7 +189,6 @@ static void a_packed_ring_turns_with_its_belt_and_falls_nowhere(void **state)
 {
     world w;
 
-    (void)state;
     make_scene(&w.s, 0.0, 360.0, 0.02, SCENE_CONGESTED, SCENE_SCHEME_ROE);
     add_rail(&w.s, INNER, 36);
     add_rail(&w.s, OUTER, 36);
@@ -270,7 +261,6 @@ static double error_on_belt(double cell)
 
 static void a_heap_comes_back_after_a_turn_as_precisely_as_it_moves_on_a_straight_belt(void **state)
 {
-    (void)state;
     const double ring = error_on_ring(0.028), finer = error_on_ring(0.014);
     const double belt = error_on_belt(0.028), finer_belt = error_on_belt(0.014);
 
@@ -301,7 +291,6 @@ static void a_queue_on_an_arc_grows_with_the_speed_of_its_shock(void **state)
 {
     world w;
 
-    (void)state;
     make_scene(&w.s, 0.0, 90.0, 0.01, SCENE_CONGESTED, SCENE_SCHEME_ROE);
     w.s.domain = (scene_rect){ 0.0, 0.7, 0.0, 0.7 };
     w.s.edges[SCENE_WEST] = SCENE_EDGE_WALL;
@@ -338,7 +327,6 @@ static uint64_t digest_of_run(int n_threads, int n_first)
 
 static void threads_and_resumes_change_no_bit_on_an_arc(void **state)
 {
-    (void)state;
     const uint64_t digest = digest_of_run(1, 0);
 
     for (int n_threads = HELPER_AMOUNT(2, 3); n_threads <= 3; n_threads++)

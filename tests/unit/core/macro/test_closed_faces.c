@@ -7,11 +7,7 @@
 #include "core/base/random.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
 
@@ -67,7 +63,6 @@ static void nothing_is_linked_across_a_closed_line(void **state)
     static const double cells[] = { 0.05, 0.02, 0.01, 0.005 };
     bf_random random;
 
-    (void)state;
     random_init(&random, 2);
     for (int round = 0; round < 600; round++) {
         double cell = cells[round % 4];
@@ -107,7 +102,6 @@ static void no_way_leads_behind_a_line_from_wall_to_wall(void **state)
     static const double cell = 0.01;
     bf_random random;
 
-    (void)state;
     random_init(&random, 4);
     for (int round = 0; round < 300; round++) {
         // From the south wall to the north one, by way of points that may be centres or faces.
@@ -143,7 +137,6 @@ static void cells_on_the_line_lie_upstream_and_are_not_cut_off(void **state)
     // 45 degrees through the diagonal of cells: their centres are on the line to rounding.
     scene s;
 
-    (void)state;
     for (int reversed = 0; reversed < 2; reversed++) {
         vec2 path[] = { { 0.2, 0.0 }, { 0.5, 0.3 } };
         vec2 swapped[] = { path[1], path[0] };
@@ -168,7 +161,6 @@ static void a_line_along_faces_shuts_just_these(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 90.0, SCENE_SEALED);
     velocity_field *f = helper_macro_field(&s);
     size_t n1 = f->grid.n1, n2 = f->grid.n2;
@@ -188,7 +180,6 @@ static void the_papers_field_shuts_nothing_but_walls(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_FIELD);
     velocity_field *f = helper_macro_field(&s);
     for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++)
@@ -201,7 +192,6 @@ static void open_edges_carry_and_walls_do_not(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.05, &somewhere, 1);
     helper_scene_add_belt(&s, (vec2){ 0.3, 0.1 }, NULL, 0);
     s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;

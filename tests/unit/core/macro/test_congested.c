@@ -9,17 +9,12 @@
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
 static const scene_rect everywhere = { -10.0, 10.0, -10.0, 10.0 };
@@ -92,7 +87,6 @@ static void check_free_cargo(vec2 velocity)
 
 static void free_cargo_is_carried_and_nothing_else(void **state)
 {
-    (void)state;
     check_free_cargo((vec2){ 0.4, 0.0 });
     check_free_cargo((vec2){ 0.3, 0.2 });
     check_free_cargo((vec2){ 0.0, 0.4 });
@@ -154,7 +148,6 @@ static void check_compaction(double density, double jam_density)
 
 static void a_jam_at_a_wall_grows_by_what_arrives(void **state)
 {
-    (void)state;
     check_compaction(0.2, 0.9);
     check_compaction(0.45, 0.9);
     check_compaction(0.35, 0.7);
@@ -165,7 +158,6 @@ static const double most_density = 1.1;
 
 static void mass_is_conserved_in_a_closed_box(void **state)
 {
-    (void)state;
     for (int axis = 0; axis < 2; axis++) {
         scene s;
         helper_congested_saturated(&s, 60.0);
@@ -206,7 +198,6 @@ static void mass_is_conserved_in_cells_that_are_not_square(void **state)
 {
     static const vec2 velocities[] = { { 0.395, 0.0 }, { 0.28, -0.28 }, { 0.0, 0.395 } };
 
-    (void)state;
     for (size_t k = 0; k < sizeof velocities / sizeof *velocities; k++) {
         scene s;
         helper_congested_saturated(&s, 60.0);
@@ -232,7 +223,6 @@ static void a_jam_grows_alike_in_cells_that_are_not_square(void **state)
                  speed = density * 0.395 / (jam_density - density);
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 0.08, 1.2, 0.01, &somewhere, 1);
     s.macro.closure = SCENE_CONGESTED;
     s.macro.jam_density = jam_density;
@@ -300,7 +290,6 @@ static void check_outlet(void (*make)(scene *s, double angle_deg), double angle_
 
 static void what_is_not_on_the_belt_has_left_over_its_end(void **state)
 {
-    (void)state;
     check_outlet(helper_congested_example, 60.0);
     check_outlet(helper_congested_example, 90.0);
     check_outlet(helper_congested_saturated, 60.0);
@@ -347,7 +336,6 @@ static void check_thin_stream(scene_scheme scheme)
 
 static void a_thin_stream_lies_against_a_plate(void **state)
 {
-    (void)state;
     check_thin_stream(SCENE_SCHEME_ROE);
     check_thin_stream(SCENE_SCHEME_MUSCL);
 }
@@ -386,7 +374,6 @@ static void nothing_of_a_heap_stays_beside_a_plate(void **state)
 {
     const double angles_deg[] = { 30.0, 45.0, 52.0, 60.0, 75.0 };
 
-    (void)state;
     for (int k = 0; k < 5; k++)
         check_last_of_heap(angles_deg[k], k % 2 != 0);
 }
@@ -400,7 +387,6 @@ static void plates_may_begin_and_end_at_open_sides(void **state)
     const vec2 rising[] = { { 0.0, 0.0 }, { 0.4, 0.4 } },
                falling[] = { { 0.02, 0.38 }, { 0.38, 0.02 } };
 
-    (void)state;
     for (size_t k = 0; k < 5; k++) {
         scene s;
         helper_scene_belt(&s, 0.4, 0.4, 0.01, &somewhere, 1);
@@ -457,7 +443,6 @@ static void what_comes_onto_another_belt_is_braked_less_than_slip_by_slip(void *
 {
     const vec2 first[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 0.1 }, { 0.0, 0.1 } };
 
-    (void)state;
     check_transfer(first, 4);
     check_transfer(NULL, 0);
 }
@@ -496,7 +481,6 @@ static void what_is_pushed_against_a_closed_end_leaves_over_every_cell_of_open_s
     const vec2 directions[] = { { 0.4, 0.0 }, { -0.4, 0.0 }, { 0.0, 0.4 }, { 0.0, -0.4 } };
     const size_t n[] = { 31, 32, 33 }; // cells 31 and 32 of a row are in different units
 
-    (void)state;
     for (size_t k = 0; k < 4; k++)
         for (size_t m = 0; m < 3; m++)
             check_open_sides(directions[k], n[m]);
@@ -505,7 +489,6 @@ static void what_is_pushed_against_a_closed_end_leaves_over_every_cell_of_open_s
 // Plates from wall to wall; the belt moves straight or obliquely.
 static void nothing_leaks_through_a_plate_that_closes_the_belt(void **state)
 {
-    (void)state;
     static const double angles[] = { 35.0, 60.0, 90.0, 120.0 };
     for (size_t k = 0; k < 2 * sizeof angles / sizeof *angles; k += HELPER_AMOUNT(1, 3)) {
         const double angle = angles[k / 2] * M_PI / 180.0;
@@ -604,7 +587,6 @@ static const double left_of_density = 3e-3;
 // and what leaves by as much as the iteration leaves of the densities at the outlet.
 static void a_mirrored_scene_gives_the_mirrored_density(void **state)
 {
-    (void)state;
     check_image(0.51, false, left_of_density, 1e-5);
     check_image(0.5, false, 0.1, 1e-4);
 }
@@ -612,7 +594,6 @@ static void a_mirrored_scene_gives_the_mirrored_density(void **state)
 // The belt along +x2 is computed by the laws for any direction, which are coupled.
 static void a_belt_along_the_other_axis_gives_the_transposed_density(void **state)
 {
-    (void)state;
     check_image(0.51, true, left_of_density, 1e-5);
     check_image(0.5, true, left_of_density, 1e-5);
 }
@@ -621,7 +602,6 @@ static void a_belt_along_the_other_axis_gives_the_transposed_density(void **stat
 // rho_j on it grows without bound.
 static void cargo_without_a_way_out_fails_with_place_and_time(void **state)
 {
-    (void)state;
     scene s;
     bf_error err = { 0 };
     make_column(&s, 0.9);
@@ -650,7 +630,6 @@ static void an_unstable_step_is_refused(void **state)
     macro_solver *solver = NULL;
     bf_error err = { 0 };
 
-    (void)state;
     helper_congested_example(&s, 45.0);
     assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
     macro_def def = helper_macro_def(&s, f);
@@ -671,7 +650,6 @@ static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 {
     scene s;
 
-    (void)state;
     helper_congested_example(&s, 60.0);
     helper_macro_lack_memory(&s);
     scene_fini(&s);

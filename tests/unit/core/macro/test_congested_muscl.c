@@ -5,17 +5,12 @@
 #include "core/base/buffer.h"
 #include "core/macro/macro.h"
 #include "tests/unit/core/helper_macro.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { MANY = 5 }; // threads that divide no number of rows here
 
@@ -146,7 +141,6 @@ static double error_after_40_cm(scene_scheme scheme)
 
 static void a_heap_on_a_free_belt_keeps_its_shape(void **state)
 {
-    (void)state;
     assert_true(error_after_40_cm(SCENE_SCHEME_ROE) > 0.12);
     assert_true(error_after_40_cm(SCENE_SCHEME_MUSCL) < 0.006);
 }
@@ -170,7 +164,6 @@ static double error_at(size_t refinement)
 
 static void what_is_not_packed_is_carried_with_second_order(void **state)
 {
-    (void)state;
     const double coarse = error_at(1), fine = error_at(2);
 
     assert_true(log2(coarse / fine) >= 1.8);
@@ -203,7 +196,6 @@ static void put_random_field(const world *w, double most)
 // Without a pressure both closures are d(rho)/dt + div(rho v_stat) = 0, by the same states and order of sums.
 static void where_nothing_is_packed_both_closures_give_the_same_bits(void **state)
 {
-    (void)state;
     for (unsigned seed = 1; seed <= 4; seed++) {
         world w;
         srand(seed);
@@ -240,7 +232,6 @@ static void put_jam(world *w)
 
 static void a_jam_loses_no_mass_and_no_density_is_negative(void **state)
 {
-    (void)state;
     world w;
 
     make_world(&w, 90, 40, 1e-2, 0.4);
@@ -270,7 +261,6 @@ static void a_jam_loses_no_mass_and_no_density_is_negative(void **state)
 // A wall across the whole belt: in front of it a jam, behind it nothing, at any time.
 static void nothing_leaks_through_a_closed_wall(void **state)
 {
-    (void)state;
     world w;
 
     make_world(&w, 60, 30, 1e-2, 0.4);
@@ -291,7 +281,6 @@ static void nothing_leaks_through_a_closed_wall(void **state)
 
 static void any_number_of_threads_gives_the_same_bits(void **state)
 {
-    (void)state;
     world w;
 
     make_world(&w, 90, 41, 1e-2, 0.4);
@@ -339,7 +328,6 @@ static void check_tail(scene_closure closure, scene_scheme scheme)
 
 static void a_tail_is_never_subnormal_and_has_the_same_bits_for_any_number_of_threads(void **state)
 {
-    (void)state;
     volatile double least = DBL_MIN;
 
     check_tail(SCENE_CONGESTED, SCENE_SCHEME_ROE);
@@ -350,7 +338,6 @@ static void a_tail_is_never_subnormal_and_has_the_same_bits_for_any_number_of_th
 
 static void a_run_that_is_resumed_has_the_same_bits(void **state)
 {
-    (void)state;
     world w;
     bf_buffer bytes = { 0 };
 
@@ -376,7 +363,6 @@ static void a_run_that_is_resumed_has_the_same_bits(void **state)
 // and the step half of it. A longer step is refused.
 static void the_bound_is_that_of_a_cell_that_empties_through_all_its_faces(void **state)
 {
-    (void)state;
     enum { N = 9, MIDDLE = 4 };
     world w;
     macro_solver *s = NULL;

@@ -7,15 +7,10 @@
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define X(suffix) extern const congested_kernels congested__kernels_##suffix;
 CPU_EACH_BUILD(X)
@@ -59,7 +54,6 @@ static void any_number_of_threads_gives_the_same_bits(void **state)
     static const int numbers[] = { 2, 3, 7 };
     const int n_steps = HELPER_AMOUNT(10, 4);
 
-    (void)state;
     for (int kind = 0; kind < SCENES; kind++) {
         scene s;
         bf_buffer saved = { 0 };
@@ -88,7 +82,6 @@ static void every_instruction_set_gives_the_same_bits(void **state)
 #undef X
     };
 
-    (void)state;
     for (int kind = 0; kind < SCENES; kind++) {
         scene s;
         uint64_t digest = 0;
@@ -110,7 +103,6 @@ static void a_run_resumed_in_a_jam_goes_on_with_the_same_bits(void **state)
 {
     static const int stops[] = { 1, 60, 75, 120, 145 };
 
-    (void)state;
     for (int kind = 0; kind < SCENES; kind++) {
         scene s;
         make_scene(&s, kind);
@@ -145,7 +137,6 @@ static void a_damaged_state_is_refused(void **state)
     scene s;
     bf_buffer saved = { 0 };
 
-    (void)state;
     make_scene(&s, 1);
     macro_solver *solver = helper_macro_start(&s, 1);
     helper_macro_advance(solver, 50);
@@ -213,7 +204,6 @@ static void check_pause(vec2 velocity)
 
 static void a_stop_and_go_is_the_same_run_later(void **state)
 {
-    (void)state;
     if (!HELPER_AMOUNT_IS_LESS)
         check_pause((vec2){ 0.395, 0.0 });
     check_pause((vec2){ 0.35, 0.15 });
@@ -221,7 +211,6 @@ static void a_stop_and_go_is_the_same_run_later(void **state)
 
 static void nothing_is_lost_in_a_closed_box_whatever_the_belts_do(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < SCENES; kind++) {
         scene s;
         make_scene(&s, kind);

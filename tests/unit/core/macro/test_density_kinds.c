@@ -9,15 +9,10 @@
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { STEPS = HELPER_AMOUNT(80, 40), KINDS = 3 };
 
@@ -119,7 +114,6 @@ static void check_jam(bool is_oblique, size_t n_kinds)
 
 static void each_kind_keeps_its_mass_and_the_density_its_bits(void **state)
 {
-    (void)state;
     check_jam(false, 2);
     check_jam(true, 2);
     check_jam(true, 3);
@@ -148,7 +142,6 @@ static void a_change_of_kinds_goes_with_the_belt_and_stays_a_few_cells_wide(void
 {
     scene s;
     const double way = 1.0;
-    (void)state;
     macro_solver *solver = start_stripes(&s, SCENE_EDGE_OUTFLOW, 0.3, 0.2, 0.5);
     const double speed = s.belts[0].velocity.x, dt = scene_macro_step(&s);
     const int n_steps = (int)floor(way / (speed * dt));
@@ -178,7 +171,6 @@ static void kinds_in_a_queue_that_stands_do_not_mix(void **state)
     scene s;
     double before[200];
 
-    (void)state;
     macro_solver *solver = start_stripes(&s, SCENE_EDGE_WALL, 0.93, 0.8, 1.1);
     helper_macro_advance(solver, 400);
     for (size_t i = 0; i < 200; i++)
@@ -195,7 +187,6 @@ static void threads_and_a_checkpoint_change_no_bit(void **state)
     scene s;
     bf_buffer saved = { 0 };
 
-    (void)state;
     make_jam(&s, true);
     macro_solver *one = create(&s, 2, 1), *three = create(&s, 2, 3), *resumed = create(&s, 2, 2);
     fill(&s, one);
@@ -226,7 +217,6 @@ static void what_is_added_and_taken_has_its_kinds(void **state)
 {
     scene s;
 
-    (void)state;
     macro_solver *solver = start_stripes(&s, SCENE_EDGE_OUTFLOW, 0.2, 5.0, 6.0);
     macro_add(solver, 10, 0.6, (double[]){ 0.5, 0.5 });
     assert_true(fabs(macro_fractions(solver, 10)[1] - 0.3 / 0.8) < 1e-15);

@@ -3,16 +3,11 @@
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
 #include "tests/unit/core/helper_macro.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { N1 = 60, N2 = 24, CELLS = N1 * N2, FACES1 = (N1 + 1) * N2, FACES2 = N1 * (N2 + 1) };
 
@@ -82,7 +77,6 @@ static double centre(const macro_solver *s)
 // Upwinding moves the first moment by exactly v dt a step while nothing is saturated.
 static void loose_cargo_rides_the_belt(void **state)
 {
-    (void)state;
     world *w = make_world();
     fill(w, 8, 16, 4, 20, 0.6);
     macro_solver *s = start(w);
@@ -96,7 +90,6 @@ static void loose_cargo_rides_the_belt(void **state)
 // With dt = dx/v and no dispersion the upwind scheme shifts by exactly one cell a step.
 static void a_step_of_one_cell_shifts_the_density_exactly(void **state)
 {
-    (void)state;
     world *w = make_world();
     w->def.dispersion = 0.0;
     w->def.dt = 0.25;
@@ -147,7 +140,6 @@ static void check_wall(scene_scheme scheme)
 
 static void a_wall_holds_saturated_cargo_and_nothing_leaks(void **state)
 {
-    (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
         check_wall((scene_scheme)scheme);
 }
@@ -155,7 +147,6 @@ static void a_wall_holds_saturated_cargo_and_nothing_leaks(void **state)
 // Below dt = dx / (2 (eps + |v|)) no cell can lose more than it has in either sweep.
 static void density_stays_positive_below_the_bound(void **state)
 {
-    (void)state;
     world *w = make_world();
     close_column(w, 40, 16);
     w->def.dt = 0.999 * edge / (2.0 * (w->def.dispersion + belt));
@@ -194,7 +185,6 @@ static void check_mass(scene_scheme scheme)
 
 static void mass_is_conserved_in_a_closed_box_for_every_heaviside(void **state)
 {
-    (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
         check_mass((scene_scheme)scheme);
 }
@@ -219,7 +209,6 @@ static void check_symmetry(scene_scheme scheme)
 
 static void transported_density_stays_symmetric(void **state)
 {
-    (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
         check_symmetry((scene_scheme)scheme);
 }
@@ -260,7 +249,6 @@ static double advection_error(size_t n)
 
 static void smooth_density_is_carried_with_first_order(void **state)
 {
-    (void)state;
     double coarse = advection_error(800), fine = advection_error(1600);
 
     assert_true(log2(coarse / fine) >= 0.9);
@@ -297,7 +285,6 @@ static void check_threads(scene_scheme scheme)
 
 static void any_number_of_threads_gives_the_same_bits(void **state)
 {
-    (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
         check_threads((scene_scheme)scheme);
 }
@@ -325,7 +312,6 @@ static void check_resuming(scene_scheme scheme)
 
 static void a_saved_solver_goes_on_with_the_same_bits(void **state)
 {
-    (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
         check_resuming((scene_scheme)scheme);
 }
@@ -342,7 +328,6 @@ static bf_status load_into(const world *w, const bf_buffer *saved)
 
 static void a_damaged_state_is_refused(void **state)
 {
-    (void)state;
     world *w = make_world();
     fill(w, 5, 38, 1, 23, 1.3);
     macro_solver *s = start(w);
@@ -366,7 +351,6 @@ static void a_damaged_state_is_refused(void **state)
 // A block of saturated cells disperses in both directions, as grad(eta * rho) demands.
 static void saturated_cargo_spreads_on_a_standing_belt(void **state)
 {
-    (void)state;
     world *w = make_world();
     memset(w->v1, 0, sizeof w->v1);
     fill(w, 28, 32, 8, 16, 1.5);
@@ -397,14 +381,12 @@ static void check_loose_cargo(scene_scheme scheme)
 
 static void cargo_below_close_packing_does_not_disperse(void **state)
 {
-    (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
         check_loose_cargo((scene_scheme)scheme);
 }
 
 static void an_unstable_step_is_refused(void **state)
 {
-    (void)state;
     world *w = make_world();
     macro_solver *s = NULL;
     bf_error err = { 0 };
@@ -417,7 +399,6 @@ static void an_unstable_step_is_refused(void **state)
 
 static void bad_densities_are_refused_and_change_nothing(void **state)
 {
-    (void)state;
     static const double bad[] = { -1e-9, NAN, INFINITY };
     world *w = make_world();
     fill(w, 5, 20, 2, 9, 0.5);
@@ -435,7 +416,6 @@ static void bad_densities_are_refused_and_change_nothing(void **state)
 
 static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 {
-    (void)state;
     world *w = make_world();
     macro_solver *s = NULL;
     bf_status status = BF_ENOMEM;

@@ -8,16 +8,11 @@
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { LENGTH_MAX = 640, WIDTH_MAX = 80, FACES_MAX = (LENGTH_MAX + 1) * (WIDTH_MAX + 1) };
 
@@ -154,7 +149,6 @@ static void compare_with_direct_sum(fixture *s)
 
 static void random_scenes_agree_with_the_direct_sum_on_one_to_three_threads(void **state)
 {
-    (void)state;
     for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
         const scene_scheme scheme = (scene_scheme)k;
         for (unsigned seed = 1; seed <= HELPER_AMOUNT(8, 3); seed++)
@@ -167,7 +161,6 @@ static void random_scenes_agree_with_the_direct_sum_on_one_to_three_threads(void
 
 static void the_other_forms_of_h_agree_with_it_on_one_to_three_threads(void **state)
 {
-    (void)state;
     for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
         const scene_scheme scheme = (scene_scheme)k;
         for (unsigned seed = 21; seed <= HELPER_AMOUNT(23, 21); seed++) {
@@ -180,7 +173,6 @@ static void the_other_forms_of_h_agree_with_it_on_one_to_three_threads(void **st
 
 static void belts_whose_speed_changes_agree_with_it_on_one_to_three_threads(void **state)
 {
-    (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++) {
         for (unsigned seed = HELPER_AMOUNT(51, 54); seed <= 56; seed++) {
             fixture *s = random_fixture(seed, (scene_scheme)scheme,
@@ -223,7 +215,6 @@ static void compare_instruction_sets(unsigned seed, scene_scheme scheme, bool is
 
 static void every_instruction_set_gives_the_same_bits(void **state)
 {
-    (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
         for (unsigned seed = 31; seed <= 34; seed++)
             compare_instruction_sets(seed, (scene_scheme)scheme, seed % 2 != 0);
@@ -232,7 +223,6 @@ static void every_instruction_set_gives_the_same_bits(void **state)
 // The build for narrow grids against the one for any width.
 static void both_builds_give_the_same_bits(void **state)
 {
-    (void)state;
     for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
         const scene_scheme scheme = (scene_scheme)k;
         fixture *s = random_fixture(41, scheme, SCENE_HEAVISIDE_SHARP, SHORT_ROWS);

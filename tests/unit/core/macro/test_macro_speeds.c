@@ -5,16 +5,11 @@
 #include "core/macro/velocity_field.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Where the mass is on average, m.
 static vec2 centre(const macro_solver *s, const bf_grid *g)
@@ -40,7 +35,6 @@ static void loose_cargo_is_displaced_by_the_integral_of_the_speed(void **state)
                             0.25 * (0.5 - 0.55 / 2.4);
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 3.0, 3.0, 0.02, &middle, 1);
     s.duration = 2.0;
     s.output.curve_every = 2.0;
@@ -98,7 +92,6 @@ static void on_a_belt_that_stands_nothing_changes(void **state)
 {
     scene s;
 
-    (void)state;
     make_jam(&s, 1, (double[]){ 1.0 }, (double[]){ 0.0 });
     const bf_grid grid = scene_grid(&s);
     macro_solver *solver = helper_macro_start(&s, 1);
@@ -119,7 +112,6 @@ static void a_stop_and_go_is_the_same_run_later(void **state)
 {
     scene with, without;
 
-    (void)state;
     make_jam(&with, 2, (double[]){ 0.5, 0.75 }, (double[]){ 0.0, 1.0 });
     make_jam(&without, 0, NULL, NULL);
     macro_solver *late = helper_macro_start(&with, 1), *early = helper_macro_start(&without, 1);
@@ -168,7 +160,6 @@ static double largest_gap_of_ramps(double cell)
 
 static void ramps_change_when_a_state_is_reached_and_not_which(void **state)
 {
-    (void)state;
     const double coarse = largest_gap_of_ramps(0.01), fine = largest_gap_of_ramps(0.005);
     assert_true(fine < 0.5 * coarse);
     assert_true(fine < 0.01 * 192.0);
@@ -231,7 +222,6 @@ static void a_right_angle_transfer_follows_both_belts(void **state)
     scene s;
     macro_solver *solver;
 
-    (void)state;
     make_transfer(&s, 0.2, (vec2){ 0.0, 0.3 }, 2.5, density, &solver);
     const bf_grid g = scene_grid(&s);
     helper_macro_advance(solver, 240);
@@ -258,7 +248,6 @@ static void a_drop_in_speed_compresses_by_the_ratio_of_the_speeds(void **state)
     scene s;
     macro_solver *solver;
 
-    (void)state;
     make_transfer(&s, 0.0, (vec2){ 0.32, 0.0 }, 1.5, density, &solver);
     helper_macro_advance(solver, 300);
     const double *row = macro_row(solver, 15);
@@ -288,7 +277,6 @@ static void mass_is_conserved_through_ramps(void **state)
 {
     scene s;
 
-    (void)state;
     make_box(&s);
     macro_solver *solver = helper_macro_start(&s, 1);
     const double mass = macro_measure(solver).mass;
@@ -304,7 +292,6 @@ static void any_number_of_threads_gives_the_same_bits(void **state)
 {
     scene s;
 
-    (void)state;
     make_box(&s);
     macro_solver *one = helper_macro_start(&s, 1);
     helper_macro_advance(one, 600);
@@ -324,7 +311,6 @@ static void a_run_resumed_in_a_ramp_goes_on_with_the_same_bits(void **state)
     static const int stops[] = { 50, 130, 230, 300, 500 };
     scene s;
 
-    (void)state;
     make_box(&s);
     macro_solver *whole = helper_macro_start(&s, 1);
     helper_macro_advance(whole, 600);
@@ -347,7 +333,6 @@ static void a_run_resumed_in_a_ramp_goes_on_with_the_same_bits(void **state)
 // 1 cm in 2^-9 s are 5.12 m/s, for v + eps = 3 * 0.395 m/s times the largest factor, 4.32.
 static void the_largest_factor_bounds_the_step(void **state)
 {
-    (void)state;
     for (int k = 0; k < 2; k++) {
         const double largest = k == 0 ? 4.32 : 4.33;
         scene s;
@@ -370,7 +355,6 @@ static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 {
     scene s;
 
-    (void)state;
     make_box(&s);
     helper_macro_lack_memory(&s);
     scene_fini(&s);

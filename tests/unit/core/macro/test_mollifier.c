@@ -1,21 +1,15 @@
 // Unit tests of the mollifier's weights.
 
 #include "core/macro/mollifier.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static const double sigma = 10000.0, cell = 5e-3;
 
 // 4 standard deviations of 0.01 m are 8 cells of 5 mm, 4 of 0.0316 m are 25.3.
 static void the_weights_end_at_four_standard_deviations(void **state)
 {
-    (void)state;
     assert_int_equal(mollifier_reach(1e4, 5e-3), 8);
     assert_int_equal(mollifier_reach(1e4, 1e-2), 4);
     assert_int_equal(mollifier_reach(1e3, 5e-3), 26);
@@ -25,7 +19,6 @@ static void the_weights_end_at_four_standard_deviations(void **state)
 // The integral weights are the probabilities of the cells in +-(S + 1/2) cells of a normal distribution.
 static void the_integral_weights_sum_to_the_probability_of_the_range(void **state)
 {
-    (void)state;
     mollifier m;
     double sum = 0.0;
     mollifier_init(&m, sigma, cell);
@@ -37,7 +30,6 @@ static void the_integral_weights_sum_to_the_probability_of_the_range(void **stat
 // A telescoping sum: g((S + 1) d) - g(-S d).
 static void the_slopes_sum_to_the_difference_of_the_ends(void **state)
 {
-    (void)state;
     mollifier m;
     double sum = 0.0, g0 = sqrt(sigma / (2.0 * M_PI));
     mollifier_init(&m, sigma, cell);
@@ -52,7 +44,6 @@ static void the_slopes_sum_to_the_difference_of_the_ends(void **state)
 // mass of the Gaussian beyond the cut-off: at 4 standard deviations below 1e-3.
 static void the_gradient_of_a_line_is_its_slope(void **state)
 {
-    (void)state;
     mollifier m;
     double gradient = 0.0;
     mollifier_init(&m, sigma, cell);
@@ -65,7 +56,6 @@ static void the_gradient_of_a_line_is_its_slope(void **state)
 
 static void integral_weights_are_even_and_gradient_weights_odd_about_the_face(void **state)
 {
-    (void)state;
     mollifier m;
     mollifier_init(&m, sigma, cell);
     for (int p = 0; p < m.reach; p++) {

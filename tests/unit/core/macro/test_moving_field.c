@@ -9,16 +9,11 @@
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double degree = M_PI / 180.0;
 
@@ -165,7 +160,6 @@ static void nothing_passes_a_plate_that_sweeps_through_a_heap(void **state)
     static const double times[] = { 0.1, 0.7, 0.9, 1.5 };
     const double angles[] = { 0.0, 30.0 * degree, 30.0 * degree, 0.0 };
 
-    (void)state;
     for (int k = 0; k < KINDS; k++)
         for (int moves = HELPER_AMOUNT(0, 1); moves < 2; moves++) {
             scene s;
@@ -197,7 +191,6 @@ static void a_plate_moves_what_it_sweeps_and_nothing_else(void **state)
     const double angles[] = { 0.0, 30.0 * degree }, density = 0.2;
     scene s;
 
-    (void)state;
     make_box(&s, 0, 0.0, series(2, times, angles));
     model m = start(&s, 1);
     fill(&m, 0.0, 0.8, density);
@@ -239,7 +232,6 @@ static void a_plate_that_is_shifted_moves_what_it_sweeps(void **state)
     static const vec2 across[] = { { 0.4, -0.01 }, { 0.4, 0.31 } };
     const double density = 0.4;
 
-    (void)state;
     for (int k = 0; k < KINDS; k++) {
         scene s;
         make_shifted(&s, k, across, (vec2){ -0.1, 0.0 });
@@ -269,7 +261,6 @@ static void what_a_shifted_plate_pushes_over_an_open_side_leaves(void **state)
 {
     static const vec2 along[] = { { -0.01, 0.1 }, { 0.81, 0.1 } };
 
-    (void)state;
     for (int k = 0; k < KINDS; k++) {
         scene s;
         make_shifted(&s, k, along, (vec2){ 0.0, 0.1 });
@@ -297,7 +288,6 @@ static void where_there_is_no_room_the_plate_stalls(void **state)
     static const double times[] = { 0.1, 0.7 };
     const double angles[] = { 0.0, 20.0 * degree }, part = 0.9;
 
-    (void)state;
     for (int k = 0; k < KINDS; k++) {
         scene s;
         make_box(&s, k, 0.0, series(2, times, angles));
@@ -341,7 +331,6 @@ static void make_diverter(scene *s, int kind)
 
 static void mass_is_conserved_through_ten_swings(void **state)
 {
-    (void)state;
     for (int k = 0; k < KINDS; k++) {
         scene s;
         make_diverter(&s, k);
@@ -367,7 +356,6 @@ static void a_gap_that_closes_is_emptied_at_its_open_end(void **state)
     const double angles[] = { 0.0, -atan2(0.1, 0.3) };
     scene s;
 
-    (void)state;
     make_box(&s, 0, 0.0, series(2, times, angles));
     memcpy(s.obstacles[0].path, path, sizeof path);
     s.obstacles[0].pivot = path[0];
@@ -393,7 +381,6 @@ static void a_gate_holds_cargo_as_long_as_it_is_there(void **state)
 {
     static const double times[] = { 0.0, 0.2, 0.6 }, values[] = { 0.0, 1.0, 0.0 };
 
-    (void)state;
     for (int k = 0; k < KINDS; k++) {
         scene s;
         make_box(&s, k, 0.2, (scene_series){ .repeat = INFINITY });
@@ -436,7 +423,6 @@ static void assert_same_faces(const velocity_field *a, const velocity_field *b)
 // After 0.25 s it rests at 45 degrees to its path, across the belt.
 static void a_plate_that_came_to_rest_has_the_field_of_one_that_stands_there(void **state)
 {
-    (void)state;
     for (int k = 0; k < KINDS; k += 2) {
         scene s, other;
         velocity_field *f = NULL;
@@ -464,7 +450,6 @@ static void a_plate_that_has_been_turned_into_the_belts_direction_holds_nothing_
 {
     scene s;
 
-    (void)state;
     make_diverter(&s, 0);
     s.obstacles[0].path[1].y = 0.0; // along the belt
     assert_near(helper_macro_velocity_at(&s, (vec2){ 0.5, 0.02 }).x, 0.2, 0.0);
@@ -474,7 +459,6 @@ static void a_plate_that_has_been_turned_into_the_belts_direction_holds_nothing_
 
 static void any_number_of_threads_gives_the_same_bits(void **state)
 {
-    (void)state;
     for (int k = 0; k < KINDS; k++) {
         scene s;
         make_diverter(&s, k);
@@ -539,7 +523,6 @@ static void a_run_resumed_in_a_swing_goes_on_with_the_same_bits(void **state)
 {
     static const uint64_t stops[] = { 60, 140, 200 };
 
-    (void)state;
     for (int k = 0; k < KINDS; k++) {
         scene s;
         make_diverter(&s, k);
@@ -574,7 +557,6 @@ static void make_reversing_box(scene *s, int kind)
 
 static void the_field_is_that_of_the_belts_direction_with_the_same_closed_faces(void **state)
 {
-    (void)state;
     for (int k = 0; k < KINDS; k++) {
         scene s, other;
         make_reversing_box(&s, k);
@@ -607,7 +589,6 @@ static void directions_of_belts_come_back_from_a_checkpoint(void **state)
     bf_buffer saved = { 0 };
     scene s;
 
-    (void)state;
     make_reversing_box(&s, 2);
     model m = start(&s, 1), then = start(&s, 1);
     advance(&m, 250);
@@ -628,7 +609,6 @@ static void damaged_places_are_refused(void **state)
     bf_buffer saved = { 0 };
     checkpoint_reader r;
 
-    (void)state;
     make_diverter(&s, 0);
     model m = start(&s, 1);
     save(&m, &saved);
@@ -654,7 +634,6 @@ static void an_obstacle_turns_by_a_cell_in_a_step_at_most(void **state)
 {
     scene s;
 
-    (void)state;
     make_diverter(&s, 0);
     const double radius = 0.2 * sqrt(2.0) + 0.005;
     assert_near(scene_step_turning(&s), 0.01 / (radius * 45.0 * degree / 0.1), 1e-12);
@@ -673,7 +652,6 @@ static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
     scene s;
     bf_status status = BF_ENOMEM;
 
-    (void)state;
     make_diverter(&s, 2);
     bf_world *w = world_of(&s);
     for (size_t n = 1; status != BF_OK; n++) {

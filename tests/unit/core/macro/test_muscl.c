@@ -3,16 +3,11 @@
 
 #include "core/macro/macro.h"
 #include "tests/unit/core/helper_macro.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A square or oblong grid with its arrays, which tests fill before they create the solver. No dispersion.
 typedef struct world {
@@ -86,7 +81,6 @@ static double error_after_40_cm(scene_scheme scheme)
 
 static void a_heap_on_a_free_belt_keeps_its_shape(void **state)
 {
-    (void)state;
     assert_true(error_after_40_cm(SCENE_SCHEME_ROE) > 0.12);
     assert_true(error_after_40_cm(SCENE_SCHEME_MUSCL) < 0.006);
 }
@@ -136,7 +130,6 @@ static double error_in_spiral(size_t n)
 static void smooth_density_is_carried_with_second_order_in_a_field_that_turns_and_widens(
     void **state)
 {
-    (void)state;
     double coarse = error_in_spiral(100), fine = error_in_spiral(200);
 
     assert_true(log2(coarse / fine) >= 1.8);
@@ -146,7 +139,6 @@ static void smooth_density_is_carried_with_second_order_in_a_field_that_turns_an
 // axis after the other would not see that.
 static void a_constant_density_stays_constant_in_a_turning_field(void **state)
 {
-    (void)state;
     enum { N = 40 };
     world w = make_world(N, N, 0.01);
     w.def.dt = 0.02;
@@ -172,7 +164,6 @@ static void a_constant_density_stays_constant_in_a_turning_field(void **state)
 // (1 + theta/2) dt v/dx <= 1, dt v/dx <= 4/7.
 static void blocks_of_cargo_get_no_new_extrema(void **state)
 {
-    (void)state;
     world w = make_world(120, 1, 5e-3);
     w.def.dt = 0.99 * 4.0 / 7.0 * 5e-3 / 0.4;
     // A stage takes the speed along both axes for the bound of stability; across there is none.
@@ -204,7 +195,6 @@ static void assert_nowhere_negative(const macro_solver *s, const bf_grid *g)
 // Below dt = dx / (4 (eps + |v|)) no quarter of a cell can lose more than it has through its face, whatever the field.
 static void density_stays_positive_below_the_bound_in_any_field(void **state)
 {
-    (void)state;
     enum { N1 = 60, N2 = 24 };
     const double speed = 0.4, dispersion = 0.8;
     for (unsigned seed = 1; seed <= 6; seed++) {
@@ -235,7 +225,6 @@ static void density_stays_positive_below_the_bound_in_any_field(void **state)
 // that of stability, beyond which a step is refused.
 static void the_bounds_are_those_of_a_cell_that_empties_through_all_its_faces(void **state)
 {
-    (void)state;
     enum { N = 9, MIDDLE = 4 };
     static const double parts_of_stable[] = { 0.5, 0.75, 1.0 };
     for (int k = 0; k < 3; k++) {
@@ -255,7 +244,6 @@ static void the_bounds_are_those_of_a_cell_that_empties_through_all_its_faces(vo
 
 static void an_unstable_step_is_refused_with_the_largest_stable_one(void **state)
 {
-    (void)state;
     world w = make_world(20, 20, 5e-3);
     macro_solver *s = NULL;
     bf_error err = { 0 };
@@ -276,7 +264,6 @@ static void an_unstable_step_is_refused_with_the_largest_stable_one(void **state
 // sums. The densities stay below 1, so that rounding cannot change H.
 static void a_transposed_scene_gives_the_transposed_density(void **state)
 {
-    (void)state;
     enum { N = 30 };
     world w = make_world(N, N, 5e-3), t = make_world(N, N, 5e-3);
     uint8_t closed1[(N + 1) * N] = { 0 }, closed2[(N + 1) * N] = { 0 };
@@ -318,7 +305,6 @@ static double passed(double t, double belt)
 
 static void cargo_leaves_over_an_open_edge_and_none_comes_in(void **state)
 {
-    (void)state;
     world w = make_world(200, 1, 5e-3);
     w.def.dt = 2.5e-3;
     carry_along_x1(&w, 0.4);
@@ -340,7 +326,6 @@ static void cargo_leaves_over_an_open_edge_and_none_comes_in(void **state)
 // empty, and the full one is as if there were no other.
 static void nothing_is_seen_through_a_closed_face(void **state)
 {
-    (void)state;
     enum { N1 = 24, N2 = 6 };
     world w = make_world(N1, N2, 5e-3);
     uint8_t closed1[(N1 + 1) * N2] = { 0 };

@@ -7,16 +7,11 @@
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double n_parts = 192.0;
 
@@ -70,7 +65,6 @@ static void check_answer(const answer *a, const helper_run_log *log)
 
 static void the_examples_give_the_reference_answers(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_AMOUNT(N_ANSWERS, 3);) {
         const answer *first = &answers[k];
         helper_run_log *log = calloc(1, sizeof *log);
@@ -91,7 +85,6 @@ static void the_examples_give_the_reference_answers(void **state)
 // stands for the step that begins with it: half a step early.
 static void on_a_free_belt_everything_moves_at_belt_speed(void **state)
 {
-    (void)state;
     static const scene_pose poses[] = { { 0.2, 0.1, 0.0 }, { 0.3, 0.2, 0.0 }, { 0.25, 0.3, 0.0 } };
     helper_run_log *log = calloc(1, sizeof *log);
     double integral = 0.0, expected = 0.0;
@@ -130,7 +123,6 @@ static vec2 centre_of_mass(const macro_solver *solver, const bf_grid *g)
 // as its density has not spread beyond the zone.
 static void a_part_slides_along_an_obstacle_at_belt_speed_times_cosine(void **state)
 {
-    (void)state;
     static const double angles_deg[] = { 45.0, 60.0, 75.0, 90.0 };
     for (int k = 0; k < 4; k++) {
         const double angle = angles_deg[k] * M_PI / 180.0;
@@ -188,7 +180,6 @@ static bf_status add_up_mass_behind(void *context, const frame *f, bf_error *err
     static bf_grid grid;
     double *sum = context;
 
-    (void)err;
     if (f->type == FRAME_BEGIN)
         grid = f->begin.grid;
     if (f->type == FRAME_SNAPSHOT)
@@ -200,7 +191,6 @@ static bf_status add_up_mass_behind(void *context, const frame *f, bf_error *err
 // exactly nothing.
 static void nothing_leaks_through_a_closed_barrier(void **state)
 {
-    (void)state;
     static const vec2 bent[] = { { 0.6, 0.0 }, { 0.7, 0.21 }, { 0.74, 0.4 }, { 0.6, 0.6 } };
     static const vec2 straight[] = { { 0.6, 0.0 }, { 0.745, 0.6 } };
     for (int k = 0; k < 4; k++) {
@@ -226,7 +216,6 @@ static void nothing_leaks_through_a_closed_barrier(void **state)
 // Not all cargo passes a deflector across the belt: U levels off above 0 (the paper's Example 2).
 static void a_deflector_across_the_belt_leaves_a_plateau(void **state)
 {
-    (void)state;
     helper_run_log *log = calloc(1, sizeof *log);
     scene s;
     make_example(&s, 90.0, SCENE_SEALED);
@@ -271,7 +260,6 @@ static bf_status count_in_snapshot(void *context, const frame *f, bf_error *err)
 {
     lane_count *lanes = context;
 
-    (void)err;
     if (f->type == FRAME_BEGIN)
         lanes->grid = f->begin.grid;
     // At 0.1 s the middle of the cargo has moved to x = 0.28 m; its middle row is at y = 0.27 m.
@@ -306,7 +294,6 @@ static lane_count lanes_of(scene_heaviside heaviside, double mollifier)
 // farther apart the wider the mollifier is; with H a loose block stays one block.
 static void without_heaviside_loose_cargo_falls_into_lanes(void **state)
 {
-    (void)state;
     lane_count narrow = lanes_of(SCENE_HEAVISIDE_NONE, 1e4);
     lane_count wide = lanes_of(SCENE_HEAVISIDE_NONE, 1e3);
     lane_count sharp = lanes_of(SCENE_HEAVISIDE_SHARP, 1e4);

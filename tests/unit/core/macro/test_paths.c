@@ -7,14 +7,9 @@
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SPEED     0.4
 #define WIDTH     0.4
@@ -95,7 +90,6 @@ static void the_field_of_a_path_crosses_no_border_and_is_free_of_divergence_on_e
 {
     world w;
 
-    (void)state;
     make_s(&w.s, 0.013, SCENE_SCHEME_ROE);
     start(&w, half_full, 1);
     const bf_grid *g = &w.f->grid;
@@ -127,7 +121,6 @@ static void the_field_of_a_path_crosses_no_border_and_is_free_of_divergence_on_e
 // What the joint before it has made denser or less dense has not come there yet.
 static void a_uniform_density_stays_uniform_on_a_straight_that_lies_aslant(void **state)
 {
-    (void)state;
     for (int k = 0; k < 2; k++) {
         world w;
         make_s(&w.s, 0.01, k == 0 ? SCENE_SCHEME_ROE : SCENE_SCHEME_MUSCL);
@@ -155,7 +148,6 @@ static void a_uniform_density_stays_uniform_on_a_straight_that_lies_aslant(void 
 
 static double heap(const scene *s, vec2 at)
 {
-    (void)s;
     return helper_macro_bump(at.x - 0.3, at.y - 0.3, DEVIATION);
 }
 
@@ -205,7 +197,6 @@ static void a_heap_goes_along_an_s_as_precisely_as_it_moves_on_a_straight_belt(v
     const vec2 straight[] = { { 0.0, 0.3 }, { 2.8, 0.3 } };
     const double cell = 0.014;
 
-    (void)state;
     const double s = error_along(s_points, 4, (vec2){ 2.6, 1.4 }, cell, (vec2){ 2.3, 1.07197 });
     const double belt =
         error_along(straight, 2, (vec2){ 2.8, 0.6 }, cell, (vec2){ 0.3 + way_along_s(), 0.3 });
@@ -229,7 +220,6 @@ static void a_queue_on_a_straight_aslant_grows_with_the_speed_of_its_shock(void 
     const vec2 along = { 0.8, 0.6 }, points[] = { { -0.2, -0.0 }, { 1.4, 1.2 } };
     world w;
 
-    (void)state;
     helper_scene_belt(&w.s, 1.2, 1.5, 0.01, (scene_pose[]){ { 0.3, 0.3, 0.0 } }, 1);
     w.s.macro.closure = SCENE_CONGESTED;
     helper_scene_add_path(&w.s, SPEED, WIDTH, RADIUS, points, 2);
@@ -260,7 +250,6 @@ static void a_straight_path_has_the_field_of_a_straight_belt(void **state)
     velocity_field *fields[2];
     scene scenes[2];
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         helper_scene_belt(&scenes[k], 1.4, 0.7, 0.023, (scene_pose[]){ { 0.3, 0.3, 0.0 } }, 1);
         scenes[k].macro.closure = SCENE_CONGESTED;
@@ -298,7 +287,6 @@ static uint64_t digest_of_run(int n_threads, int n_first)
 
 static void threads_and_resumes_change_no_bit_on_a_path(void **state)
 {
-    (void)state;
     const uint64_t digest = digest_of_run(1, 0);
 
     for (int n_threads = HELPER_AMOUNT(2, 3); n_threads <= 3; n_threads++)

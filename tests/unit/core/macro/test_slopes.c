@@ -5,14 +5,9 @@
 #include "core/macro/macro.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define SPEED    0.4
 #define FRICTION 0.3
@@ -84,7 +79,6 @@ static void a_queue_grows_over_slopes_as_on_a_level_belt(void **state)
         { 10.0, 10.0, 10.0 }, { -10.0, -10.0, -10.0 }, { 0.0, 14.0, 0.0 }, { 14.0, -14.0, 5.0 }
     };
 
-    (void)state;
     for (size_t n = 0; n < sizeof inclines / sizeof *inclines; n++) {
         double angles[3];
         world w;
@@ -109,7 +103,6 @@ static void a_queue_presses_less_uphill_and_more_downhill(void **state)
 {
     static const double inclines[] = { 0.0, 10.0, -10.0 };
 
-    (void)state;
     for (size_t n = 0; n < sizeof inclines / sizeof *inclines; n++) {
         const double alpha = inclines[n] * DEGREES;
         enum { FROM = 70, TO = 96, ROW = 4 };
@@ -133,7 +126,6 @@ static void along_a_plate_friction_bears_the_pull(void **state)
     const double theta = 60.0 * DEGREES;
     const vec2 along = { cos(theta), sin(theta) };
 
-    (void)state;
     for (size_t n = 0; n < sizeof inclines / sizeof *inclines; n++) {
         const double alpha = inclines[n] * DEGREES;
         const vec2 path[] = { { 1.0, 0.0 }, { 1.0 + 0.15 * along.x, 0.15 * along.y } };
@@ -178,7 +170,6 @@ static void the_steeper_a_belt_rises_the_less_an_outlet_passes(void **state)
     const double level = passed(0.0, 1, NULL);
     double before = INFINITY;
 
-    (void)state;
     for (int k = 0; k < 4; k++) {
         const double now = passed(inclines[k] * DEGREES, 1, NULL);
         assert_true(now < before && (inclines[k] < 0.0) == (now > level));
@@ -191,7 +182,6 @@ static void threads_change_no_bit_on_slopes(void **state)
 {
     uint64_t digests[2];
 
-    (void)state;
     (void)passed(10.0 * DEGREES, 1, &digests[0]);
     (void)passed(10.0 * DEGREES, 3, &digests[1]);
     assert_true(digests[0] == digests[1]);

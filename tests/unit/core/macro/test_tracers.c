@@ -6,14 +6,9 @@
 #include "core/macro/tracers.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define X(suffix) extern const congested_kernels congested__kernels_##suffix;
 CPU_EACH_BUILD(X)
@@ -60,7 +55,6 @@ static void feed_and_step(const scene *s, macro_solver *solver, const bf_grid *g
 // as much is told to leave as enters, to a portion.
 static void what_is_carried_evenly_leaves_after_the_time_of_travel(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < KINDS; kind++) {
         scene s;
         make_scene(&s, kind, false);
@@ -91,7 +85,6 @@ static void each_lane_has_its_own_time(void **state)
 {
     static const vec2 slow[] = { { 0.0, 0.15 }, { 0.6, 0.15 }, { 0.6, 0.3 }, { 0.0, 0.3 } };
 
-    (void)state;
     for (int kind = 0; kind < KINDS; kind++) {
         scene s;
         size_t n, n_slow = 0, n_fast = 0;
@@ -130,7 +123,6 @@ static void tracers_stay_before_a_plate_that_leaves_no_way(void **state)
 {
     static const vec2 plate[] = { { 0.3, 0.0 }, { 0.4, 0.3 } };
 
-    (void)state;
     for (int kind = 0; kind < KINDS; kind++) {
         scene s;
         size_t n;
@@ -163,7 +155,6 @@ static void tracers_stay_before_a_plate_that_leaves_no_way(void **state)
 // A million portions: at most TRACERS_MOST are inside, and stand for all of them.
 static void tracers_are_bounded(void **state)
 {
-    (void)state;
     scene s;
     size_t n;
     double portion;
@@ -207,7 +198,6 @@ static void threads_instruction_sets_and_stops_do_not_change_a_bit(void **state)
 #undef X
     };
 
-    (void)state;
     for (int kind = 0; kind < KINDS; kind++) {
         scene s;
         bf_buffer saved[STOPS] = { { 0 } };
@@ -242,7 +232,6 @@ static void threads_instruction_sets_and_stops_do_not_change_a_bit(void **state)
 
 static void lack_of_memory_is_an_error_and_nothing_leaks(void **state)
 {
-    (void)state;
     scene s;
     make_scene(&s, 1, true);
     helper_macro_lack_memory(&s);

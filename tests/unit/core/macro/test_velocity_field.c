@@ -9,12 +9,9 @@
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double speed = 0.395; // of the paper's belt, m/s
 static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
@@ -46,7 +43,6 @@ static void assert_sliding(const scene *s, vec2 at, double angle)
 
 static void a_sealed_obstacle_has_an_outward_band_and_then_a_slide_zone(void **state)
 {
-    (void)state;
     for (double angle_deg = 30.0; angle_deg <= 90.0; angle_deg += 15.0) {
         double angle = angle_deg * M_PI / 180.0;
         scene s;
@@ -69,7 +65,6 @@ static void the_papers_field_is_outward_behind_the_line_and_slides_before_it(voi
     double angle = M_PI / 3.0;
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_FIELD); // thickness 0.03, slide zone 0.02
     assert_sliding(&s, beside(60.0, 0.5, 0.0), angle);
     assert_sliding(&s, beside(60.0, 0.5, 0.0199), angle);
@@ -84,7 +79,6 @@ static void a_wall_lets_slide_before_it_and_has_the_belt_behind(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_WALL);
     assert_sliding(&s, beside(60.0, 0.5, 0.0), M_PI / 3.0);
     assert_sliding(&s, beside(60.0, 0.5, 0.0199), M_PI / 3.0);
@@ -97,7 +91,6 @@ static void bands_span_the_length_of_the_line(void **state)
 {
     scene s;
 
-    (void)state;
     for (int treatment = 0; treatment < SCENE_TREATMENT_COUNT; treatment++) {
         helper_scene_example(&s, 60.0, (scene_treatment)treatment);
         assert_velocity(&s, beside(60.0, 1.001, 0.001), speed, 0.0);
@@ -134,7 +127,6 @@ static void borders_belong_to_the_bands_with_the_tolerance(void **state)
         { SCENE_WALL, 0.02 + 1.1e-9, speed },
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scene s;
         helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
@@ -156,7 +148,6 @@ static void the_upstream_side_does_not_depend_on_the_direction_of_the_path(void 
                       down[] = { { 0.5, 0.3 }, { 0.5, 0.0 } };
     scene s;
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
         helper_scene_add_obstacle(&s, k == 0 ? up : down, 2, SCENE_SEALED);
@@ -171,7 +162,6 @@ static void beside_a_guide_the_belt_carries_freely(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
     helper_scene_add_obstacle(&s, (vec2[]){ { 0.2, 0.25 }, { 0.8, 0.25 } }, 2, SCENE_SEALED);
     helper_scene_resolve(&s);
@@ -188,7 +178,6 @@ static void the_outward_band_wins_over_slide_zones_and_the_first_obstacle_over_l
     double half = 0.5 * speed, root = speed / sqrt(2.0);
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
     helper_scene_add_obstacle(&s, across, 2, SCENE_WALL);    // slide zone 0.48 .. 0.5: (0, 0)
     helper_scene_add_obstacle(&s, slanted, 2, SCENE_WALL);   // slide zone: v_T cos 45 along it
@@ -208,7 +197,6 @@ static void the_later_belt_wins_and_nothing_moves_off_the_belts(void **state)
     static const vec2 east[] = { { 0.4, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.4 }, { 0.4, 0.4 } };
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
     helper_scene_add_belt(&s, (vec2){ 0.1, 0.0 }, west, 4);
     helper_scene_add_belt(&s, (vec2){ 0.0, 0.2 }, east, 4);
@@ -228,7 +216,6 @@ static void cargo_crosses_the_border_to_a_belt_that_runs_along_it(void **state)
     static const vec2 west[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 0.5 }, { 0.0, 0.5 } };
     static const vec2 east[] = { { 0.5, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.5 }, { 0.5, 0.5 } };
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         const double v = k == 0 ? 0.3 : -0.3;
         scene s;
@@ -257,7 +244,6 @@ static void faces_know_their_belt_where_a_speed_changes(void **state)
     static const vec2 west[] = { { 0.0, 0.0 }, { 0.6, 0.0 }, { 0.6, 0.4 }, { 0.0, 0.4 } };
     static const vec2 east[] = { { 0.42, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.4 }, { 0.42, 0.4 } };
 
-    (void)state;
     for (int changes = 0; changes < 2; changes++) {
         scene s;
         helper_scene_belt(&s, 1.0, 0.5, 0.05, &somewhere, 1);
@@ -371,7 +357,6 @@ static void the_field_on_a_grid_is_the_plain_rule_at_every_face(void **state)
 {
     bf_random random;
 
-    (void)state;
     random_init(&random, 1);
     for (int round = 0; round < HELPER_AMOUNT(300, 60); round++) {
         scene s;
@@ -394,7 +379,6 @@ static void no_component_exceeds_the_speed_of_the_fastest_belt(void **state)
 {
     bf_random random;
 
-    (void)state;
     random_init(&random, 9);
     for (int round = 0; round < 100; round++) {
         scene s;
@@ -414,7 +398,6 @@ static void without_memory_no_field_is_given_or_lost(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     for (size_t n = 1;; n++) {
         velocity_field *f = (velocity_field *)&s; // poison
@@ -443,7 +426,6 @@ static void what_comes_over_a_gap_within_a_cell_falls_behind_it(void **state)
     static const vec2 first[] = { { 0.0, 0.0 }, { 0.487, 0.0 }, { 0.487, 0.1 }, { 0.0, 0.1 } };
     static const vec2 second[] = { { 0.513, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.1 }, { 0.513, 0.1 } };
 
-    (void)state;
     for (int reverses = 0; reverses < 2; reverses++) {
         scene s;
         helper_scene_belt(&s, 1.0, 0.1, 0.05, &somewhere, 1);

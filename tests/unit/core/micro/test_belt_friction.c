@@ -3,14 +3,9 @@
 #include "core/micro/micro.h"
 #include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define SPEED  0.8  // of the belts, m/s
 #define SLOW   0.1  // mu of the one at y < 0
@@ -75,7 +70,6 @@ static double speed_of(int solver, const scene_shape *shape, double y)
 
 static void a_part_that_slides_gains_speed_by_the_friction_of_its_belt(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         assert_near(speed_of(k, &cylinder, -0.5), SLOW * 9.81 * 0.15, 2e-3);
         assert_near(speed_of(k, &cylinder, 0.5), FAST * 9.81 * 0.15, 4e-3);
@@ -85,7 +79,6 @@ static void a_part_that_slides_gains_speed_by_the_friction_of_its_belt(void **st
 // A box lies lengthwise across both, and does not slip on its way.
 static void a_body_on_two_belts_has_the_mean_of_their_frictions(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++)
         if (helper_micro_solvers[k].path == MICRO_PATH_SPATIAL)
             assert_near(speed_of(k, &box, 0.0), 0.5 * (SLOW + FAST) * 9.81 * 0.15, 0.02);

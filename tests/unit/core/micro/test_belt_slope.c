@@ -4,14 +4,9 @@
 #include "core/scene/belt_slope.h"
 #include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define G       9.81
 #define SPEED   0.4 // of the belt, m/s
@@ -85,7 +80,6 @@ static void what_a_standing_slope_holds_stays(void **state)
 {
     static world w;
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++)
         for (size_t m = 0; m < 2; m++)
             for (double incline = -10.0; incline <= 10.0 && fits(k, shapes[m]); incline += 20.0) {
@@ -102,7 +96,6 @@ static void a_slope_that_holds_carries_at_its_speed(void **state)
 {
     static world w;
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++)
         for (size_t m = 0; m < 2 && fits(k, shapes[m]); m++) {
             double speed, way;
@@ -119,7 +112,6 @@ static void on_a_steeper_slope_parts_slide(void **state)
     const double friction = 0.2, t = 0.2;
     static world w;
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++)
         for (size_t m = 0; m < 2; m++)
             for (double incline = -20.0; incline <= 20.0 && fits(k, shapes[m]); incline += 40.0) {
@@ -141,7 +133,6 @@ static void a_stop_bears_friction_less_the_pull_uphill_and_both_downhill(void **
     static const double inclines[] = { 0.0, 8.0 * DEGREES, -8.0 * DEGREES };
     const double friction = 0.25;
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         double overlaps[3];
         for (int n = 0; n < 3; n++) {

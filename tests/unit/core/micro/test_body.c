@@ -4,14 +4,9 @@
 #include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static const double g = 9.81;
 static const vec3 along_x = { 1.0, 0.0, 0.0 }, along_y = { 0.0, 1.0, 0.0 };
@@ -19,7 +14,6 @@ static const vec3 along_x = { 1.0, 0.0, 0.0 }, along_y = { 0.0, 1.0, 0.0 };
 // The weight m g equals k delta, for any number of contact points: four, three, six or 32.
 static void a_part_that_lies_flat_sinks_by_its_weight_over_the_stiffness(void **state)
 {
-    (void)state;
     double hexagon[6][3], triangle[3][3];
     for (int k = 0; k < 6; k++) {
         hexagon[k][0] = 0.012 * cos(M_PI / 3.0 * k);
@@ -51,7 +45,6 @@ static void a_part_that_lies_flat_sinks_by_its_weight_over_the_stiffness(void **
 // edge, so the force is compared at a given depth.
 static void an_edge_is_half_as_stiff_as_a_face(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.02, 0.02, 0.02));
     body_state *s = helper_body_start(&h);
@@ -65,7 +58,6 @@ static void an_edge_is_half_as_stiff_as_a_face(void **state)
 
 static void a_box_dropped_flat_comes_to_rest_flat_without_spin(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.04, 0.03, 0.02));
     h.poses[0].heading = 0.3;
@@ -87,7 +79,6 @@ static void a_box_dropped_flat_comes_to_rest_flat_without_spin(void **state)
 // On a slope of angle a the law (7) lets a part creep until mu tanh(lambda v) = tan a.
 static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law(void **state)
 {
-    (void)state;
     helper_body h;
     const double slope = M_PI / 6.0, creep = atanh(tan(slope)) / 10.0;
     helper_body_init(&h, helper_body_box(0.04, 0.03, 0.01));
@@ -102,7 +93,6 @@ static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law
 // Above it the part speeds up by g (sin a - mu cos a) once tanh is 1.
 static void above_the_angle_of_friction_a_box_slides(void **state)
 {
-    (void)state;
     helper_body h;
     const double slope = M_PI / 6.0, mu = 0.2;
     helper_body_init(&h, helper_body_box(0.04, 0.03, 0.01));
@@ -119,7 +109,6 @@ static void above_the_angle_of_friction_a_box_slides(void **state)
 // It stands on its rim until its centre is above it: tan a = r / (h/2), 21.8 degrees.
 static void a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond(void **state)
 {
-    (void)state;
     for (int is_beyond = 0; is_beyond <= 1; is_beyond++) {
         helper_body h;
         helper_body_init(&h, helper_body_cylinder(0.012, 0.06));
@@ -138,7 +127,6 @@ static void a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond(void 
 // which case they bounce.
 static void energy_never_grows_without_a_belt(void **state)
 {
-    (void)state;
     bf_random random;
     random_init(&random, 5);
     for (int k = 0; k < 12; k++) {
@@ -167,7 +155,6 @@ static void energy_never_grows_without_a_belt(void **state)
 // at the end of the step, only falls.
 static void a_free_body_conserves_its_angular_momentum_to_the_order_of_the_step(void **state)
 {
-    (void)state;
     double error[2];
     for (int k = 0; k < 2; k++) {
         helper_body h;
@@ -195,7 +182,6 @@ static void a_free_body_conserves_its_angular_momentum_to_the_order_of_the_step(
 // Two boxes collide off centre, so that they turn.
 static void a_free_pair_conserves_its_momentum(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.04, 0.03, 0.02));
     h.def.n_parts = 2;
@@ -227,7 +213,6 @@ static void a_free_pair_conserves_its_momentum(void **state)
 // start: for two boxes face to face and for two cylinders side by side, until the force would become negative.
 static void a_head_on_contact_is_a_damped_oscillator(void **state)
 {
-    (void)state;
     for (int is_cylinder = 0; is_cylinder <= 1; is_cylinder++) {
         helper_body h;
         helper_body_init(&h, is_cylinder ? helper_body_cylinder(0.01, 0.02)
@@ -254,7 +239,6 @@ static void a_head_on_contact_is_a_damped_oscillator(void **state)
 // I w' = -mu r_spin m g tanh(w), solved by sinh w = sinh(w_0) exp(-mu r_spin m g t / I).
 static void spin_on_the_plane_decays_by_its_law(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_cylinder(0.012, 0.008));
     h.def.dt = 1e-6;
@@ -269,7 +253,6 @@ static void spin_on_the_plane_decays_by_its_law(void **state)
 
 static void theta_is_tanh_by_its_argument(void **state)
 {
-    (void)state;
     assert_true(friction_secant(1.0, 1.0, 1.0, 0.0) == 1.0);
     for (double z = 1e-8; z < 1e3; z *= 1.01)
         assert_near(friction_secant(1.0, 1.0, 1.0, z), tanh(z) / z, 1e-12 * tanh(z) / z);
@@ -279,7 +262,6 @@ static void theta_is_tanh_by_its_argument(void **state)
 // t).
 static void a_belt_takes_a_part_up_by_its_law(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.06, 0.05, 0.004));
     h.def.n_belts = 1;
@@ -297,7 +279,6 @@ static void a_belt_takes_a_part_up_by_its_law(void **state)
 // The two halves are on belts with opposite velocities.
 static void a_box_across_two_belts_turns_on_the_spot(void **state)
 {
-    (void)state;
     vec2 half[2][4] = { { { -1.0, 0.0 }, { 1.0, 0.0 }, { 1.0, 1.0 }, { -1.0, 1.0 } },
                         { { -1.0, -1.0 }, { 1.0, -1.0 }, { 1.0, 0.0 }, { -1.0, 0.0 } } };
     helper_body h;
@@ -338,7 +319,6 @@ static double sliding_speed(double angle)
 
 static void a_box_slides_along_a_plate_with_the_speed_of_the_laws(void **state)
 {
-    (void)state;
     const double angle = M_PI / 3.0;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.04, 0.04, 0.006));
@@ -358,7 +338,6 @@ static void a_box_slides_along_a_plate_with_the_speed_of_the_laws(void **state)
 // Half a millimetre of plate, or a wall, against boxes and cylinders that the belt drives on.
 static void nothing_passes_a_thin_plate_or_a_wall(void **state)
 {
-    (void)state;
     const scene_shape shapes[] = { helper_body_box(0.03, 0.02, 0.015),
                                    helper_body_cylinder(0.012, 0.008) };
     for (int k = 0; k < 4; k++) {
@@ -391,7 +370,6 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
 // At the end of a plate the normal is the direction of least depth.
 static void a_box_is_turned_by_the_end_of_a_plate(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.04, 0.04, 0.02));
     h.def.n_belts = h.def.n_obstacles = 1;
@@ -409,7 +387,6 @@ static void a_box_is_turned_by_the_end_of_a_plate(void **state)
 
 static void a_part_that_leaves_over_an_open_edge_is_gone(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.04, 0.04, 0.02));
     h.def.n_belts = 1;
@@ -429,7 +406,6 @@ static void a_part_that_leaves_over_an_open_edge_is_gone(void **state)
 // A tetrahedron has its centre of mass at a quarter of its height, and lies on its face.
 static void a_hull_is_placed_by_its_origin_and_reported_by_its_centre_of_mass(void **state)
 {
-    (void)state;
     double points[4][3] = {
         { 0.0, 0.0, 0.1 }, { 0.04, 0.0, 0.1 }, { 0.0, 0.04, 0.1 }, { 0.0, 0.0, 0.14 }
     };
@@ -450,7 +426,6 @@ static void a_hull_is_placed_by_its_origin_and_reported_by_its_centre_of_mass(vo
 // One on top of the other, both flat: the contact below carries two weights, the one between them one.
 static void boxes_and_cylinders_stack(void **state)
 {
-    (void)state;
     for (int is_cylinder = 0; is_cylinder <= 1; is_cylinder++) {
         helper_body h;
         helper_body_init(&h, is_cylinder ? helper_body_cylinder(0.02, 0.01)
@@ -469,7 +444,6 @@ static void boxes_and_cylinders_stack(void **state)
 
 static void a_cylinder_on_its_side_rolls_without_sliding(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_cylinder(0.02, 0.03));
     body_state *s = helper_body_start(&h);

@@ -3,18 +3,11 @@
 #include "core/micro/body/implicit.h"
 #include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 // Boxes, cylinders and wedges on a belt, at a plate and at walls: batches of all sorts, most of them not full.
 static void all_instruction_sets_give_the_same_bits(void **state)
 {
-    (void)state;
     uint64_t expected = 0;
     for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
         helper_body h;
@@ -34,7 +27,6 @@ static void all_instruction_sets_give_the_same_bits(void **state)
 // Boxes that overlap a free plate are all pushed off it.
 static void a_part_with_more_neighbours_than_colours_has_impulses_of_all(void **state)
 {
-    (void)state;
     enum { ROWS = 8, COLUMNS = 10, N = 1 + ROWS * COLUMNS };
     scene_pose poses[N] = { 0 };
     uint32_t kinds[N] = { 0 };

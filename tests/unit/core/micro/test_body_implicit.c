@@ -4,14 +4,9 @@
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static const double g = 9.81, speed = 0.395; // m/s2, m/s
 static const double mass = 0.03;             // kg
@@ -27,7 +22,6 @@ static void begin(helper_body *h, scene_shape shape, double dt)
 // The weight m g equals k delta; the kinetic energy is that of the belt's speed, up to rounding.
 static void a_part_rests_flat_on_the_belt_and_goes_with_it(void **state)
 {
-    (void)state;
     const scene_shape shapes[] = { helper_body_box(0.04, 0.03, 0.02),
                                    helper_body_cylinder(0.012, 0.008) };
     for (int k = 0; k < 2; k++) {
@@ -64,7 +58,6 @@ static body_state *slide(helper_body *h, double slope, double friction, double d
 // On a slope of angle a the law (7) lets a part creep until mu tanh(lambda v) = tan a.
 static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law(void **state)
 {
-    (void)state;
     helper_body h;
     const double slope = M_PI / 6.0, creep = atanh(tan(slope)) / 10.0;
     body_state *s = slide(&h, slope, 1.0, 2e-3);
@@ -78,7 +71,6 @@ static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law
 // Above it the part speeds up by g (sin a - mu cos a) once tanh is 1.
 static void above_the_angle_of_friction_a_box_slides(void **state)
 {
-    (void)state;
     helper_body h;
     const double slope = M_PI / 6.0, mu = 0.2;
     body_state *s = slide(&h, slope, mu, 2e-3);
@@ -92,7 +84,6 @@ static void above_the_angle_of_friction_a_box_slides(void **state)
 // v' = mu g tanh(lambda (v_T - v)): sinh(lambda u) = sinh(lambda v_T) exp(-mu g lambda t).
 static void a_belt_takes_a_part_up_by_its_law_with_order_1(void **state)
 {
-    (void)state;
     const double exact = asinh(sinh(10.0 * speed) * exp(-g * 10.0 * 0.03)) / 10.0;
     double coarser = 0.0;
     for (double dt = 1e-3; dt > 0.2e-3; dt *= 0.5) {
@@ -159,7 +150,6 @@ static void check_order(scene_shape shape, double damping, double t)
 
 static void a_head_on_contact_nears_the_damped_oscillator_with_order_1(void **state)
 {
-    (void)state;
     const scene_shape shapes[] = { helper_body_box(0.02, 0.03, 0.02),
                                    helper_body_cylinder(0.01, 0.02) };
     for (int k = 0; k < 2; k++) {
@@ -171,7 +161,6 @@ static void a_head_on_contact_nears_the_damped_oscillator_with_order_1(void **st
 // With m/2d = 0.13 ms a step of 2 ms spans the impact; the remaining overlap decays with d/k.
 static void a_step_far_longer_than_the_impact_gives_the_overlap_after_it(void **state)
 {
-    (void)state;
     const scene_shape shapes[] = { helper_body_box(0.02, 0.03, 0.02),
                                    helper_body_cylinder(0.01, 0.02) };
     for (int k = 0; k < 2; k++) {
@@ -183,7 +172,6 @@ static void a_step_far_longer_than_the_impact_gives_the_overlap_after_it(void **
 // It stands on its rim until its centre is above it: tan a = r / (h/2), 21.8 degrees.
 static void a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond(void **state)
 {
-    (void)state;
     for (int is_beyond = 0; is_beyond <= 1; is_beyond++) {
         helper_body h;
         begin(&h, helper_body_cylinder(0.012, 0.06), 1e-3);
@@ -201,7 +189,6 @@ static void a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond(void 
 // Boxes fall on their corners with spin.
 static void energy_never_grows_without_a_belt(void **state)
 {
-    (void)state;
     const double steps[] = { 2e-4, 5e-4, 1e-3 };
     bf_random random;
     random_init(&random, 5);
@@ -247,7 +234,6 @@ static body_state *make_groups(helper_body *h, double dt)
 
 static void free_jams_lose_energy_and_conserve_their_momentum(void **state)
 {
-    (void)state;
     const double steps[] = { 2e-4, 1e-3, 2e-3 };
     for (int k = 0; k < 3; k++) {
         helper_body h;
@@ -269,7 +255,6 @@ static void free_jams_lose_energy_and_conserve_their_momentum(void **state)
 // Two boxes collide off centre, so that they turn.
 static void a_free_pair_conserves_its_momentum(void **state)
 {
-    (void)state;
     helper_body h;
     begin(&h, helper_body_box(0.04, 0.03, 0.02), 2e-4);
     h.def.n_parts = 2;
@@ -298,7 +283,6 @@ static void a_free_pair_conserves_its_momentum(void **state)
 // Half a millimetre of plate, or a wall, against boxes and cylinders that the belt drives on.
 static void nothing_passes_a_thin_plate_or_a_wall(void **state)
 {
-    (void)state;
     const scene_shape shapes[] = { helper_body_box(0.03, 0.02, 0.015),
                                    helper_body_cylinder(0.012, 0.008) };
     for (int k = 0; k < 4; k++) {
@@ -330,7 +314,6 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
 // One on top of the other, both flat: the contact below carries two weights, the one between them one.
 static void boxes_and_cylinders_stack(void **state)
 {
-    (void)state;
     for (int is_cylinder = 0; is_cylinder <= 1; is_cylinder++) {
         helper_body h;
         begin(&h,
@@ -351,7 +334,6 @@ static void boxes_and_cylinders_stack(void **state)
 // The mean over time of the difference of U(t) stays below 1 % of N.
 static void upright_cylinders_do_as_on_the_planar_path(void **state)
 {
-    (void)state;
     enum { SAMPLES = HELPER_AMOUNT(70, 20) };
     const double steps[] = { 2e-4, 5e-4, 1e-3 };
     for (int k = 0; k < HELPER_AMOUNT(3, 1); k++) {
@@ -371,7 +353,6 @@ static void upright_cylinders_do_as_on_the_planar_path(void **state)
 
 static void boxes_do_as_with_explicit_steps(void **state)
 {
-    (void)state;
     enum { SAMPLES = HELPER_AMOUNT(70, 20) };
     helper_body h;
     double explicit[SAMPLES], implicit[SAMPLES];

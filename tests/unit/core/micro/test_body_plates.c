@@ -2,14 +2,9 @@
 
 #include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 // A box that the belt drives against a plate and along it, over the middle of its path.
 static uint64_t digest_of_slide(bool has_point_between)
@@ -37,7 +32,6 @@ static uint64_t digest_of_slide(bool has_point_between)
 
 static void a_point_on_a_straight_path_changes_nothing(void **state)
 {
-    (void)state;
     assert_true(digest_of_slide(true) == digest_of_slide(false));
 }
 
@@ -74,7 +68,6 @@ static vec3 force_at_tip(size_t n_points)
 // With two points there is only the plate below the tip.
 static void the_outer_side_of_a_bend_acts_once(void **state)
 {
-    (void)state;
     vec3 one = force_at_tip(2), both = force_at_tip(3);
     assert_true(one.x < 0.0);
     assert_near(both.x, one.x, 1e-9 * fabs(one.x));
@@ -103,7 +96,6 @@ static vec3 force_on_corner(double along, bool is_bent)
 
 static void a_corner_presses_the_plate_that_it_is_on(void **state)
 {
-    (void)state;
     const double places[] = { 0.03, 0.01 };
 
     for (int k = 0; k < 2; k++) {
@@ -118,7 +110,6 @@ static void a_corner_presses_the_plate_that_it_is_on(void **state)
 // degrees off and below which the corner is 0.8 % less deep.
 static void a_corner_at_a_joint_is_held(void **state)
 {
-    (void)state;
     vec3 force = force_on_corner(1e-6, true), known = force_on_corner(1e-6, false);
 
     assert_true(vec3_dot(force, known) >= 0.95 * vec3_dot(known, known));
@@ -128,7 +119,6 @@ static void a_corner_at_a_joint_is_held(void **state)
 // its own, towards the corner, where the two downstream faces meet at sqrt(2) thicknesses behind the tip.
 static void there_is_no_gap_behind_a_bend(void **state)
 {
-    (void)state;
     const double thickness = 0.05, corner = M_SQRT2 * thickness;
     const vec2 behind[] = { { 0.01, -0.2 }, { 0.3, -0.2 }, { 0.3, 0.2 }, { 0.01, 0.2 } };
     vec2 polygon[4];

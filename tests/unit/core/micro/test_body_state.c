@@ -7,15 +7,10 @@
 #include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /// The jam with the steps of either integrator.
 static void make_jam(helper_body *h, micro_integrator integrator)
@@ -44,14 +39,12 @@ static void check_threads(micro_integrator integrator)
 
 static void two_threads_give_the_same_bits_as_one(void **state)
 {
-    (void)state;
     check_threads(MICRO_VERLET);
     check_threads(MICRO_IMPLICIT);
 }
 
 static void parts_stay_on_their_side_and_on_the_belt(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_jam(&h);
     body_state *s = helper_body_start(&h);
@@ -114,7 +107,6 @@ static void check_resume(micro_integrator integrator)
 
 static void a_loaded_state_goes_on_with_the_same_bits(void **state)
 {
-    (void)state;
     check_resume(MICRO_VERLET);
     check_resume(MICRO_IMPLICIT);
 }
@@ -122,7 +114,6 @@ static void a_loaded_state_goes_on_with_the_same_bits(void **state)
 // Once memory for the contacts of the jam is reserved, steps allocate none.
 static void implicit_steps_allocate_nothing(void **state)
 {
-    (void)state;
     helper_body h;
     bf_error err = { .code = BF_OK };
     make_jam(&h, MICRO_IMPLICIT);
@@ -164,7 +155,6 @@ static void check_damages(micro_integrator integrator)
 
 static void a_damaged_state_is_refused_and_changes_nothing(void **state)
 {
-    (void)state;
     check_damages(MICRO_VERLET);
     check_damages(MICRO_IMPLICIT);
 }
@@ -209,7 +199,6 @@ static void check_faults(micro_integrator integrator)
 
 static void every_allocation_may_fail(void **state)
 {
-    (void)state;
     check_faults(MICRO_VERLET);
     check_faults(MICRO_IMPLICIT);
 }
@@ -234,7 +223,6 @@ static void check_retry(micro_integrator integrator)
 
 static void a_step_without_memory_can_be_made_again(void **state)
 {
-    (void)state;
     check_retry(MICRO_VERLET);
     check_retry(MICRO_IMPLICIT);
 }
@@ -242,7 +230,6 @@ static void a_step_without_memory_can_be_made_again(void **state)
 // Far beyond the stable step contacts are unstable.
 static void a_part_that_flies_off_is_named_with_step_and_time(void **state)
 {
-    (void)state;
     helper_body h;
     bf_error err = { .code = BF_OK };
     helper_body_init(&h, helper_body_box(0.02, 0.02, 0.02));
@@ -258,7 +245,6 @@ static void a_part_that_flies_off_is_named_with_step_and_time(void **state)
 
 static void a_value_that_is_not_finite_is_named(void **state)
 {
-    (void)state;
     helper_body h;
     bf_error err = { .code = BF_OK };
     helper_body_jam(&h);
@@ -273,7 +259,6 @@ static void a_value_that_is_not_finite_is_named(void **state)
 
 static void what_cannot_be_made_is_refused(void **state)
 {
-    (void)state;
     double flat[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } };
     helper_body h;
     bf_error err = { .code = BF_OK };
@@ -287,7 +272,6 @@ static void what_cannot_be_made_is_refused(void **state)
 // the step. What is chosen is below the bound, and a jam at the bound stays together.
 static void the_stable_step_follows_the_mass(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.02, 0.02, 0.02));
     double light = micro__body.dt_stable(&h.def);
@@ -306,7 +290,6 @@ static void the_stable_step_follows_the_mass(void **state)
 
 static void no_parts_are_no_trouble(void **state)
 {
-    (void)state;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.02, 0.02, 0.02));
     h.def.n_parts = 0;
@@ -320,7 +303,6 @@ static void no_parts_are_no_trouble(void **state)
 // difference of U(t) is below 1 % of N.
 static void upright_cylinders_do_as_on_the_planar_path(void **state)
 {
-    (void)state;
     enum { SAMPLES = 70 };
     helper_body h;
     double planar[SAMPLES], spatial[SAMPLES];
@@ -338,7 +320,6 @@ static void upright_cylinders_do_as_on_the_planar_path(void **state)
 // a disk of 0.3 m; a cylinder about the x axis by 10 degrees by its diameter along it, 0.06 cos + 0.2 sin across.
 static void a_tilted_part_covers_the_rectangle_that_holds_it(void **state)
 {
-    (void)state;
     const double box_tilt = 5.0 * M_PI / 180.0, cylinder_tilt = 10.0 * M_PI / 180.0;
     helper_body h;
     helper_body_init(&h, helper_body_box(0.3, 0.06, 0.04));

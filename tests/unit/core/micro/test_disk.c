@@ -4,15 +4,10 @@
 #include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/core/helper_disks.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static const double radius = 0.012, gravity = 9.81;
 
@@ -25,7 +20,6 @@ static double exact_slip(double lambda, double rate, double s0, double t)
 // With mu = 1 and lambda = 10 s/m. An error of first order at dt = 1e-5 s: mu g dt = 1e-4 m/s.
 static void a_belt_takes_up_a_part_from_rest(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
 
     d->def.damping = 0.0;
@@ -47,7 +41,6 @@ static void a_belt_takes_up_a_part_from_rest(void **state)
 // lambda = 1 s; the implicit step is off by A lambda dt = 1 % of what is lost in a time 1/(A lambda).
 static void spin_decays_on_the_belt(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
     double spin_deceleration = 2.0 * gravity * 0.008 / (radius * radius), error[2];
 
@@ -76,7 +69,6 @@ static void spin_decays_on_the_belt(void **state)
 // The step is far too long for this brake, and the spin still comes to rest without turning round.
 static void spin_friction_never_turns_the_spin_round(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.0);
 
     d->kinds[0].spin_radius = 1e6;
@@ -136,7 +128,6 @@ static double measure_sliding(double theta, double lambda)
 
 static void a_part_slides_along_an_obstacle_at_the_speed_of_balance(void **state)
 {
-    (void)state;
     const double degrees[3] = { 45.0, 60.0, 75.0 }, expected[3] = { 0.227, 0.140, 0.062 };
 
     for (int k = 0; k < 3; k++) {
@@ -152,7 +143,6 @@ static void a_part_slides_along_an_obstacle_at_the_speed_of_balance(void **state
 // At rest before a wall across the belt: mu m g tanh(lambda v_T) = k delta, k of cargo and handling.
 static void a_part_rests_before_a_wall(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
     double compliance = (1.0 - 0.34 * 0.34) / 70e9 + (1.0 - 0.28 * 0.28) / 210e9;
     double k = M_PI / 4.0 * 0.008 / (compliance * 1e6);
@@ -174,7 +164,6 @@ static void a_part_rests_before_a_wall(void **state)
 
 static void loose_parts_ride_their_belts(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
     const vec2 strip[4] = { { 0.0, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.3 }, { 0.0, 0.3 } };
 
@@ -201,7 +190,6 @@ static void loose_parts_ride_their_belts(void **state)
 
 static void off_every_belt_nothing_brakes(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make_bare();
 
     d->def.start_velocity = (vec2){ 0.3, -0.1 };
@@ -220,7 +208,6 @@ static void off_every_belt_nothing_brakes(void **state)
 // D acts on velocities as (1 - D dt)^n, on spins as (1 - D)^t; the first step is without forces.
 static void damping_slows_places_and_spins(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make_bare();
 
     d->def.damping = 0.5;
@@ -238,7 +225,6 @@ static void damping_slows_places_and_spins(void **state)
 // 0.395e-5 m a step from 0.01 m before the edge: the centre is beyond it after ceil(0.01/0.395e-5).
 static void a_part_is_gone_when_its_centre_leaves(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
     const uint64_t last = (uint64_t)ceil(0.01 / 0.395e-5);
 
@@ -267,7 +253,6 @@ static void a_part_is_gone_when_its_centre_leaves(void **state)
 
 static void a_part_of_a_kind_lies_with_its_middle_at_half_its_height(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
 
     d->def.n_kinds = 2;

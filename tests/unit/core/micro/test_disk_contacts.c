@@ -4,15 +4,10 @@
 #include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/core/helper_disks.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static const double radius = 0.012;
 
@@ -64,7 +59,6 @@ static double oscillator_error(double reduction, double t_end, int n)
 // until the parts come apart after about a quarter of a period.
 static void a_head_on_contact_is_the_damped_oscillator_with_order_1(void **state)
 {
-    (void)state;
     const double reduction[2] = { 1e6, 100.0 }, t_end[2] = { 4e-3, 6e-5 };
 
     for (int k = 0; k < 2; k++) {
@@ -79,7 +73,6 @@ static void a_head_on_contact_is_the_damped_oscillator_with_order_1(void **state
 
 static void contacts_do_not_pull_unless_asked_to(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make_bare();
 
     helper_disks_add(d, 0.5, 0.5);
@@ -121,7 +114,6 @@ static momenta measure_momenta(disk_state *s, const helper_disks *d)
 // Forces are equal and opposite in one line, and levers add up to the distance of the centres.
 static void a_free_pair_conserves_its_momenta(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make_bare();
 
     helper_disks_add(d, 0.5, 0.5);
@@ -174,7 +166,6 @@ static double measure_energy(const disk_state *s)
 // a thousandth of what there is covers it.
 static void energy_does_not_grow_without_a_belt(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make_bare();
 
     d->def.domain = (scene_rect){ 0.0, 0.4, 0.0, 0.4 };

@@ -3,15 +3,10 @@
 #include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/core/helper_disks.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static const double radius = 0.012;
 
@@ -82,7 +77,6 @@ static void check_bend(double turn)
 
 static void the_sides_of_a_bent_plate_are_one_surface(void **state)
 {
-    (void)state;
     const double turns[] = { 0.0, 0.3, -0.3, 1.2, -1.2 };
 
     for (size_t k = 0; k < sizeof turns / sizeof *turns; k++)
@@ -93,7 +87,6 @@ static void the_sides_of_a_bent_plate_are_one_surface(void **state)
 // joint minus the thickness.
 static void a_notch_behind_a_bend_is_filled(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
     const double h = 0.02;
     int n;
@@ -118,7 +111,6 @@ static void a_notch_behind_a_bend_is_filled(void **state)
 // Cut into collinear pieces, a plate is the same plate: the part that glides along feels no joint.
 static void a_joint_in_a_straight_plate_is_not_felt(void **state)
 {
-    (void)state;
     micro_part end[2];
 
     for (int cut = 0; cut < 2; cut++) {

@@ -2,15 +2,10 @@
 
 #include "tests/reference/planar.h"
 #include "tests/unit/core/helper_disk_state.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { STEPS = 200 };
 
@@ -54,7 +49,6 @@ static void a_jam_moves_as_without_any_list(void **state)
 {
     helper_outflow *e = malloc(sizeof *e);
 
-    (void)state;
     assert_non_null(e);
     for (double angle = 60.0; angle < 100.0; angle += 30.0) {
         helper_disk_state_jam(e, angle);
@@ -69,7 +63,6 @@ static void a_jam_of_two_kinds_on_two_belts_moves_as_without_any_list(void **sta
 {
     helper_disk_state *w = helper_disk_state_make(0.395, 4.0);
 
-    (void)state;
     helper_disk_state_crowd(w, true);
     w->def.damping = 0.1;
     w->def.n_parts = 44 * 5;
@@ -88,7 +81,6 @@ static void belts_whose_speed_changes_move_parts_as_without_any_list(void **stat
     double factors[2][3] = { { 0.0, 0.0, 1.5 }, { 0.25, 0.0, 2.0 } };
     helper_disk_state *w = helper_disk_state_make(0.395, 4.0);
 
-    (void)state;
     helper_disk_state_crowd(w, true);
     w->def.n_parts = 44 * 5;
     for (int k = 0; k < 2; k++) {

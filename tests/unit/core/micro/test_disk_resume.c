@@ -5,16 +5,11 @@
 #include "core/micro/disk/kernels.h"
 #include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { STEPS = 450 };
 
@@ -50,7 +45,6 @@ static uint64_t digest_after(const helper_disk_state *w, int n_threads)
 
 static void one_to_three_threads_give_the_same_bits(void **state)
 {
-    (void)state;
     for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
         helper_disk_state *w = make_crowd(is_mixed);
         uint64_t one = digest_after(w, 1);
@@ -111,7 +105,6 @@ static void all_instruction_sets_give_the_same_bits(void **state)
     helper_outflow *e = malloc(sizeof *e);
     helper_disk_state *w = make_crowd(true);
 
-    (void)state;
     assert_non_null(e);
     helper_disk_state_jam(e, 60.0);
     double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 0.5 };
@@ -142,7 +135,6 @@ static void an_interrupted_run_ends_with_the_same_bits(void **state)
     helper_disk_state *w = make_crowd(true);
     uint64_t expected = digest_after(w, 1);
 
-    (void)state;
     for (size_t k = 0; k < sizeof stops / sizeof *stops; k++) {
         bf_buffer saved = { 0 };
         micro_solver *s = start(w, 1), *resumed = start(w, 2);
@@ -175,7 +167,6 @@ static void damaged_states_are_refused(void **state)
     bf_buffer saved = { 0 };
     uint64_t steps;
 
-    (void)state;
     w->def.n_parts = 20;
     micro_solver *s = start(w, 1);
     assert_int_equal(micro_advance(s, 5, NULL), BF_OK);
@@ -198,7 +189,6 @@ static void without_memory_nothing_is_lost(void **state)
     helper_disk_state *w = make_crowd(true);
     size_t n_failed = 0;
 
-    (void)state;
     w->def.n_parts = 44 * 4;
     w->def.n_obstacles = 0; // so that parts leave
     uint64_t expected = digest_after(w, 1);
@@ -240,7 +230,6 @@ static void an_impossible_state_is_reported_with_step_time_and_part(void **state
 {
     const double speeds[] = { 121.0, NAN, INFINITY }; // 4.5 mm in 50 us are 90 m/s, 6 mm 120 m/s
 
-    (void)state;
     for (size_t k = 0; k < 3; k++) {
         helper_disk_state *w = make_crowd(false);
         bf_error err = { 0 };

@@ -10,16 +10,11 @@
 #include "tests/unit/core/helper_disks.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // 15 x 10 parts, some in touch from the start, run against a slanted plate; those behind it leave.
 static helper_disks *make_crowd(void)
@@ -89,7 +84,6 @@ static void any_number_of_threads_gives_the_same_bits(void **state)
 {
     static const int numbers[] = { 2, 3, 7 };
 
-    (void)state;
     uint64_t one = run_jam(1);
 
     for (int k = HELPER_AMOUNT(0, 1); k < HELPER_AMOUNT(3, 2); k++)
@@ -99,7 +93,6 @@ static void any_number_of_threads_gives_the_same_bits(void **state)
 // From where tanh(x) = x to where it is 1, both signs.
 static void tanh_is_within_1e_12_of_libm(void **state)
 {
-    (void)state;
     enum { N_VALUES = 4096 };
     static double x[N_VALUES], y[N_VALUES];
 
@@ -118,7 +111,6 @@ static void tanh_is_within_1e_12_of_libm(void **state)
 
 static void when_a_list_was_made_has_no_influence(void **state)
 {
-    (void)state;
     micro_totals totals[2];
     uint64_t digest[2] = { DIGEST_START, DIGEST_START };
 
@@ -148,7 +140,6 @@ static void when_a_list_was_made_has_no_influence(void **state)
 // No pair in contact is missing from the list, however long it has been in use.
 static void the_list_holds_every_contact(void **state)
 {
-    (void)state;
     helper_disks *d = make_crowd();
     disk_state *s = helper_disk_state_start(&d->def);
 
@@ -175,7 +166,6 @@ static void the_list_holds_every_contact(void **state)
 // After a failure the run continues with the same results.
 static void steps_and_checkpoints_without_memory_fail_and_can_be_repeated(void **state)
 {
-    (void)state;
     helper_disks *d = make_mix();
     micro_solver *s = helper_disks_start(d), *untroubled = helper_disks_start(d);
     bf_buffer bytes = { 0 };
@@ -203,7 +193,6 @@ static void steps_and_checkpoints_without_memory_fail_and_can_be_repeated(void *
 // dt = 0 with a margin.
 static void the_largest_stable_step_is_stable(void **state)
 {
-    (void)state;
     helper_disks *d = make_crowd();
     const double stable = micro_dt_stable(&d->def);
     micro_solver *s = NULL;
@@ -228,7 +217,6 @@ static void the_largest_stable_step_is_stable(void **state)
 
 static void nobody_is_no_trouble(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
     micro_solver *s = helper_disks_start(d);
 
@@ -243,7 +231,6 @@ static void nobody_is_no_trouble(void **state)
 // would be 250 mm away in 0.5 s; the list, good for half a skin of 3 mm, is for the part alone.
 static void the_list_of_a_part_at_rest_stays_valid(void **state)
 {
-    (void)state;
     helper_disks *d = helper_disks_make(1.0, 0.2, 0.5);
 
     d->path[0] = (vec2){ 0.5, 0.0 };

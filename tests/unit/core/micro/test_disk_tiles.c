@@ -4,16 +4,11 @@
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // The west belt stops and starts by ramps, the east belt in jumps, within 40 ms.
 static void let_belts_change(helper_disk_state *w)
@@ -94,14 +89,12 @@ static void compare_tiles_with_single_steps(bool changes)
 
 static void tiles_and_threads_give_the_bits_of_single_steps(void **state)
 {
-    (void)state;
     compare_tiles_with_single_steps(false);
 }
 
 static void tiles_and_threads_give_the_bits_of_single_steps_on_belts_whose_speed_changes(
     void **state)
 {
-    (void)state;
     compare_tiles_with_single_steps(true);
 }
 
@@ -136,7 +129,6 @@ static disk_state *start_burst_of_speed(bool is_mixed, bool is_tiled, double v)
 
 static void a_tile_that_outlives_its_list_is_put_back(void **state)
 {
-    (void)state;
     for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
         disk_state *single = start_burst_of_speed(is_mixed, false, 12.0);
         disk_state *tiled = start_burst_of_speed(is_mixed, true, 12.0);
@@ -158,7 +150,6 @@ static void a_tile_that_outlives_its_list_is_put_back(void **state)
 // 500 m/s are more than half a radius in a step.
 static void a_failure_in_a_tile_is_reported_as_by_single_steps(void **state)
 {
-    (void)state;
     disk_state *single = start_burst_of_speed(false, false, 500.0);
     disk_state *tiled = start_burst_of_speed(false, true, 500.0);
     bf_error of_single = { 0 }, of_tiled = { 0 };
@@ -173,7 +164,6 @@ static void a_failure_in_a_tile_is_reported_as_by_single_steps(void **state)
 
 static void no_memory_for_tiles_leaves_single_steps(void **state)
 {
-    (void)state;
     disk_state *s = start_crowd(false, false, 1);
 
     for (size_t n = 1; n <= 3; n++) {

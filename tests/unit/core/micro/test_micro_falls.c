@@ -5,15 +5,10 @@
 #include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define RADIUS 0.012 // of a cylinder, and half the least width of a box, m
 #define SPEED  0.4   // of both belts, m/s
@@ -121,7 +116,6 @@ static void check_fall(int solver, scene_shape_type shape)
 
 static void parts_cross_a_narrow_gap_and_fall_into_a_wide_one(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         check_crossing(k, SCENE_CYLINDER);
         check_fall(k, SCENE_CYLINDER);
@@ -135,7 +129,6 @@ static void parts_cross_a_narrow_gap_and_fall_into_a_wide_one(void **state)
 // The gap is between the radii of the two kinds.
 static void each_kind_bridges_by_its_own_radius(void **state)
 {
-    (void)state;
     for (int solver = 0; solver < HELPER_MICRO_SOLVERS; solver++) {
         const uint32_t of[] = { 0, 1 };
         world w;
@@ -157,7 +150,6 @@ static void each_kind_bridges_by_its_own_radius(void **state)
 
 static void what_starts_off_the_belts_falls_in_the_first_step(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_world(&w, k, SCENE_CYLINDER, 1.0);
@@ -174,7 +166,6 @@ static void what_starts_off_the_belts_falls_in_the_first_step(void **state)
 // What is beyond an open side of the domain has left, also where it is off the belts there.
 static void what_leaves_the_domain_has_not_fallen(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         micro_departure gone;
         world w;
@@ -217,7 +208,6 @@ static uint64_t run_rows(const world *w, int n_threads, bool is_interrupted)
 // As many disks as make steps in tiles where these are explicit; at five times the speed, for a fifth of the steps.
 static void what_falls_is_the_same_for_any_threads_and_interruption(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         static world w;
         make_world(&w, k, SCENE_CYLINDER, 3.0 * RADIUS);

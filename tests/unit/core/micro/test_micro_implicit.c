@@ -6,16 +6,11 @@
 #include "tests/unit/core/helper_outflow.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { WORLD_PARTS = 128, EXPLICIT_RUNS = HELPER_AMOUNT(2, 1) };
 
@@ -130,14 +125,12 @@ static void check_example(double angle_deg, double modulus_reduction)
 
 static void outflow_of_example_1_is_that_of_explicit_steps(void **state)
 {
-    (void)state;
     check_example(60.0, 1e6);
     check_example(60.0, 1e4);
 }
 
 static void outflow_of_example_2_is_that_of_explicit_steps(void **state)
 {
-    (void)state;
     check_example(90.0, 1e6);
     check_example(90.0, 1e4);
 }
@@ -186,14 +179,12 @@ static void check_order(double damping, double t)
 
 static void a_head_on_contact_nears_the_damped_oscillator_with_order_1(void **state)
 {
-    (void)state;
     check_order(119.0, 4e-4); // over-damped: m/2d = 0.12 ms
     check_order(1.0, 4e-3);   // under-damped: a quarter of the period is 7 ms
 }
 
 static void a_step_far_longer_than_the_impact_gives_the_overlap_after_it(void **state)
 {
-    (void)state;
     // What is left after the impact decays with d/k = 0.17 s, of which 2 ms are little.
     assert_near(overlap_after(119.0, 2e-3, 0.02) / exact_overlap(119.0, 0.02), 1.0, 0.02);
 }
@@ -202,7 +193,6 @@ static void a_part_rests_at_a_wall_where_contact_and_belt_forces_balance(void **
 {
     world *w = make_world(speed);
 
-    (void)state;
     w->def.edges[SCENE_EAST] = SCENE_EDGE_WALL;
     w->def.dt = 2e-3;
     add_part(w, 2.0 - radius - 0.01, 1.0);
@@ -245,7 +235,6 @@ static void a_part_slides_along_an_obstacle_as_with_explicit_steps(void **state)
 {
     const double angles[] = { 45.0, 60.0, 75.0 };
 
-    (void)state;
     for (size_t k = 0; k < 3; k++) {
         double expected = sliding_speed(angles[k], MICRO_VERLET, 1e-5);
         assert_true(expected > 0.04);
@@ -257,7 +246,6 @@ static void a_fast_part_does_not_pass_a_wall_in_the_largest_step(void **state)
 {
     world *w = make_world(5.0);
 
-    (void)state;
     w->def.gravity = 0.0;
     w->def.edges[SCENE_EAST] = SCENE_EDGE_WALL;
     w->def.dt = micro_dt_stable(&w->def);
@@ -305,7 +293,6 @@ static void energy_does_not_grow_without_the_belt(void **state)
 {
     const double steps[] = { 2e-4, 1e-3, 2e-3, 5e-3 };
 
-    (void)state;
     for (size_t k = 0; k < 4; k++) {
         world *w = make_crowds(steps[k]);
         micro_solver *s = helper_micro_start(&w->def);
@@ -340,7 +327,6 @@ static void free_jams_conserve_their_momenta(void **state)
     double before[3], after[3];
     world *w = make_crowds(2e-3);
 
-    (void)state;
     micro_solver *s = helper_micro_start(&w->def);
     double energy = micro_measure(s).kinetic_energy;
     sum_momenta(s, before);
@@ -370,7 +356,6 @@ static double chosen_step(double v, double modulus_reduction)
 
 static void the_step_is_chosen_from_stiffness_speed_and_size(void **state)
 {
-    (void)state;
     assert_near(chosen_step(speed, 1e6), 2e-3, 1e-12);
     assert_near(chosen_step(2.0, 1e6), 0.08 * radius / 2.0, 1e-12);
     // 16 iterations: 0.03 sqrt(N) 2 h^2 k/m + 0.8 h d/m = 16^2, N = 1, nearly without d here.
@@ -384,7 +369,6 @@ static void a_step_beyond_the_largest_is_refused(void **state)
     micro_solver *s = NULL;
     bf_error err;
 
-    (void)state;
     add_part(w, 0.5, 0.5);
     w->def.dt = 1.01 * micro_dt_stable(&w->def);
     assert_int_equal(micro_create(&w->def, &s, &err), BF_EINPUT);

@@ -5,16 +5,11 @@
 #include "core/micro/disk/implicit.h"
 #include "core/micro/micro.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { ROWS = 48, COLUMNS = 60, CROWD = ROWS * COLUMNS, STEPS = 90 };
 
@@ -83,7 +78,6 @@ static void one_and_two_threads_give_the_same_bits(void **state)
     scenery *w = make_scenery();
     micro_solver *one = start(w, 1), *two = start(w, 2);
 
-    (void)state;
     assert_int_equal(micro_advance(one, STEPS, NULL), BF_OK);
     assert_int_equal(micro_advance(two, STEPS, NULL), BF_OK);
     assert_true(micro_measure(one).n_contacts > CROWD / 4);
@@ -99,7 +93,6 @@ static void steps_one_by_one_give_the_bits_of_steps_in_a_row(void **state)
     scenery *w = make_scenery();
     micro_solver *row = start(w, 1), *single = start(w, 1);
 
-    (void)state;
     assert_int_equal(micro_advance(row, STEPS, NULL), BF_OK);
     for (int k = 0; k < STEPS; k++)
         assert_int_equal(micro_advance(single, 1, NULL), BF_OK);
@@ -136,7 +129,6 @@ static void an_interrupted_run_ends_with_the_same_bits(void **state)
     scenery *w = make_scenery();
     micro_solver *s = start(w, 1);
 
-    (void)state;
     assert_int_equal(micro_advance(s, STEPS, NULL), BF_OK);
     const uint64_t stops[] = { 0, 1, 37, 61, 62, 63, 64, 65, 66 };
     for (size_t k = 0; k < sizeof stops / sizeof *stops; k += HELPER_AMOUNT(1, 3))
@@ -151,7 +143,6 @@ static void a_part_with_more_neighbours_than_colours_has_forces_of_all(void **st
     scenery *w = make_scenery();
     enum { AROUND = 64 };
 
-    (void)state;
     w->kinds[0].shape.radius = 0.3;
     w->kinds[0].mass = 17.0;
     w->def.n_obstacles = 0;
@@ -182,7 +173,6 @@ static void without_memory_nothing_is_lost(void **state)
     scenery *w = make_scenery();
     uint64_t expected = 0;
 
-    (void)state;
     w->def.n_parts = 200;
     for (size_t fault = 0;; fault++) {
         bf_buffer saved = { 0 };
@@ -264,7 +254,6 @@ static void pairs_that_cannot_be_are_refused(void **state)
     bf_buffer sound = save_sound(&s);
     size_t first = sound.n - 3 * (2 * sizeof(uint32_t) + 2 * sizeof(double));
 
-    (void)state;
     for (size_t k = 0; k < sizeof impossible / sizeof *impossible; k++) {
         bf_buffer bad = { 0 };
         assert_int_equal(buffer_append(&bad, sound.bytes, sound.n), BF_OK);
@@ -287,7 +276,6 @@ static void bytes_of_another_length_are_refused(void **state)
     disk_state s = make_bare_state();
     bf_buffer sound = save_sound(&s);
 
-    (void)state;
     for (size_t n = 1; n < sound.n; n++)
         assert_int_equal(load(&s, sound.bytes, n), BF_ECORRUPT);
     assert_int_equal(load(&s, NULL, 0), BF_OK);
@@ -334,7 +322,6 @@ static void all_instruction_sets_give_the_same_bits(void **state)
 {
     block_case *cases = memory_alloc(2, sizeof *cases);
 
-    (void)state;
     assert_non_null(cases);
     for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
         const implicit_kernels *kernels = disk__implicit_kernels(level);

@@ -2,14 +2,9 @@
 
 #include "tests/unit/core/helper_fed_belt.h"
 #include "tests/unit/core/helper_world.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static const double radius = 0.012; // of parts of kind 0, m
 
@@ -18,7 +13,6 @@ static const double hair = 1e-8;
 
 static void places_are_free_up_to_the_footprints(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
         helper_fed_belt_init(&w, k);
@@ -48,7 +42,6 @@ static void places_of_boxes_depend_on_their_headings(void **state)
 {
     helper_fed_belt w;
 
-    (void)state;
     helper_fed_belt_init(&w, 3);
     w.poses[0] = (scene_pose){ 0.05, 0.05, 0.0 };
     w.def.n_parts = 1;
@@ -67,7 +60,6 @@ static void places_of_boxes_depend_on_their_headings(void **state)
 
 static void a_plate_that_turns_or_goes_frees_its_place(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
         helper_fed_belt_init(&w, k);
@@ -109,7 +101,6 @@ static uint64_t visit(micro_solver *s, vec2 a, vec2 b, double distance)
 
 static void parts_near_a_line_are_found(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
         helper_fed_belt_init(&w, k);

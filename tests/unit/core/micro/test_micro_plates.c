@@ -8,15 +8,10 @@
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { PARTS_MAX = 64 };
 
@@ -119,7 +114,6 @@ static void a_pushed_part_has_the_speed_of_the_stroke_and_ends_where_it_ends(voi
     const double u = 0.1, times[] = { 0.1, 1.1 };
     const vec2 shifts[] = { { 0.0, 0.0 }, { 0.0, 0.1 } };
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_world(&w, k);
@@ -151,7 +145,6 @@ static void a_struck_part_leaves_by_the_law_of_restitution(void **state)
     const double u = 0.3, times[] = { 0.0, 1.0 };
     const vec2 shifts[] = { { 0.0, 0.0 }, { 0.0, u } };
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_world(&w, k);
@@ -180,7 +173,6 @@ static void a_row_is_pushed_off_the_belt(void **state)
     const double times[] = { 0.0, 1.7 };
     const vec2 shifts[] = { { 0.0, 0.0 }, { 0.0, 0.17 } };
 
-    (void)state;
     for (int k = HELPER_AMOUNT(0, 1); k < HELPER_MICRO_SOLVERS; k += 2) {
         world w;
         make_world(&w, k);
@@ -205,7 +197,6 @@ static void a_part_that_a_plate_pushes_has_the_speed_of_its_surface(void **state
 {
     const double w = 1.0, t = 0.5, first = 0.2, times[] = { 0.0, 1.0 }, angles[] = { 0.0, w };
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world d;
         make_world(&d, k);
@@ -246,7 +237,6 @@ static void fill_sector(world *w, double side)
 
 static void no_part_gets_behind_a_plate_that_sweeps(void **state)
 {
-    (void)state;
     for (int k = 0; k < 2 * HELPER_MICRO_SOLVERS; k++) {
         const double side = k < HELPER_MICRO_SOLVERS ? 1.0 : -1.0, angles[] = { 0.0, 2.0 * side };
         const double times[] = { 0.0,
@@ -275,7 +265,6 @@ static void a_plate_that_is_too_fast_is_refused(void **state)
 {
     const double times[] = { 0.0, 1.0 };
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         const double angles[] = { 0.0, 1.001 * largest_speed(k) / 0.505 };
         micro_solver *s = NULL;
@@ -300,7 +289,6 @@ static void the_largest_step_for_a_plate_is_named(void **state)
     bf_error err;
     world w;
 
-    (void)state;
     make_world(&w, 1);
     w.path[0].y = w.path[1].y = w.plate.pivot.y;
     w.plate.is_commanded = true;
@@ -317,7 +305,6 @@ static void a_plate_that_does_not_move_has_the_bits_of_one_that_cannot(void **st
 {
     const double times[] = { 0.1, 0.2 }, zeros[] = { 0.0, 0.0 }, ones[] = { 1.0, 1.0 };
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         uint64_t digests[2];
         for (int moves = 0; moves < 2; moves++) {
@@ -368,7 +355,6 @@ static void make_bent(world *w, int solver, bool is_scheduled)
 
 static void a_bent_plate_is_turned_as_a_whole(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         micro_solver *turned[2];
         for (int is_scheduled = 0; is_scheduled < 2; is_scheduled++) {
@@ -402,7 +388,6 @@ static void a_stop_that_comes_and_goes_lets_parts_pass_and_holds_them(void **sta
 {
     const double times[] = { 0.0, 1.0, 2.0 }, values[] = { 0.0, 1.0, 0.0 };
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_stop(&w, k);
@@ -428,7 +413,6 @@ static void a_plate_that_comes_upon_parts_pushes_them_to_their_sides(void **stat
     static const double offsets[] = { 0.010, 0.004, 0.0, -0.008, -0.014 };
     const double times[] = { 0.0, 0.1 }, values[] = { 0.0, 1.0 };
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         const bool is_planar = helper_micro_solvers[k].path == MICRO_PATH_PLANAR;
         const double speed = ((is_planar ? radius : hypot(radius, 0.01)) + 0.005) / 0.2;
@@ -501,7 +485,6 @@ static void intervene(micro_solver *s, bf_world *own, double unit)
 
 static void threads_cuts_and_checkpoints_do_not_change_a_bit(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         const double unit = unit_of(k);
         bf_buffer bytes = { 0 };
@@ -543,7 +526,6 @@ static void every_lack_of_memory_is_reported(void **state)
 {
     const double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 0.5 };
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         bf_status status = BF_ENOMEM;
         world w;
@@ -569,7 +551,6 @@ static void every_lack_of_memory_is_reported(void **state)
 // Over 0.04 m. Contacts give less than a tenth of the speed back, with which the part goes ahead of the plate.
 static void a_command_turns_a_plate(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_world(&w, k);
@@ -617,7 +598,6 @@ static void a_drive_that_bears_its_limit_stalls(void **state)
 {
     const double torque = 0.6, press = 2.0 * torque / 0.3 / 3.7e4;
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         scene_obstacle obstacles[2];
         world w;
@@ -637,7 +617,6 @@ static void a_drive_that_bears_its_limit_stalls(void **state)
 
 static void a_drive_that_lags_goes_on_with_the_same_bits(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         scene_obstacle obstacles[2];
         bf_buffer bytes = { 0 };

@@ -5,15 +5,10 @@
 #include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // An upright cylinder of 12 mm on two belts, without damping. Do not move it once it was made.
 typedef struct world {
@@ -64,7 +59,6 @@ static void advance_to(micro_solver *s, double t)
 
 static void a_part_starts_with_the_speed_that_its_belt_has_then(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_world(&w, k);
@@ -79,7 +73,6 @@ static void a_part_starts_with_the_speed_that_its_belt_has_then(void **state)
 
 static void on_a_belt_that_stands_a_part_does_not_move(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_world(&w, k);
@@ -100,7 +93,6 @@ static void in_a_ramp_a_part_trails_by_the_slip_of_its_friction(void **state)
 {
     const double slip = atanh(1.0 / 9.81) / 10.0;
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         const double half = helper_micro_solvers[k].integrator == MICRO_IMPLICIT ? -0.5 : 0.5;
         world w;
@@ -124,7 +116,6 @@ static void after_a_stop_and_go_a_part_is_where_the_belt_has_carried_it(void **s
 {
     const double lead = 0.4 / (9.81 * 10.0);
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         const double missing = helper_micro_solvers[k].integrator == MICRO_VERLET
                                    ? 0.4 * helper_micro_solvers[k].dt
@@ -193,7 +184,6 @@ static void a_part_takes_the_speeds_of_the_belt_that_it_comes_to(void **state)
     const scene_shape box = { .type = SCENE_BOX, .length = 0.03, .width = 0.02, .height = 0.01 };
     const vec2 ahead = { 0.3, 0.0 }, aside = { 0.0, 0.3 };
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         check_transfer(k, &cylinder, ahead); // a drop in speed
         check_transfer(k, &cylinder, aside); // a right-angle transfer
@@ -259,7 +249,6 @@ static void threads_and_resumes_in_ramps_change_no_bit(void **state)
 {
     static crowd c;
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         make_crowd(&c, k);
         const uint64_t n = (uint64_t)c.n_steps, digest = digest_of_run(&c, 1, 0);
@@ -273,7 +262,6 @@ static void steps_one_by_one_give_the_bits_of_steps_in_a_row(void **state)
 {
     static crowd c;
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         make_crowd(&c, k);
         micro_solver *s = helper_micro_start(&c.w.def);
@@ -289,7 +277,6 @@ static void the_largest_speed_bounds_implicit_steps(void **state)
 {
     world w;
 
-    (void)state;
     make_world(&w, 1);
     assert_near(micro_dt_stable(&w.def), 0.25 * 0.012 / 0.4, 1e-12);
     set_schedule(&w, 0, 2, (double[]){ 1e3, 2e3 }, (double[]){ 2.5, 0.5 });
@@ -298,7 +285,6 @@ static void the_largest_speed_bounds_implicit_steps(void **state)
 
 static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         bf_status status = BF_ENOMEM;
         world w;

@@ -3,14 +3,9 @@
 #include "core/micro/micro.h"
 #include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define RADIUS 0.5                // of the circle that a part rides on, m
 #define TURN   (2.0 * M_PI / 8.0) // rad/s
@@ -89,7 +84,6 @@ static void check_turn(int solver, const scene_shape *shape)
 
 static void a_part_comes_back_after_one_turn_but_for_the_drift_of_its_friction(void **state)
 {
-    (void)state;
     for_each(check_turn);
 }
 
@@ -114,7 +108,6 @@ static void check_start(int solver, const scene_shape *shape)
 
 static void a_part_at_rest_is_taken_along_and_turned_by_the_belt(void **state)
 {
-    (void)state;
     for_each(check_start);
 }
 
@@ -164,7 +157,6 @@ static void check_path(int solver, const scene_shape *shape)
 static void a_part_rides_along_the_centre_line_of_a_path_but_for_the_drift_of_its_friction(
     void **state)
 {
-    (void)state;
     for_each(check_path);
 }
 
@@ -210,7 +202,6 @@ static void threads_and_resumes_change_no_bit_on_a_belt_that_turns(void **state)
     static const uint64_t steps[HELPER_MICRO_SOLVERS] = { 600, 60, 300, 60 };
     static world w;
 
-    (void)state;
     for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         make_crowd(&w, k);
         const uint64_t n = steps[k], digest = digest_of_run(&w, 1, 0, n);

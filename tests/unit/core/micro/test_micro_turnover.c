@@ -7,15 +7,10 @@
 #include "core/micro/disk/implicit.h"
 #include "tests/unit/core/helper_fed_belt.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { DEPARTURES = 8 };
 
@@ -61,7 +56,6 @@ static void tick(micro_solver *s, double time, tally *of)
 
 static void handles_are_used_again_and_ids_never(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
         tally of = { 0, 0 };
@@ -82,7 +76,6 @@ static void handles_are_used_again_and_ids_never(void **state)
 
 static void a_fed_belt_ends_with_the_same_bits_for_any_threads_and_interruption(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         uint64_t expected = 0;
         helper_fed_belt w;
@@ -114,7 +107,6 @@ static void a_fed_belt_ends_with_the_same_bits_for_any_threads_and_interruption(
 
 static void an_admitted_part_moves_like_one_of_the_definition(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
         helper_fed_belt_init(&w, k);
@@ -138,7 +130,6 @@ static void an_admitted_part_moves_like_one_of_the_definition(void **state)
 
 static void departures_that_nobody_takes_keep_their_handles(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
         micro_departure left[2];
@@ -167,7 +158,6 @@ static void departures_that_nobody_takes_keep_their_handles(void **state)
 
 static void a_handle_can_be_used_again_at_once(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
         micro_departure left;
@@ -209,7 +199,6 @@ static void impulses_of_parts_that_left_are_erased(void **state)
     helper_fed_belt w;
     micro_common *own = NULL;
 
-    (void)state;
     leave_in_contact(&w, &micro__disk, 1, &own);
     const disk_state *disks = (const disk_state *)own;
     const implicit_state *z = disks->implicit;
@@ -246,7 +235,6 @@ static void assert_refused(const helper_fed_belt *w, micro_arrival arrival)
 
 static void arrivals_that_cannot_be_are_refused(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
         helper_fed_belt_init(&w, k);
@@ -267,7 +255,6 @@ static void there_is_a_limit_to_the_parts_at_a_time(void **state)
     size_t part = SIZE_MAX;
     bf_error err;
 
-    (void)state;
     helper_fed_belt_init(&w, 0);
     micro_solver *s = helper_fed_belt_start(&w);
     for (size_t k = 0; k < SCENE_PARTS_MAX; k++)
@@ -313,7 +300,6 @@ static bf_status fill_square(micro_solver *s)
 
 static void without_memory_nobody_enters_and_nothing_is_lost(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         uint64_t expected = 0;
         size_t n_failed = 0;
@@ -375,7 +361,6 @@ static void forged_handles_and_ids_are_refused(void **state)
         { IDS + 8, OWN_IDS, BF_ECORRUPT } // an id that comes next
     };
 
-    (void)state;
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
         bf_buffer saved = { 0 };

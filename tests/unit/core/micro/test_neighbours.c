@@ -3,15 +3,10 @@
 #include "core/base/memory.h"
 #include "core/base/random.h"
 #include "core/micro/neighbours.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { PARTS = 300 };
 
@@ -67,7 +62,6 @@ static void the_list_is_that_of_all_pairs(void **state)
     neighbours_list p = { .skin = 0.003 };
     crowd c;
 
-    (void)state;
     for (uint64_t seed = 0; seed < 24; seed++) {
         const uint8_t *is_gone = seed % 3 != 0 ? c.is_gone : NULL;
         scatter(&c, seed, extents[seed % 4]);
@@ -82,7 +76,6 @@ static void the_list_is_that_of_all_pairs(void **state)
 // Two parts that approach each other by half the skin each.
 static void the_list_holds_until_a_part_has_moved_by_half_the_skin(void **state)
 {
-    (void)state;
     assert_true(neighbours_holds(0.004, 0.0));
     assert_true(neighbours_holds(0.004, 0.0019));
     assert_true(neighbours_holds(0.004, 0.002));
@@ -95,7 +88,6 @@ static void the_list_knows_where_parts_were(void **state)
     neighbours_list p = { .skin = 0.004 };
     crowd c;
 
-    (void)state;
     scatter(&c, 7, 1.0);
     build(&p, &c, NULL);
     assert_memory_equal(p.x_built, c.x, sizeof c.x);
@@ -110,7 +102,6 @@ static void neighbours_stand_in_the_order_of_their_ids(void **state)
     uint32_t ids[PARTS], found[2 * PARTS];
     crowd c;
 
-    (void)state;
     scatter(&c, 3, 0.3);
     build(&p, &c, NULL);
     for (uint32_t k = 0; k < PARTS; k++)
@@ -136,7 +127,6 @@ static void the_number_of_parts_may_change(void **state)
     const size_t counts[] = { 100, PARTS, 50, PARTS };
     crowd c;
 
-    (void)state;
     scatter(&c, 5, 0.3);
     for (size_t m = 0; m < 4; m++) {
         assert_int_equal(neighbours_build(&p, counts[m], parts_of(&c), NULL, NULL), BF_OK);
@@ -152,7 +142,6 @@ static void no_parts_have_no_neighbours(void **state)
 {
     neighbours_list p = { .skin = 0.004 };
 
-    (void)state;
     assert_int_equal(neighbours_build(&p, 0, (neighbours_parts){ .stride = 1 }, NULL, NULL), BF_OK);
     assert_int_equal(p.start[0], 0);
     neighbours_fini(&p);
@@ -164,7 +153,6 @@ static void without_memory_a_build_fails_and_the_next_is_right(void **state)
     crowd c;
     size_t n_failed = 0;
 
-    (void)state;
     scatter(&c, 11, 0.5);
     for (size_t fault = 1;; fault++) {
         neighbours_list p = { .skin = 0.003 };

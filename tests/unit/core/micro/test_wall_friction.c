@@ -2,14 +2,9 @@
 
 #include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static const vec2 belt_velocity = { 0.4, -0.3 };
 
@@ -64,7 +59,6 @@ static void check_equal(int solver, const scene_shape *shape, double tolerance)
 
 static void a_part_slides_along_a_wall_as_along_a_plate(void **state)
 {
-    (void)state;
     for (int solver = 0; solver < HELPER_MICRO_SOLVERS; solver++) {
         const bool is_planar = helper_micro_solvers[solver].path == MICRO_PATH_PLANAR;
         // A cylinder that leans a little touches a plate within its radius, and a wall by its rims.
@@ -79,7 +73,6 @@ static void a_part_slides_along_a_wall_as_along_a_plate(void **state)
 // v_x - u = mu tanh(lambda u) |v_y|.
 static void a_box_slides_at_the_speed_that_both_frictions_give(void **state)
 {
-    (void)state;
     const double mu = 0.19, lambda = 10.0;
     double u = belt_velocity.x;
 

@@ -2,12 +2,7 @@
 
 #include "core/run/columns.h"
 #include "core/run/schedule.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 static scene_counter counters[] = { { .id = "up" }, { .id = "b.blocked" } };
 static scene_feed feeds[] = { { .id = "west" }, { .id = "north" } };
@@ -44,7 +39,6 @@ static void columns_stand_in_the_order_of_the_table(void **state)
     };
     char name[COLUMN_NAME_SIZE];
 
-    (void)state;
     assert_int_equal(columns_count(&s), sizeof expected / sizeof *expected);
     for (size_t k = 0; k < columns_count(&s); k++) {
         columns_name(&s, k, name);
@@ -56,7 +50,6 @@ static void a_scene_without_feeds_has_counters_and_left_domain(void **state)
 {
     const scene s = { .n_counters = 2, .counters = counters };
 
-    (void)state;
     assert_int_equal(columns_count(&s), 3);
 }
 
@@ -71,7 +64,6 @@ static void what_fell_has_a_column_where_parts_may_fall(void **state)
     char name[COLUMN_NAME_SIZE];
     bf_faults faults = { 0 };
 
-    (void)state;
     assert_int_equal(columns_count(&s), 7);
     columns_name(&s, 2, name);
     assert_string_equal(name, "fallen");
@@ -92,7 +84,6 @@ static void counts_since_the_start_are_told_from_what_rises_and_falls(void **sta
         "up", "west.waiting", "a.blocked", "ramp.speed_m_s", "up.fallen", ".leftover", "left", ""
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++)
         assert_true(columns_is_count(counts[k]));
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
@@ -106,7 +97,6 @@ static void a_balance_fills_the_columns_of_its_feed(void **state)
     };
     double values[COLUMNS_OF_FEED];
 
-    (void)state;
     columns_put_feed(&balance, values);
     assert_true(values[0] == 9.0 && values[1] == 5.0 && values[2] == 3.0 && values[3] == 1.0);
 }
@@ -117,7 +107,6 @@ static void a_counter_with_the_name_of_another_column_is_a_fault(void **state)
     const scene sound = { .n_counters = 1, .counters = counters, .n_eyes = 2, .eyes = eyes };
     bf_faults faults = { 0 };
 
-    (void)state;
     columns_check(&sound, &faults);
     assert_int_equal(faults.n, 0);
     columns_check(&s, &faults);
@@ -144,7 +133,6 @@ static void results_are_due_at_the_first_step_at_or_past_each_multiple(void **st
 {
     const scene_output output = { .curve_every = 0.3, .snapshot_every = 0.25 };
 
-    (void)state;
     ASSERT_STEPS(&output, SCHEDULE_CURVE, 0.1, 3, 6, 9, 12);
     ASSERT_STEPS(&output, SCHEDULE_SNAPSHOT, 0.1, 3, 5, 8, 10);
     // A step that is longer than the period.
@@ -161,7 +149,6 @@ static void in_a_window_its_own_period_counts_from_its_start(void **state)
         .curve_every = 0.5, .snapshot_every = 0.5, .n_windows = 2, .windows = windows
     };
 
-    (void)state;
     // 0.5 and 1.0; 1.1, 1.5, 1.9; 2.0, 2.1, 2.2; 2.5, 3.0.
     ASSERT_STEPS(&output, SCHEDULE_CURVE, 0.1, 5, 10, 11, 15, 19, 20, 21, 22, 25, 30);
     // 0.5 and 1.0; 1.1; 2.0, 2.2; 2.5.

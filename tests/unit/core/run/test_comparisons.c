@@ -3,14 +3,10 @@
 #include "core/run/comparisons.h"
 
 #include "core/run/validity_table.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static validity_like like_of(const double *values)
 {
@@ -43,7 +39,6 @@ static void a_scene_of_the_table_is_like_itself(void **state)
 {
     size_t n_lines = 0, n_like_others = 0;
 
-    (void)state;
     for (size_t k = 0; k < comparisons_table_n; k++) {
         const comparison_row *row = &comparisons_table[k];
         validity_like like;
@@ -63,7 +58,6 @@ static void a_figure_beyond_its_tolerance_is_not_alike(void **state)
     const comparison_row *row = first_row_of(VALIDITY_CONGESTED);
     double values[COMPARISON_COLUMNS];
 
-    (void)state;
     memcpy(values, row->values, sizeof values);
     values[column_of(VALIDITY_PART_FRICTION, false)] += 5.0;
     assert_int_equal(like_of(values).n, 0);
@@ -75,7 +69,6 @@ static void a_figure_that_one_of_them_lacks_is_not_alike(void **state)
     const comparison_row *row = first_row_of(VALIDITY_CONGESTED);
     double values[COMPARISON_COLUMNS];
 
-    (void)state;
     memcpy(values, row->values, sizeof values);
     values[column_of(VALIDITY_ANGLE, true)] = NAN;
     assert_int_equal(like_of(values).n, 0);
@@ -91,7 +84,6 @@ static void without_figures_or_rows_there_are_none(void **state)
     double values[COMPARISON_COLUMNS];
     validity_like like;
 
-    (void)state;
     for (size_t k = 0; k < COMPARISON_COLUMNS; k++)
         values[k] = NAN;
     assert_int_equal(like_of(values).n, 0);
@@ -106,7 +98,6 @@ static void ranges_are_those_of_the_rows(void **state)
                                                VALIDITY_PLATE_FRICTION, VALIDITY_PART_FRICTION,
                                                VALIDITY_BELT_FRICTION,  VALIDITY_SIZES };
 
-    (void)state;
     for (size_t i = 0; i < sizeof figures / sizeof *figures; i++) {
         const validity_range *range = &validity_table[figures[i]].ranges[VALIDITY_CONGESTED];
         const size_t column = column_of(figures[i], false);

@@ -5,12 +5,9 @@
 #include "core/base/buffer.h"
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 // The same density everywhere, and one factor of all belts.
 typedef struct even_field {
@@ -20,7 +17,6 @@ typedef struct even_field {
 
 static double even_density(const void *context, size_t cell)
 {
-    (void)cell;
     return ((const even_field *)context)->density;
 }
 
@@ -80,7 +76,6 @@ static void regular_parts_break_a_beam_one_by_one(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.03, SCENE_ARRIVALS_REGULAR, 0.5);
     const double dt = scene_macro_step(&s);
     const sight seen =
@@ -96,7 +91,6 @@ static void random_parts_of_one_lane_do_not_overlap(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.03, SCENE_ARRIVALS_POISSON, 0.5);
     const double dt = scene_macro_step(&s);
     const sight seen = look(&s, (even_field){ density_of(&s, 0.03, 5.0), 1.0 }, (size_t)(2e3 / dt));
@@ -110,7 +104,6 @@ static void random_parts_of_a_wide_belt_overlap(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.6, SCENE_ARRIVALS_POISSON, 0.5);
     const double dt = scene_macro_step(&s);
     const sight seen = look(&s, (even_field){ density_of(&s, 0.6, 20.0), 1.0 }, (size_t)(1e3 / dt));
@@ -139,7 +132,6 @@ static void where_the_belt_runs_backwards_parts_come_from_the_other_side(void **
     int n[2] = { 0, 0 };
     scene s;
 
-    (void)unused;
     make_reversing_scene(&s);
     const int n_steps = (int)(20.0 / scene_macro_step(&s));
     assert_int_equal(crossings_create(&s, &c, NULL), BF_OK);
@@ -166,7 +158,6 @@ static void a_part_goes_back_as_far_as_it_has_come(void **unused)
     int n = 0;
     scene s;
 
-    (void)unused;
     make_reversing_scene(&s);
     now = (even_field){ density_of(&s, 0.03, 5.0), 1.0 };
     assert_int_equal(crossings_create(&s, &c, NULL), BF_OK);
@@ -190,7 +181,6 @@ static void packed_parts_and_parts_that_stand_break_it_all_the_time(void **unuse
     crossings *c = NULL;
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.6, SCENE_ARRIVALS_POISSON, 0.5);
     assert_near(look(&s, packed, 1000).n, 1.0, 0.0);
     assert_int_equal(crossings_create(&s, &c, NULL), BF_OK);
@@ -208,7 +198,6 @@ static void parts_that_leave_break_a_beam_for_less(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.03, SCENE_ARRIVALS_REGULAR, 0.996);
     const double dt = scene_macro_step(&s);
     const sight seen =
@@ -222,7 +211,6 @@ static void an_eye_beside_the_belts_sees_nothing(void **unused)
     const vec2 left[] = { { 0, 0 }, { 0.4, 0 }, { 0.4, 0.6 }, { 0, 0.6 } };
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.6, SCENE_ARRIVALS_POISSON, 0.7);
     s.belts[0].n_points = 4;
     s.belts[0].polygon = memory_alloc(4, sizeof *left);
@@ -243,7 +231,6 @@ static void a_saved_eye_goes_on_as_it_would_have(void **unused)
     checkpoint_reader r;
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.6, SCENE_ARRIVALS_POISSON, 0.5);
     assert_int_equal(crossings_create(&s, &c, NULL), BF_OK);
     assert_int_equal(crossings_create(&s, &copy, NULL), BF_OK);
@@ -269,7 +256,6 @@ static void no_memory_is_reported(void **unused)
     crossings *c = NULL;
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.6, SCENE_ARRIVALS_POISSON, 0.5);
     for (size_t n = 1; status != BF_OK; n++) {
         memory_plan_fault(n, 0);
@@ -291,7 +277,6 @@ static const double *fractions_of(const void *context, size_t cell)
 {
     static const double of[][2] = { { 1.0, 0.0 }, { 0.0, 1.0 }, { 0.75, 0.25 } };
 
-    (void)cell;
     return of[((const field_of_kinds *)context)->which];
 }
 
@@ -302,7 +287,6 @@ static void parts_are_of_the_kinds_that_cross(void **state)
                         most[] = { 0.0, 4000.0, 1000.0 + 4.0 * 27.0 };
     scene s;
 
-    (void)state;
     make_scene(&s, 0.1, SCENE_ARRIVALS_REGULAR, 0.5);
     s.cargo[1] = s.cargo[0];
     s.n_cargo = 2;

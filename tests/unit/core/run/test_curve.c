@@ -3,14 +3,9 @@
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define INNER  0.4
 #define OUTER  0.8
@@ -69,7 +64,6 @@ static void what_enters_leaves_behind_a_curve_in_both_models(void **state)
     const double way = BEFORE + 0.5 * M_PI * 0.5 * (INNER + OUTER) + BEHIND;
     double passed[2];
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         scene s;
         make_scene(&s);

@@ -5,17 +5,12 @@
 #include "core/scene/plate_drive.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { COLUMNS = 11, ROWS = 8 };
 
@@ -64,7 +59,6 @@ static double figure_of(const scene *s, const helper_run_log *log, figure_id id)
 // It stalls on its way, after some angle and before the last one, and is as told again when it comes back.
 static void a_run_tells_of_a_drive_that_stalls_and_of_one_that_has_caught_up(void **state)
 {
-    (void)state;
     for (int model = RUN_MACRO; model <= RUN_MICRO; model++) {
         helper_run_log *log = new_log((run_model)model);
         scene s;
@@ -98,7 +92,6 @@ static void a_run_tells_of_a_drive_that_stalls_and_of_one_that_has_caught_up(voi
 
 static void a_run_stopped_while_its_drive_stalls_resumes_to_the_same_results(void **state)
 {
-    (void)state;
     for (int model = RUN_MACRO; model <= RUN_MICRO; model++) {
         helper_run_log *whole = new_log((run_model)model), *log = new_log((run_model)model);
         scene s;
@@ -125,7 +118,6 @@ static void cargo_that_an_arm_has_enclosed_is_let_go(void **state)
     helper_run_log *log = new_log(RUN_MACRO);
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 0.762, 0.499, 0.0254, NULL, 0);
     s.initial.type = SCENE_INITIAL_EMPTY;
     s.cargo[0].shape.radius = 0.0381;

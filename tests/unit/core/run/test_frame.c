@@ -3,15 +3,10 @@
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/run/frame.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double times[] = { 0.0, 0.01, 0.02 };
 static const double figure_values[] = { 3600.0, 0.25, 1.5 };
@@ -73,7 +68,6 @@ static void assert_same(const frame *a, const frame *b)
 
 static void every_frame_comes_back_as_it_was(void **state)
 {
-    (void)state;
     frame frames[FRAME_TYPE_COUNT], f;
     bf_buffer bytes = { 0 };
     size_t n = make_frames(frames), at = 0, used;
@@ -96,7 +90,6 @@ static void every_frame_comes_back_as_it_was(void **state)
 
 static void the_bytes_are_the_documented_ones(void **state)
 {
-    (void)state;
     const frame f = { .type = FRAME_PROGRESS, .progress = { 1, 2, 0.0 } };
     static const unsigned char head[] = { 'B', 'F', 'F', '1', 6, 0, 0, 0, 24, 0, 0, 0, 0, 0, 0, 0,
                                           1,   0,   0,   0,   0, 0, 0, 0, 2,  0, 0, 0, 0, 0, 0, 0 };
@@ -122,7 +115,6 @@ static bf_status decode_copy(const char *bytes, size_t n, size_t *ret_used)
 
 static void a_torn_end_asks_for_more_at_every_cut(void **state)
 {
-    (void)state;
     frame frames[FRAME_TYPE_COUNT];
     size_t n = make_frames(frames);
     for (size_t k = 0; k < n; k++) {
@@ -141,7 +133,6 @@ static void a_torn_end_asks_for_more_at_every_cut(void **state)
 // frame whose end has not come yet.
 static void a_flipped_bit_is_never_taken_for_a_frame(void **state)
 {
-    (void)state;
     frame frames[FRAME_TYPE_COUNT];
     size_t n = make_frames(frames);
     for (size_t k = 0; k < n; k++) {
@@ -164,7 +155,6 @@ static void a_flipped_bit_is_never_taken_for_a_frame(void **state)
 // would let any number of them pass.
 static void a_frame_that_lies_about_its_arrays_is_refused(void **state)
 {
-    (void)state;
     static const struct {
         uint32_t n;
         uint32_t n_columns;
@@ -209,7 +199,6 @@ static void assert_slices(const frame *f, const void *array, uint64_t n, uint64_
 // 65,536 cells of 4 bytes are two whole slices; one more begins a third.
 static void slices_cover_an_array_once(void **state)
 {
-    (void)state;
     static float many[65537];
     static const double rows[12] = { 0 };
     frame f = { .type = FRAME_SNAPSHOT, .snapshot = { 4, 0.0, 0.0, 0.0, 256, 256, many } };
@@ -230,7 +219,6 @@ static void slices_cover_an_array_once(void **state)
 
 static void an_endless_frame_is_refused_before_it_comes(void **state)
 {
-    (void)state;
     static const unsigned char head[16]
         __attribute__((aligned(8))) = { 'B', 'F', 'F', '1', FRAME_SNAPSHOT, 0, 0, 0, 0, 0, 0, 0,
                                         0,   0,   0,   1 };
@@ -241,7 +229,6 @@ static void an_endless_frame_is_refused_before_it_comes(void **state)
 
 static void out_of_memory_leaves_the_buffer_as_it_was(void **state)
 {
-    (void)state;
     const frame f = { .type = FRAME_CURVE, .curve = { 10, 3, 2, times, values } };
     bf_buffer out = { 0 };
     bf_status status = BF_ENOMEM;

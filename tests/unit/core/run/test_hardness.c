@@ -11,16 +11,11 @@
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Goods, in the plane or in space.
 typedef struct goods {
@@ -81,7 +76,6 @@ static void check_goods(const goods *of, double duration, double most)
 // 2 % is aimed at; a crowd that stops at once may be heavier than the line that is reckoned with.
 static void goods_overlap_little_at_the_defaults(void **state)
 {
-    (void)state;
     check_goods(&can, HELPER_AMOUNT(15.0, 8.0), 0.05);
     check_goods(&keg, HELPER_AMOUNT(60.0, 30.0), 0.05);
     check_goods(&carton, HELPER_AMOUNT(15.0, 8.0), 0.05);
@@ -143,7 +137,6 @@ static void check_soft(const goods *of)
 // With the paper's modulus_reduction a part is pressed into the plate by more than 20 % of its radius.
 static void parts_that_are_too_soft_fail_with_part_and_plate(void **state)
 {
-    (void)state;
     check_soft(&can);
     check_soft(&carton);
 }
@@ -155,7 +148,6 @@ static void a_light_part_between_heavy_ones_fails_with_the_masses(void **state)
     bf_error err = { 0 };
     scene s;
 
-    (void)state;
     make_heap(&s, &can);
     s.micro.modulus_reduction = 0.0; // "auto"
     scene mixed = s;
@@ -180,7 +172,6 @@ static void a_part_that_is_squeezed_out_fails_with_the_plate(void **state)
     bf_error err = { .pointer = "", .text = "as it was" };
     scene s;
 
-    (void)state;
     make_heap(&s, &can);
     const vec2 foot = s.obstacles[0].path[0];
     const micro_thrown near = { 7, { foot.x, foot.y + 2.9 * s.cargo[0].shape.radius }, 26.0 };
@@ -215,7 +206,6 @@ static void the_expected_overlap_stops_the_line(void **state)
     run__micro_setup setup;
     scene s;
 
-    (void)state;
     make_line(&s, &can, 15.0);
     assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
     const micro_def *def = &setup.def;
@@ -234,7 +224,6 @@ static void the_expected_overlap_stops_the_line(void **state)
 // Critical damping of a mass m on a spring k is 2 sqrt(k m): 20 N s/m for 1 kg on 100 N/m.
 static void dashpots_are_at_most_four_times_critical_where_the_hardness_is_chosen(void **state)
 {
-    (void)state;
     micro_def def = micro_def_default();
     def.hardens = true;
     def.integrator = MICRO_IMPLICIT;
@@ -253,7 +242,6 @@ static void light_parts_take_steps_as_long_as_heavy_ones(void **state)
 {
     const goods *const all[] = { &can, &carton };
 
-    (void)state;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
         double steps[2];
         for (int light = 0; light < 2; light++) {
@@ -277,7 +265,6 @@ static void parts_that_press_harder_than_foreseen_become_harder(void **state)
     bf_buffer saved = { 0 };
     scene s;
 
-    (void)state;
     make_heap(&s, &can);
     assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
     setup.def.modulus_reduction = 3e4;

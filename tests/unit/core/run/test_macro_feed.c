@@ -6,14 +6,9 @@
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A belt of 0.4 m/s, 0.4 m x 0.2 m in cells of 1 cm, packed with 1000 parts/m2, with a feed along the west side at a
 // rate in parts/s: it carries 80 parts/s at most, or 0.93 of it with the congested closure.
@@ -79,7 +74,6 @@ enum { N_SOLVERS = 4 };
 // the scheme roe the flux there is its density times 0.4 m/s.
 static void a_fed_belt_carries_the_rate(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < N_SOLVERS; k++) {
         double dt, columns[2], left = 0.0;
         scene s;
@@ -111,7 +105,6 @@ static void a_fed_belt_carries_the_rate(void **state)
 // Far more than the belt carries: it enters at the belt's capacity, 0.4 m/s x 0.2 m x 1000 x rho_p, and the rest waits.
 static void a_saturated_inlet_admits_the_capacity(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < N_SOLVERS; k++) {
         const double packed = solvers[k].closure == SCENE_CONGESTED ? 0.93 : 1.0;
         double dt;
@@ -136,7 +129,6 @@ static void a_saturated_inlet_admits_the_capacity(void **state)
 // cargo that has no way out, so the rate only falls.
 static void nothing_is_lost_behind_a_closed_outlet(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < N_SOLVERS; k++) {
         double dt, before = 0.0;
         scene s;
@@ -168,7 +160,6 @@ static void nothing_is_lost_behind_a_closed_outlet(void **state)
 // From a line inside cargo goes with the belt, and nothing enters where the belt stands and the line is packed.
 static void a_line_inside_fills_the_cells_it_crosses(void **state)
 {
-    (void)state;
     double dt, columns[2];
     scene s;
     make_scene(&s, SCENE_DISPERSIVE, SCENE_SCHEME_ROE, 500.0);
@@ -194,7 +185,6 @@ static void a_line_inside_fills_the_cells_it_crosses(void **state)
 // Nothing waits longer than 0.5 s: so when the line is held for 2 s at 30 parts/s, 15 parts wait and 45 are dropped.
 static void a_held_feed_goes_on_to_be_offered(void **state)
 {
-    (void)state;
     double dt;
     scene s;
     make_scene(&s, SCENE_CONGESTED, SCENE_SCHEME_ROE, 30.0);
@@ -214,7 +204,6 @@ static void a_held_feed_goes_on_to_be_offered(void **state)
 
 static void the_end_of_a_feed_is_known(void **state)
 {
-    (void)state;
     double dt;
     scene s;
     make_scene(&s, SCENE_DISPERSIVE, SCENE_SCHEME_ROE, 30.0);
@@ -232,7 +221,6 @@ static void the_end_of_a_feed_is_known(void **state)
 // Two feeds, one of them on the south side and one inside, into a jam: on 1 and 3 threads, and from a checkpoint.
 static void threads_and_checkpoints_do_not_change_a_bit(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < N_SOLVERS; k++) {
         void *runs[3];
         double dt;
@@ -280,7 +268,6 @@ static void threads_and_checkpoints_do_not_change_a_bit(void **state)
 
 static void out_of_memory_anywhere_is_an_error(void **state)
 {
-    (void)state;
     bf_status status = BF_ENOMEM;
     void *run = NULL;
     run_plan plan;

@@ -7,16 +7,11 @@
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/core/helper_world.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double degree = M_PI / 180.0;
 
@@ -47,7 +42,6 @@ static helper_run_log *new_log(void)
 
 static void a_run_stopped_in_a_swing_resumes_to_the_same_results(void **state)
 {
-    (void)state;
     for (int k = 0; k < 4; k++) {
         scene s;
         make_swing(&s, k < 2 ? SCENE_DISPERSIVE : SCENE_CONGESTED,
@@ -63,7 +57,6 @@ static void a_checkpoint_fits_no_other_motion(void **state)
     helper_run_log *log = new_log();
     scene s;
 
-    (void)state;
     make_swing(&s, SCENE_DISPERSIVE, SCENE_SCHEME_ROE);
     log->stop_at = 1;
     assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
@@ -112,7 +105,6 @@ static void commands_act_as_schedules_do(void **state)
     static const double turn_times[] = { 0.0625, 0.1875 }, zero[] = { 0.0 };
     const double angles[] = { 0.0, 20.0 * degree };
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         const scene_closure closure = k == 0 ? SCENE_DISPERSIVE : SCENE_CONGESTED;
         scene s;
@@ -158,7 +150,6 @@ static void a_plate_that_turns_by_more_than_a_cell_in_a_step_is_refused(void **s
     scene s;
     bf_faults faults = { 0 };
 
-    (void)state;
     make_swing(&s, SCENE_DISPERSIVE, SCENE_SCHEME_ROE);
     const double most = 0.01 / ((0.5 / sin(60.0 * degree) + 0.005) * 25.0 * degree / 0.08);
     s.macro.step = most;

@@ -4,12 +4,9 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 enum { VALUES_MAX = 64 };
 
@@ -61,7 +58,6 @@ static void see(fixture *x, double t, double belt_speed, size_t n, const passage
 // part 2 begins 0.03 s before 0.4 s, at 0.37 s: a gap of 0.15 s, 75 mm.
 static void crossings_lie_between_ticks(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x);
     see(&x, 0.0, 0.5, 0, NULL);
@@ -77,7 +73,6 @@ static void crossings_lie_between_ticks(void **state)
 // Part 7 ends at 0.12 s and part 3 begins at 0.15 s, both seen at the tick of 0.2 s: they do not overlap.
 static void what_happens_between_two_ticks_is_put_in_order(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x);
     see(&x, 0.0, 0.5, 0, NULL);
@@ -91,7 +86,6 @@ static void what_happens_between_two_ticks_is_put_in_order(void **state)
 // Parts 1 and 2 break the beam together; 3 comes alone.
 static void parts_side_by_side_are_doubles(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x);
     see(&x, 0.0, 0.5, 0, NULL);
@@ -107,7 +101,6 @@ static void parts_side_by_side_are_doubles(void **state)
 // 0.05 m until 5.4 s.
 static void a_belt_that_stands_makes_no_gap(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x);
     see(&x, 0.0, 0.5, 1, (const passages_part[]){ { 1, 0.0, 0.0 } });
@@ -123,7 +116,6 @@ static void a_belt_that_stands_makes_no_gap(void **state)
 // A part that stands under the beam ends when it moves on: at the last tick at which it was there, at the earliest.
 static void a_part_that_stands_has_no_end(void **state)
 {
-    (void)state;
     fixture x;
     begin(&x);
     see(&x, 0.0, 0.5, 0, NULL);
@@ -136,7 +128,6 @@ static void a_part_that_stands_has_no_end(void **state)
 
 static void a_checkpoint_goes_on_with_the_same_passages(void **state)
 {
-    (void)state;
     bf_buffer bytes = { 0 };
     checkpoint_writer w;
     checkpoint_reader r;
@@ -165,7 +156,6 @@ static void a_checkpoint_goes_on_with_the_same_passages(void **state)
 
 static void no_memory_is_reported(void **state)
 {
-    (void)state;
     const passages_part part = { 1, 0.0, 0.1 };
     const passages_view view = { 0.5, 1, &part };
     fixture x;

@@ -6,11 +6,7 @@
 #include "core/run/beam.h"
 #include "core/run/commands.h"
 #include "core/run/control.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 // Steps of 0.1 s: blocked after 3 steps, clear after 2.
 static scene_photo_eye eye = { .block_time = 0.3, .clear_time = 0.2 };
@@ -35,7 +31,6 @@ static void a_state_changes_when_the_beam_has_been_so_for_its_time(void **state)
         { false, true, false },  { false, true, false }, { false, false, true }, // after 0.2 s
     };
 
-    (void)state;
     for (uint64_t k = 0; k < sizeof expected / sizeof *expected; k++) {
         assert_int_equal(photo_eyes_see(&eyes, 0, k, expected[k].is_broken), expected[k].changes);
         assert_int_equal(eyes.states[0].is_blocked, expected[k].is_blocked);
@@ -48,7 +43,6 @@ static void times_that_rounding_touches_end_at_their_step(void **state)
     const scene s = { .n_eyes = 1, .eyes = &third };
     photo_eyes eyes = photo_eyes_of(&s, 1e-3);
 
-    (void)state;
     // 0.3 and 700 * 1e-3 - 400 * 1e-3 differ in their last bits.
     assert_false(photo_eyes_see(&eyes, 0, 400, true));
     assert_false(photo_eyes_see(&eyes, 0, 699, true));
@@ -64,7 +58,6 @@ static void a_saved_eye_goes_on_as_it_would_have(void **state)
     checkpoint_reader r;
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_false(photo_eyes_see(&eyes, 0, 5, true));
     checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
     photo_eyes_save(&eyes, &w);
@@ -117,7 +110,6 @@ static void each_part_of_a_kind_has_a_state_of_its_own(void **state)
     const scene s = scene_of_kinds();
     photo_eyes eyes = photo_eyes_of(&s, 0.1);
 
-    (void)state;
     assert_true(eyes.tells_kinds[0]);
     for (uint64_t k = 0; k < sizeof ticks / sizeof *ticks; k++) {
         assert_int_equal(
@@ -139,7 +131,6 @@ static void saved_parts_at_an_eye_go_on_as_they_would_have(void **state)
     checkpoint_reader r;
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(photo_eyes_see_parts(&eyes, 0, 5, 1, &part, NULL), BF_OK);
     checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
     photo_eyes_save(&eyes, &w);
@@ -162,7 +153,6 @@ static void a_disk_breaks_the_beams_that_it_touches(void **state)
     const scene_shape disk = { .type = SCENE_CYLINDER, .radius = 0.0625, .height = 0.01 };
     const shape_footprint f = shape_footprint_of(&disk);
 
-    (void)state;
     assert_true(beam_meets_part(beam, &f, (scene_pose){ 0.5625, 0.2, 0.0 }));
     assert_false(beam_meets_part(beam, &f, (scene_pose){ 0.5626, 0.2, 0.0 }));
     assert_true(beam_meets_part(beam, &f, (scene_pose){ 0.5, 0.46, 0.0 }));
@@ -176,7 +166,6 @@ static void a_box_breaks_the_beams_that_it_touches_as_it_is_turned(void **state)
     const shape_footprint f = shape_footprint_of(&box);
     const vec2 within[2] = { { 0.0, 0.0 }, { 0.001, 0.0 } };
 
-    (void)state;
     assert_true(beam_meets_part(beam, &f, (scene_pose){ 0.41, 0.2, 0.0 }));
     assert_false(beam_meets_part(beam, &f, (scene_pose){ 0.41, 0.2, 1.5707963267948966 }));
     assert_true(beam_meets_part(within, &f, (scene_pose){ 0.0, 0.0, 0.3 })); // wholly inside
@@ -196,7 +185,6 @@ static void assert_cells(const vec2 line[2], size_t n, const size_t *expected)
 
 static void a_beam_has_the_cells_that_it_crosses_or_touches(void **state)
 {
-    (void)state;
     assert_cells((vec2[]){ { 0.05, 0.05 }, { 0.05, 0.25 } }, 3, (size_t[]){ 0, 4, 8 });
     assert_cells((vec2[]){ { 0.1, 0.05 }, { 0.1, 0.15 } }, 4, (size_t[]){ 0, 1, 4, 5 });
     assert_cells((vec2[]){ { 0.05, 0.02 }, { 0.15, 0.12 } }, 3, (size_t[]){ 0, 1, 5 });
@@ -226,7 +214,6 @@ static void commands_come_when_due_and_those_of_a_step_in_the_order_of_actions(v
     commands c = commands_of(&commanded, 0.1);
     size_t action;
 
-    (void)state;
     assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, 10, NULL),
                      BF_OK); // 2 at step 10, 0 at step 12
     assert_taken(&c, 10, 2);
@@ -248,7 +235,6 @@ static void saved_commands_come_as_they_would_have(void **state)
     bf_buffer out = { 0 };
     size_t action;
 
-    (void)state;
     assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, 10, NULL), BF_OK);
     checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
     commands_save(&c, &w);
@@ -272,7 +258,6 @@ static void an_action_that_is_not_in_the_scene_is_damage(void **state)
     checkpoint_reader r;
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, 10, NULL), BF_OK);
     checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
     commands_save(&c, &w);
@@ -292,7 +277,6 @@ static void more_commands_than_may_wait_end_the_run(void **state)
     commands c = commands_of(&s, 0.1);
     bf_error err;
 
-    (void)state;
     for (uint64_t k = 0; k < COMMANDS_MAX; k++)
         assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, k, NULL), BF_OK);
     assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, COMMANDS_MAX, &err), BF_ELIMIT);
@@ -309,7 +293,6 @@ static void no_memory_is_reported(void **state)
     const scene s = scene_of_kinds();
     photo_eyes eyes = photo_eyes_of(&s, 0.1);
 
-    (void)state;
     memory_plan_fault(1, 1);
     assert_int_equal(beam_cells_of(line, &grid, &cells, NULL), BF_ENOMEM);
     assert_int_equal(commands_note(&c, 0, SCENE_KIND_ANY, true, 10, NULL), BF_ENOMEM);
@@ -326,7 +309,6 @@ static bf_status look(void *solver, size_t at, run_view *ret_view, bf_error *err
     bool *is_broken = solver;
 
     (void)at;
-    (void)err;
     *is_broken = !*is_broken;
     *ret_view = (run_view){ .is_broken = *is_broken };
     return BF_OK;
@@ -336,7 +318,6 @@ static bf_status count_change(void *context, const frame *f, bf_error *err)
 {
     uint64_t *n = context;
 
-    (void)err;
     assert_int_equal(f->type, FRAME_CHANGE);
     assert_int_equal(f->change.index, (*n)++);
     return BF_OK;
@@ -355,7 +336,6 @@ static void a_run_tells_of_so_many_changes_at_most(void **state)
 
     figures *to;
 
-    (void)state;
     assert_int_equal(figures_create(&s, false, &to, NULL), BF_OK);
     for (uint64_t step = 0; step < FRAME_CHANGES_MAX + 5; step++)
         assert_int_equal(control_tick(&c, &is_broken, step, to, &sink, NULL), BF_OK);

@@ -4,14 +4,9 @@
 #include "core/run/prediction.h"
 #include "core/run/prediction_load.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 enum { ROWS = 10, COLUMNS = 10 };
 
@@ -54,7 +49,6 @@ static void test_parts_that_leave_stop_to_count(void **state)
 {
     scene s;
 
-    (void)state;
     make_scene(&s, 8.0);
     check_scene(&s, RUN_MICRO);
     const prediction_load load = load_of(&s);
@@ -71,7 +65,6 @@ static void test_parts_that_jam_count_to_the_end(void **state)
     const vec2 across[] = { { 1.5, 0.0 }, { 1.5, 0.48 } };
     scene s;
 
-    (void)state;
     make_scene(&s, 8.0);
     helper_scene_add_obstacle(&s, across, 2, SCENE_SEALED);
     check_scene(&s, RUN_MICRO);
@@ -86,7 +79,6 @@ static void test_a_long_run_is_followed_for_a_part_of_it(void **state)
 {
     scene s;
 
-    (void)state;
     make_scene(&s, 10000.0);
     helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
     s.output.curve_every = s.output.snapshot_every = 1.0;
@@ -103,7 +95,6 @@ static void test_fields_are_made_while_plates_move(void **state)
     const double times[] = { 1.0, 2.0 }, angles[] = { 0.0, 0.5 };
     scene s;
 
-    (void)state;
     make_scene(&s, 8.0);
     helper_scene_add_obstacle(&s, flap, 2, SCENE_SEALED);
     check_scene(&s, RUN_MACRO);
@@ -124,7 +115,6 @@ static void test_tracers_are_there_while_cargo_is_fed(void **state)
 {
     scene s;
 
-    (void)state;
     make_scene(&s, 8.0);
     check_scene(&s, RUN_MACRO);
     assert_true(load_of(&s).tracers == 0.0);
@@ -143,7 +133,6 @@ static void test_a_jam_takes_time_in_proportion_to_its_duration(void **state)
     const vec2 across[] = { { 1.5, 0.0 }, { 1.5, 0.48 } };
     double seconds[2];
 
-    (void)state;
     for (int model = 0; model < RUN_MODEL_COUNT; model++) {
         for (size_t k = 0; k < 2; k++) {
             prediction_work work;
@@ -166,7 +155,6 @@ static void test_a_machine_half_as_fast_takes_twice_as_long(void **state)
     prediction_work work;
     scene s;
 
-    (void)state;
     make_scene(&s, 4.0);
     check_scene(&s, RUN_MACRO);
     assert_int_equal(prediction_work_of(&s, RUN_MACRO, &work, NULL), BF_OK);
@@ -186,7 +174,6 @@ static void test_the_speed_is_measured_by_the_clock(void **state)
 {
     double slow, fast;
 
-    (void)state;
     for (int kind = 0; kind < PREDICTION_KIND_COUNT; kind++) {
         assert_int_equal(prediction_measure((prediction_kind)kind, read_fake_s, 0.0, &slow, NULL),
                          BF_OK);
@@ -203,7 +190,6 @@ static void test_no_memory_is_an_error(void **state)
     prediction_work work;
     scene s;
 
-    (void)state;
     make_scene(&s, 0.1);
     check_scene(&s, RUN_MICRO);
     for (size_t n = 1; status != BF_OK; n++) {

@@ -3,14 +3,9 @@
 #include "core/run/prediction_learn.h"
 
 #include "core/base/random.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static prediction_speed speed_of(double factor)
 {
@@ -63,7 +58,6 @@ static void runs_correct_what_is_predicted_of_others(void **state)
     bf_random random;
     prediction_speed speed = speed_of(1.0);
 
-    (void)state;
     random_init(&random, 7);
     prediction_learn_begin(&learned);
     assert_true(worst_error(&random, &speed) > 0.5);
@@ -84,7 +78,6 @@ static void one_run_that_is_far_off_counts_little(void **state)
     bf_random random;
     prediction_speed speed = speed_of(1.0);
 
-    (void)state;
     random_init(&random, 8);
     prediction_learn_begin(&learned);
     for (size_t k = 0; k < 30; k++) {
@@ -102,7 +95,6 @@ static void times_that_are_none_are_left_out(void **state)
     prediction_speed speed = speed_of(1.0);
     prediction_work work;
 
-    (void)state;
     random_init(&random, 9);
     prediction_learn_begin(&learned);
     work = draw_work(&random);

@@ -4,14 +4,11 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A belt of 1 x 0.6 m at 0.4 m/s, of which the second half may be another belt, and a feed over 0.4 m of its west side.
 static void make_scene(scene *s, bool has_second)
@@ -57,7 +54,6 @@ static void rates_beyond_the_belts_are_warned_of(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, false);
     s.feeds[0].rate = 338.5;
     assert_int_equal(warnings_of(&s)->n, 0);
@@ -124,7 +120,6 @@ static void a_belt_that_its_own_cargo_stops_is_warned_of(void **unused)
 {
     static const rule rules[] = { { 0, false, 0, 1.0 }, { 0, true, 0, 0.0 } };
 
-    (void)unused;
     const review_warnings *found = warnings_with(1, 1, late, 2, rules);
     assert_int_equal(found->n, 1);
     assert_string_equal(found->items[0].pointer, "/actions/1");
@@ -133,7 +128,6 @@ static void a_belt_that_its_own_cargo_stops_is_warned_of(void **unused)
 
 static void a_belt_that_goes_slower_is_not_stopped(void **unused)
 {
-    (void)unused;
     assert_int_equal(warnings_with(1, 1, late, 1, (rule[]){ { 0, true, 0, 0.1 } })->n, 0);
 }
 
@@ -142,7 +136,6 @@ static void a_belt_that_the_next_one_stops_is_in_order(void **unused)
 {
     static const rule rules[] = { { 0, true, 0, 0.0 }, { 0, false, 0, 1.0 } };
 
-    (void)unused;
     assert_int_equal(warnings_with(2, 1, late, 2, rules)->n, 0);
 }
 
@@ -151,7 +144,6 @@ static void another_belt_may_start_it_again(void **unused)
 {
     static const rule rules[] = { { 0, true, 0, 0.0 }, { 1, false, 0, 1.0 } };
 
-    (void)unused;
     assert_int_equal(warnings_with(2, 2, both, 2, rules)->n, 0);
 }
 
@@ -162,7 +154,6 @@ static void two_belts_may_wait_for_each_other(void **unused)
         { 0, true, 0, 0.0 }, { 1, true, 1, 0.0 }, { 1, false, 0, 1.0 }, { 0, false, 1, 1.0 }
     };
 
-    (void)unused;
     const review_warnings *found = warnings_with(2, 2, both, 4, rules);
     assert_int_equal(found->n, 2);
     assert_string_equal(found->items[0].pointer, "/actions/0");
@@ -176,7 +167,6 @@ static void an_eye_beside_the_belts_is_warned_of(void **unused)
     scene s;
     bool is_said = false;
 
-    (void)unused;
     make_scene(&s, false);
     s.belts[0].n_points = 4;
     s.belts[0].polygon = memory_alloc(4, sizeof *left);
@@ -192,14 +182,12 @@ static void an_eye_beside_the_belts_is_warned_of(void **unused)
 // A beam across both belts clears as long as one of them moves.
 static void a_beam_above_a_moving_belt_clears(void **unused)
 {
-    (void)unused;
     assert_int_equal(warnings_with(2, 1, across, 1, (rule[]){ { 0, true, 0, 0.0 } })->n, 0);
 }
 
 // Ten times 105 s are needed; without the warm-up the run has 900 s.
 static void failures_that_are_too_rare_for_the_run_are_warned_of(void **unused)
 {
-    (void)unused;
     for (int k = 0; k < 2; k++) {
         scene s;
         make_scene(&s, true);
@@ -239,7 +227,6 @@ static void an_opening_that_a_kind_does_not_fit_through_is_warned_of(void **unus
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, false);
     add_plate(&s, 0.02, 0.5);
     assert_false(is_too_narrow(&s));
@@ -261,7 +248,6 @@ static void both_models_warn_of_it(void **unused)
     run_review review;
     scene s;
 
-    (void)unused;
     make_scene(&s, false);
     add_plate(&s, 0.02, 0.6);
     helper_scene_resolve(&s);
@@ -284,7 +270,6 @@ static void no_memory_is_reported(void **unused)
     run_review review;
     scene s;
 
-    (void)unused;
     make_scene(&s, false);
     helper_scene_resolve(&s);
     for (size_t n = 1; status != BF_OK; n++) {

@@ -3,13 +3,10 @@
 #include "core/run/review_belts.h"
 
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const scene_pose somewhere = { 0.1, 0.3, 0.0 };
 
@@ -48,7 +45,6 @@ static void belts_that_go_on_are_in_order(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 1.0, 1.0);
     assert_int_equal(warnings_of(&s).n, 0);
     make_scene(&s, 0.5, 0.5);
@@ -62,7 +58,6 @@ static void a_belt_that_ends_is_named_with_the_place(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.5, 0.5121);
     const review_warnings found = warnings_of(&s);
     assert_one(&found, "Cargo leaves the belts", "/belts/0/polygon_m", "(0.5, 0.00297) m");
@@ -73,7 +68,6 @@ static void a_belt_that_runs_backwards_leads_off_over_its_other_end(void **unuse
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.4, 0.4);
     s.belts[0].polygon[0].x = s.belts[0].polygon[3].x = 0.05;
     assert_int_equal(warnings_of(&s).n, 0);
@@ -88,7 +82,6 @@ static void a_gap_below_a_radius_is_bridged(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.5, 0.5119);
     assert_int_equal(warnings_of(&s).n, 0);
 }
@@ -97,7 +90,6 @@ static void a_plate_at_the_end_holds_cargo(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 0.5, 1.0);
     helper_scene_add_obstacle(&s, (vec2[]){ { 0.5, 0.0 }, { 0.5, 0.6 } }, 2, SCENE_SEALED);
     assert_int_equal(warnings_of(&s).n, 0);
@@ -107,7 +99,6 @@ static void parts_off_every_belt_are_counted(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s, 1.0, 1.0);
     s.belts[0].polygon[0].x = s.belts[0].polygon[3].x = 0.2;
     const review_warnings found = warnings_of(&s);

@@ -3,12 +3,9 @@
 #include "core/run/review_closure.h"
 
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void use_smooth(scene *s)
 {
@@ -47,7 +44,6 @@ static void use_jam(scene *s)
 
 static void use_nothing(scene *s)
 {
-    (void)s;
 }
 
 static void use_cell(scene *s)
@@ -84,7 +80,6 @@ static void what_the_closure_does_not_use_is_warned_of(void **state)
         { SCENE_CONGESTED, SCENE_SEALED, use_nearly_fitting_cell, NULL },
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scene s;
         review_warnings found = { 0 };

@@ -5,14 +5,11 @@
 #include "core/base/memory.h"
 #include "core/scene/placement.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const review_warnings *warnings_now(const scene *s)
 {
@@ -53,7 +50,6 @@ static size_t count_behind(double angle_deg)
 
 static void plates_before_which_all_cargo_lies_are_in_order(void **unused)
 {
-    (void)unused;
     assert_int_equal(warnings_at(60.0)->n, 0);
     assert_int_equal(warnings_at(75.0)->n, 0);
     assert_int_equal(warnings_at(90.0)->n, 0);
@@ -75,7 +71,6 @@ static void assert_cargo_behind(double angle_deg, const char *why)
 // 0.75 - 0.5/tan(20 degrees) = -0.624; 0.75 - 0.5/tan(40 degrees) = 0.154.
 static void cargo_behind_a_plate_is_warned_of_with_the_reason(void **unused)
 {
-    (void)unused;
     assert_cargo_behind(20.0, "its foot lies off the belt, at (-0.624, 0) m");
     assert_cargo_behind(40.0, "its foot stands too far upstream, at (0.154, 0) m");
 }
@@ -83,7 +78,6 @@ static void cargo_behind_a_plate_is_warned_of_with_the_reason(void **unused)
 // 0.75 - 0.5/tan(120 degrees) = 1.039: beyond the outflow at 1 m, to which it leads its cargo.
 static void a_plate_that_leads_off_the_end_of_its_belt_is_warned_of(void **unused)
 {
-    (void)unused;
     const review_warnings *found = warnings_at(120.0);
     assert_int_equal(found->n, 1);
     assert_string_equal(found->items[0].title, "A deflector ends off the belt");
@@ -112,7 +106,6 @@ static void a_feed_that_a_plate_cuts_is_warned_of(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_fed(&s, 20.0, true, 0.0);
     const review_warnings *found = warnings_now(&s);
     assert_int_equal(found->n, 1);
@@ -128,7 +121,6 @@ static void a_line_that_delivers_behind_a_plate_does_so_on_purpose(void **unused
 {
     scene s;
 
-    (void)unused;
     make_fed(&s, 60.0, false, 0.9);
     assert_int_equal(warnings_now(&s)->n, 0);
     scene_fini(&s);
@@ -142,7 +134,6 @@ static void a_plate_that_moves_is_not_looked_at(void **unused)
     static const double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 1.0 };
     scene s;
 
-    (void)unused;
     helper_scene_example(&s, 20.0, SCENE_SEALED);
     s.obstacles[0].turn = helper_scene_series(2, times, angles, INFINITY);
     assert_int_equal(warnings_now(&s)->n, 0);
@@ -157,7 +148,6 @@ static void a_plate_that_is_shifted_far_off_the_domain_is_warned_of(void **unuse
                                       { { 0.0, 0.0 }, { 0.0, 6.0 } } };
     scene s;
 
-    (void)unused;
     for (size_t k = 0; k < 2; k++) {
         helper_scene_example(&s, 60.0, SCENE_SEALED);
         s.obstacles[0].turn = helper_scene_series(2, times, angles, INFINITY);
@@ -178,7 +168,6 @@ static void what_a_plate_holds_itself_is_not_behind_it(void **unused)
     static const vec2 hook[] = { { 0.05, 0.0 }, { 0.05, 0.5 }, { 0.8, 0.5 }, { 0.8, 0.0 } };
     scene s;
 
-    (void)unused;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     helper_scene_add_obstacle(&s, hook, 4, SCENE_SEALED);
     helper_scene_resolve(&s);
@@ -191,7 +180,6 @@ static void behind_is_what_lies_downstream_on_the_belt(void **unused)
 {
     scene s;
 
-    (void)unused;
     helper_scene_example(&s, 20.0, SCENE_SEALED);
     s.belts[0].velocity = (vec2){ 0.0, 0.0 };
     assert_int_equal(warnings_now(&s)->n, 0);
@@ -211,7 +199,6 @@ static void no_memory_is_reported(void **unused)
     review_warnings found = { 0 };
     scene s;
 
-    (void)unused;
     helper_scene_example(&s, 20.0, SCENE_SEALED);
     memory_plan_fault(1, 0);
     assert_int_equal(review_plates(&s, &found, NULL), BF_ENOMEM);

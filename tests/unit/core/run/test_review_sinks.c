@@ -4,12 +4,9 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A belt with this speed on the lower half of a domain of 1 x 0.6 m, and a sink over a triangle with its tip at y.
 static review_warnings warnings_of(double speed, double tip)
@@ -36,13 +33,11 @@ static review_warnings warnings_of(double speed, double tip)
 
 static void a_sink_over_a_belt_is_in_order(void **unused)
 {
-    (void)unused;
     assert_int_equal(warnings_of(0.4, 0.2).n, 0);
 }
 
 static void a_sink_beside_all_belts_or_over_one_that_stands_is_named(void **unused)
 {
-    (void)unused;
     for (int k = 0; k < 2; k++) {
         const review_warnings found = k == 0 ? warnings_of(0.4, 0.4) : warnings_of(0.0, 0.2);
         assert_int_equal(found.n, 1);

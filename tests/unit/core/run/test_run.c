@@ -4,16 +4,11 @@
 #include "core/run/run.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A short jam: Example 1's obstacle, coarse cells, the first 1.2 s.
 static void make_jam(scene *s)
@@ -38,7 +33,6 @@ static helper_run_log *run_jam(int n_threads)
 // 1.2 s in samples of 0.01 s and snapshots of 0.1 s, both ends included.
 static void a_run_samples_both_ends_and_every_period_between(void **state)
 {
-    (void)state;
     helper_run_log *log = run_jam(1);
     assert_int_equal(log->n_samples, 121);
     assert_int_equal(log->n_snapshots, 13);
@@ -56,7 +50,6 @@ static void a_run_samples_both_ends_and_every_period_between(void **state)
 // Steps of 0.7 ms do not fit into 10 ms: the sample is the first at or past each multiple.
 static void samples_follow_their_period_when_steps_do_not_fit(void **state)
 {
-    (void)state;
     helper_run_log *log = calloc(1, sizeof *log);
     scene s;
     make_jam(&s);
@@ -72,7 +65,6 @@ static void samples_follow_their_period_when_steps_do_not_fit(void **state)
 
 static void parts_are_either_in_the_domain_or_have_left_it(void **state)
 {
-    (void)state;
     helper_run_log *log = run_jam(1);
     for (size_t k = 0; k < log->n_samples; k++)
         assert_true(log->values[k][1] >= -1e-9);
@@ -85,7 +77,6 @@ static void parts_are_either_in_the_domain_or_have_left_it(void **state)
 
 static void threads_and_reports_change_no_result(void **state)
 {
-    (void)state;
     helper_run_log *one = run_jam(1), *two = run_jam(2), *reporting = calloc(1, sizeof *reporting);
     scene s;
     make_jam(&s);
@@ -102,7 +93,6 @@ static void threads_and_reports_change_no_result(void **state)
 
 static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
 {
-    (void)state;
     static const uint64_t stops[] = { 1, 2, 3, 4, 77, 200, 480 };
     helper_run_log *whole = run_jam(1);
     scene s;
@@ -125,7 +115,6 @@ static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
 
 static void a_damaged_or_foreign_checkpoint_is_refused(void **state)
 {
-    (void)state;
     helper_run_log *log = calloc(1, sizeof *log);
     scene s;
     make_jam(&s);
@@ -195,7 +184,6 @@ static void check_foreign(run_model model, scene_path path, scene_integrator int
 
 static void a_checkpoint_fits_no_scenario_that_differs_in_one_number(void **state)
 {
-    (void)state;
     check_foreign(RUN_MACRO, SCENE_PATH_AUTO, SCENE_VERLET);
     check_foreign(RUN_MICRO, SCENE_PATH_PLANAR, SCENE_VERLET);
     check_foreign(RUN_MICRO, SCENE_PATH_PLANAR, SCENE_IMPLICIT);
@@ -205,13 +193,11 @@ static void a_checkpoint_fits_no_scenario_that_differs_in_one_number(void **stat
 
 static bf_status refuse_snapshots(void *context, const frame *f, bf_error *err)
 {
-    (void)context;
     return f->type == FRAME_SNAPSHOT ? bf_fail(err, BF_ESYSTEM, "", "no room") : BF_OK;
 }
 
 static void a_sink_that_fails_ends_the_run_with_its_error(void **state)
 {
-    (void)state;
     const run_sink sink = { NULL, refuse_snapshots, NULL };
     bf_error err = { 0 };
     run *r = NULL;
@@ -226,7 +212,6 @@ static void a_sink_that_fails_ends_the_run_with_its_error(void **state)
 
 static void a_model_that_is_not_built_in_is_refused(void **state)
 {
-    (void)state;
     bf_error err = { 0 };
     run *r = NULL;
     scene s;
@@ -243,7 +228,6 @@ static void a_model_that_is_not_built_in_is_refused(void **state)
 
 static void out_of_memory_anywhere_is_an_error(void **state)
 {
-    (void)state;
     bf_status status = BF_ENOMEM;
     run *r = NULL;
     scene s;

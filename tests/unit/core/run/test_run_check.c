@@ -2,15 +2,10 @@
 
 #include "core/run/run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void assert_accepted(const scene *s, run_model model)
 {
@@ -43,7 +38,6 @@ static void assert_macro_refuses(scene *s, bf_status code, const char *pointer, 
 // 0.005 m / (0.395 m/s + 0.79 m/s) = 4.2194 ms.
 static void macroscopic_steps_beyond_cfl_are_refused_with_the_largest_stable_one(void **state)
 {
-    (void)state;
     scene s;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.step = 0.005;
@@ -63,7 +57,6 @@ static void macroscopic_steps_beyond_cfl_are_refused_with_the_largest_stable_one
 // A belt of 4 m/s: 0.005 m / (4 m/s + 0.79 m/s) = 1.0438 ms.
 static void a_belt_too_fast_for_the_macroscopic_step_is_not_for_the_other_model(void **state)
 {
-    (void)state;
     scene s;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.belts[0].velocity.x = 4.0;
@@ -72,7 +65,6 @@ static void a_belt_too_fast_for_the_macroscopic_step_is_not_for_the_other_model(
 
 static void a_run_shorter_than_a_macroscopic_step_is_refused(void **state)
 {
-    (void)state;
     scene s;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.duration = 0.001;
@@ -84,7 +76,6 @@ static void slopes_that_do_not_hold_cargo_are_refused(void **state)
 {
     const double degree = M_PI / 180.0;
 
-    (void)state;
     for (double sign = -1.0; sign <= 1.0; sign += 2.0) {
         scene s;
         helper_scene_example(&s, 60.0, SCENE_SEALED);
@@ -102,7 +93,6 @@ static void slopes_that_do_not_hold_cargo_are_refused(void **state)
 
 static void too_many_macroscopic_steps_are_refused_with_figure_and_limit(void **state)
 {
-    (void)state;
     scene s;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.step = 1e-9;
@@ -113,7 +103,6 @@ static void too_many_macroscopic_steps_are_refused_with_figure_and_limit(void **
 // ceil(4 / (sqrt(100) 0.005)) = 80 cells.
 static void a_mollifier_that_covers_too_many_cells_is_refused(void **state)
 {
-    (void)state;
     scene s;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.mollifier = 100.0;
@@ -124,7 +113,6 @@ static void results_beyond_what_can_be_trusted_are_doubted(void **state)
 {
     frame_end end = { .peak = 1.4, .overlap_share = 0.05 };
 
-    (void)state;
     assert_int_equal(run_doubts(RUN_MACRO, &end), 0);
     end.peak = 1.41;
     assert_int_equal(run_doubts(RUN_MACRO, &end), RUN_DOUBT_DENSITY);
@@ -154,7 +142,6 @@ static void assert_warned_of_step(double step, size_t n)
 // 0.005 m / (2 (0.395 m/s + 0.79 m/s)) = 2.1097 ms.
 static void a_macroscopic_step_that_may_make_densities_negative_is_warned_of(void **state)
 {
-    (void)state;
     assert_warned_of_step(0.0021, 0);
     assert_warned_of_step(0.00211, 1);
 }
@@ -166,7 +153,6 @@ static void a_review_warns_of_all_that_lies_outside_the_validity(void **state)
     run_review review;
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     helper_scene_add_obstacle(&s, second, 2, SCENE_SEALED);
     s.macro.step = 0.00211;

@@ -9,17 +9,12 @@
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Bodies in space take long, and have the belts of the others.
 enum { SOLVERS = 4, PLANAR = 3 };
@@ -110,7 +105,6 @@ static void availability_and_failures_are_told(void **state)
                      { 6.0, BELT_STOPS_BY_FAILURE }, { 6.5, BELT_STOPS_BY_NOTHING },
                      { 7.5, BELT_STOPS_BY_BREAK },   { 8.0, BELT_STOPS_BY_NOTHING } };
     enum { N = sizeof expected / sizeof *expected };
-    (void)state;
     for (int k = 0; k < PLANAR; k++) {
         helper_run_log *log = new_log(k);
         scene s;
@@ -182,7 +176,6 @@ static void make_eventful(scene *s, int solver)
 
 static void threads_and_a_stop_change_no_bit(void **state)
 {
-    (void)state;
     for (int k = 0; k < PLANAR; k++) {
         scene s;
         make_eventful(&s, k);
@@ -198,7 +191,6 @@ static void threads_and_a_stop_change_no_bit(void **state)
 static void both_models_have_the_same_failures_and_another_substream_has_others(void **state)
 {
     double failed[SOLVERS + 1] = { 0.0 };
-    (void)state;
     for (int k = 0; k <= SOLVERS; k++) {
         helper_run_log *log = new_log(k % SOLVERS);
         scene s;
@@ -220,7 +212,6 @@ static void both_models_have_the_same_failures_and_another_substream_has_others(
 // In a closed box, 60 parts that the second belt drives against its end and does not, in turn.
 static void nothing_is_lost_where_belts_fail(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_AMOUNT(SOLVERS, PLANAR); k++) {
         helper_run_log *log = new_log(k);
         scene s;
@@ -274,7 +265,6 @@ static double throughput(int solver, double rate, bool fails)
 // cargo all, but for the part at either end of the 5 s: what waited has left 2.5 s after the last stop.
 static void throughput_is_capacity_times_availability_or_what_is_offered(void **state)
 {
-    (void)state;
     for (int k = 0; k < HELPER_AMOUNT(PLANAR, 1); k++) {
         const double capacity = throughput(k, 400.0, false), light = 8.0;
         const double error = solvers[k].model == RUN_MICRO ? 0.03 : 0.005;

@@ -5,13 +5,10 @@
 #include "core/run/validity.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define RADIUS 0.012
 
@@ -94,7 +91,6 @@ static void a_narrow_gap_costs_no_throughput(void **state)
 {
     static const double gaps[] = { 0.0, 0.4 * RADIUS, 0.9 * RADIUS };
 
-    (void)state;
     for (size_t m = 0; m < 3; m++) {
         for (size_t g = 0; g < 3; g++) {
             scene s;
@@ -116,7 +112,6 @@ static void what_comes_to_a_wide_gap_falls_and_is_no_throughput(void **state)
 {
     static const double gaps[] = { 1.1 * RADIUS, 3.0 * RADIUS };
 
-    (void)state;
     for (size_t k = 0; k < 6; k++) {
         const size_t m = k / 2;
         scene s;
@@ -136,7 +131,6 @@ static void cells_that_are_too_large_for_a_gap_let_nothing_pass(void **state)
 {
     static const double cells[] = { 0.8 / 11.0, 0.1 };
 
-    (void)state;
     for (int k = 0; k < 2 * SCENE_CLOSURE_COUNT; k++) {
         scene s;
         make_fed(&s, 0.02, (scene_closure)(k / 2));
@@ -175,7 +169,6 @@ static double sustained_alone(run_model model)
 // The counter is the whole domain, and only the second part comes out of it by the belt.
 static void what_falls_does_not_pass_a_counter(void **state)
 {
-    (void)state;
     for (size_t m = 0; m < 2; m++) {
         scene s;
         make_unfed(&s, 3.0 * RADIUS);
@@ -192,7 +185,6 @@ static void what_falls_does_not_pass_a_counter(void **state)
 
 static void a_run_that_was_interrupted_or_has_threads_has_the_same_bits(void **state)
 {
-    (void)state;
     for (size_t m = 0; m < 2; m++) {
         scene s;
         make_fed(&s, 3.0 * RADIUS, SCENE_CONGESTED);
@@ -228,7 +220,6 @@ static void where_cargo_falls_the_models_were_never_compared(void **state)
 {
     static const double gaps[] = { 0.9 * RADIUS, 1.1 * RADIUS };
 
-    (void)state;
     for (size_t g = 0; g < 2; g++) {
         static validity of;
         scene s;

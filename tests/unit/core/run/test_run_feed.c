@@ -5,16 +5,11 @@
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SOLVERS = 5 };
 
@@ -112,7 +107,6 @@ static helper_run_log *new_log(int solver)
 
 static void nothing_is_lost_through_a_blocked_inlet(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         const double tolerance = solvers[k].model == RUN_MICRO ? 0.0 : 1e-9 * 120.0;
         helper_run_log *log = new_log(k);
@@ -141,7 +135,6 @@ static void nothing_is_lost_through_a_blocked_inlet(void **state)
 
 static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         scene s;
         make_stop(&s, k);
@@ -159,7 +152,6 @@ static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
 
 static void a_drained_run_ends_before_its_duration(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         helper_run_log *log = new_log(k);
         scene s;
@@ -207,7 +199,6 @@ static void add_one_part(scene *s)
 // mu g tanh(10 v) with mu = 1.
 static void a_photo_eye_stops_a_belt(void **state)
 {
-    (void)state;
     for (int k = 2; k < SOLVERS; k++) {
         helper_run_log *log = new_log(k);
         scene s;
@@ -243,7 +234,6 @@ static void samples_follow_the_windows(void **state)
     helper_run_log *log = new_log(0);
     scene s;
 
-    (void)state;
     make_belt(&s, 0);
     s.duration = 1.0;
     s.output.curve_every = 0.5;
@@ -265,7 +255,6 @@ static void samples_follow_the_windows(void **state)
 
 static void out_of_memory_anywhere_ends_the_run(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         bf_status status = BF_ENOMEM;
         scene s;

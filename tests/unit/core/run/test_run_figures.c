@@ -5,13 +5,10 @@
 #include "core/run/run.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static const run_model models[] = { RUN_MACRO, RUN_MICRO };
 
@@ -62,7 +59,6 @@ static helper_run_log *run_model_of(const scene *s, run_model model)
 // last cell cost 1 %.
 static void a_free_file_has_the_throughput_residence_and_content_of_its_feed(void **state)
 {
-    (void)state;
     scene s;
     make_file(&s);
     for (size_t m = 0; m < 2; m++) {
@@ -90,7 +86,6 @@ static void lanes_have_times_of_their_own(void **state)
 {
     static const vec2 slow[] = { { 0.0, 0.3 }, { 0.8, 0.3 }, { 0.8, 0.6 }, { 0.0, 0.6 } };
 
-    (void)state;
     for (int closure = 0; closure < SCENE_CLOSURE_COUNT; closure++) {
         scene s;
         make_file(&s);
@@ -120,7 +115,6 @@ static void flows_of_counters_and_outlets_agree_with_the_throughput(void **state
                  { RUN_MACRO, SCENE_CONGESTED, 1e-3 },
                  { RUN_MICRO, SCENE_CONGESTED, 0.25 } }; // 100 parts by lot
 
-    (void)state;
     for (size_t way = 0; way < 3; way++) {
         scene s;
         make_file(&s);
@@ -159,7 +153,6 @@ static void flows_of_counters_and_outlets_agree_with_the_throughput(void **state
 // Parts follow each other at 0.4/4 = 0.1 m, of which they take 0.024 m.
 static void gaps_are_those_between_the_parts(void **state)
 {
-    (void)state;
     scene s;
     make_file(&s);
     helper_run_log *log = run_model_of(&s, RUN_MICRO);
@@ -175,7 +168,6 @@ static void gaps_are_those_between_the_parts(void **state)
 // 1 cm miss, exp(-sigma 50 mm2 / 2). By the one that the scenario gives, a quarter as wide, a part is 8 times as dense as close packing.
 static void the_peak_of_parts_is_not_that_of_one_part(void **state)
 {
-    (void)state;
     const double sigma = 1.0 / (0.012 * 0.012);
     scene s;
     make_file(&s);
@@ -192,7 +184,6 @@ static void the_peak_of_parts_is_not_that_of_one_part(void **state)
 // The belt stops at 10 s for good: a jam from the last exit on, everything is blocked, and what comes waits. Until 30 s.
 static void a_belt_that_stops_is_a_jam(void **state)
 {
-    (void)state;
     static const double times[] = { 10.0 }, factors[] = { 0.0 };
     scene s;
     make_file(&s);
@@ -213,7 +204,6 @@ static void a_belt_that_stops_is_a_jam(void **state)
 // nothing gets: 120 parts, which in close packing take 0.1 m of the width of 0.6 m.
 static void queue_states_and_jams_agree(void **state)
 {
-    (void)state;
     static const vec2 wall[] = { { 0.7, 0.0 }, { 0.7, 0.6 } };
 
     for (int is_closed = 0; is_closed < 2; is_closed++) {
@@ -243,7 +233,6 @@ static void queue_states_and_jams_agree(void **state)
 
 static void a_run_ends_when_its_throughput_is_steady(void **state)
 {
-    (void)state;
     scene s;
     make_file(&s);
     s.until = SCENE_UNTIL_STEADY;
@@ -259,7 +248,6 @@ static void a_run_ends_when_its_throughput_is_steady(void **state)
 // Stopped half way and resumed, the values have the bits of a run in one piece.
 static void stops_do_not_change_a_bit(void **state)
 {
-    (void)state;
     scene s;
     make_file(&s);
     s.duration = 12.0;

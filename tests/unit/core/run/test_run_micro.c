@@ -5,15 +5,10 @@
 #include "core/scene/placement.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A short jam: Example 1's obstacle, and 20 parts that reach it soon. The row at y = 0.15 m begins
 // 0.02 m from the plate.
@@ -50,7 +45,6 @@ static helper_run_log *run_scene(const scene *s, int n_threads)
 // at x = 1.095 m, and so has no row any more; the others are 0.395 m further.
 static void parts_ride_the_free_belt_and_leave_it(void **state)
 {
-    (void)state;
     static const scene_pose poses[] = { { 0.1, 0.3, 0.25 }, { 0.7, 0.3, 0.0 }, { 0.2, 0.1, 0.0 } };
     scene s;
     helper_scene_belt(&s, 1.0, 0.6, 0.01, poses, 3);
@@ -86,7 +80,6 @@ static void parts_ride_the_free_belt_and_leave_it(void **state)
 // sum times the cell and rho_max their number.
 static void the_density_is_that_of_the_parts(void **state)
 {
-    (void)state;
     static const scene_pose poses[] = { { 0.3, 0.3, 0.0 }, { 0.4, 0.3, 0.0 } };
     scene s;
     helper_scene_belt(&s, 1.0, 0.6, 0.01, poses, 2);
@@ -106,7 +99,6 @@ static void the_density_is_that_of_the_parts(void **state)
 
 static void a_jam_reports_its_overlaps_contacts_and_energy(void **state)
 {
-    (void)state;
     scene s;
     make_jam(&s);
     helper_run_log *log = run_scene(&s, 1);
@@ -123,7 +115,6 @@ static void a_jam_reports_its_overlaps_contacts_and_energy(void **state)
 
 static void threads_and_reports_change_no_result(void **state)
 {
-    (void)state;
     scene s;
     make_jam(&s);
     helper_run_log *one = run_scene(&s, 1), *two = run_scene(&s, 2), *reporting = new_log();
@@ -139,7 +130,6 @@ static void threads_and_reports_change_no_result(void **state)
 
 static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
 {
-    (void)state;
     static const uint64_t stops[] = { 1, 2, 3, 11, 30 };
     scene s;
     make_jam(&s);
@@ -160,7 +150,6 @@ static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
 
 static void a_checkpoint_of_the_other_model_is_refused(void **state)
 {
-    (void)state;
     scene s;
     make_jam(&s);
     helper_run_log *log = new_log();
@@ -175,7 +164,6 @@ static void a_checkpoint_of_the_other_model_is_refused(void **state)
 // A request waits for no more than the work of some ten milliseconds, however far the next sample is.
 static void requests_are_asked_for_between_samples(void **state)
 {
-    (void)state;
     scene s;
     helper_scene_example(&s, 90.0, SCENE_SEALED);
     s.duration = s.output.curve_every = s.output.snapshot_every = 0.1;
@@ -192,7 +180,6 @@ static void requests_are_asked_for_between_samples(void **state)
 // other model.
 static void an_automatic_step_fits_the_samples(void **state)
 {
-    (void)state;
     for (scene_integrator integrator = 0; integrator < SCENE_INTEGRATOR_COUNT; integrator++) {
         scene s;
         make_jam(&s);
@@ -243,7 +230,6 @@ static void check_mix(scene_integrator integrator)
 
 static void a_mix_of_shapes_moves_in_space(void **state)
 {
-    (void)state;
     check_mix(SCENE_VERLET);
     check_mix(SCENE_IMPLICIT);
 }
@@ -272,7 +258,6 @@ static void assert_refused(scene *s, bf_status code, const char *pointer, const 
 
 static void steps_that_are_unstable_or_too_many_are_refused(void **state)
 {
-    (void)state;
     scene s;
     make_jam(&s);
     s.micro.step = 0.5;
@@ -289,7 +274,6 @@ static void steps_that_are_unstable_or_too_many_are_refused(void **state)
 // The step that the text names is accepted, one a little longer is not.
 static void the_step_that_is_named_is_stable(void **state)
 {
-    (void)state;
     bf_faults faults = { 0 };
     bf_error err = { 0 };
     scene s;
@@ -313,7 +297,6 @@ static void the_step_that_is_named_is_stable(void **state)
 // run: one part makes at most 10^9 steps in the time, 192 parts more.
 static void steps_of_the_implicit_integrator_are_counted_for_all_parts(void **state)
 {
-    (void)state;
     for (int is_one = 0; is_one < 2; is_one++) {
         bf_faults faults = { 0 };
         bf_error err = { 0 };
@@ -340,7 +323,6 @@ static void steps_of_the_implicit_integrator_are_counted_for_all_parts(void **st
 // over all 10,000 cells 2e13 values.
 static void results_that_are_too_large_are_refused(void **state)
 {
-    (void)state;
     scene s;
     helper_scene_belt(&s, 100.0, 100.0, 1.0, NULL, 0);
     s.initial.type = SCENE_INITIAL_HEXAGONAL;
@@ -374,7 +356,6 @@ static void results_that_are_too_large_are_refused(void **state)
 // either side, and a box of 0.04 m as near as 0.02 m.
 static void parts_inside_a_plate_are_refused(void **state)
 {
-    (void)state;
     static const vec2 face[] = { { 0.5, 0.1 }, { 0.5, 0.5 } };
     static const struct {
         scene_pose at;
@@ -410,7 +391,6 @@ static void parts_inside_a_plate_are_refused(void **state)
 // the first row is at (0.369, 0.11) m, and the plate's face on x - y = 0.25 m.
 static void the_examples_may_begin_where_the_plate_is_steep(void **state)
 {
-    (void)state;
     for (double angle = 30.0; angle <= 90.0; angle += 15.0) {
         bf_faults faults = { 0 };
         scene s;
@@ -425,7 +405,6 @@ static void the_examples_may_begin_where_the_plate_is_steep(void **state)
 
 static void out_of_memory_anywhere_is_an_error(void **state)
 {
-    (void)state;
     bf_status status = BF_ENOMEM;
     run *r = NULL;
     scene s;

@@ -4,14 +4,9 @@
 
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { SOLVERS = 4 };
 
@@ -84,7 +79,6 @@ static void make_loosened_jam(scene *s, int solver)
 
 static void a_run_resumes_to_the_same_bits_on_any_number_of_threads(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         scene s;
         make_loosened_jam(&s, k);
@@ -96,7 +90,6 @@ static void a_run_resumes_to_the_same_bits_on_any_number_of_threads(void **state
 
 static void cargo_between_walls_is_all_there_however_the_belt_runs(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         scene s;
         make_loosened_jam(&s, k);
@@ -113,7 +106,6 @@ static void cargo_between_walls_is_all_there_however_the_belt_runs(void **state)
 // plates among parts have a body on the side that follows from the velocity.
 static void a_belt_runs_backwards_as_one_of_the_other_velocity_runs_forward(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         const double incline = solvers[k].closure == SCENE_CONGESTED ? 8.0 * DEGREE : 0.0;
         scene back, other;
@@ -148,7 +140,6 @@ static void a_belt_runs_backwards_as_one_of_the_other_velocity_runs_forward(void
 // from 1.0 to 1.225 s.
 static void cargo_leaves_backwards_over_an_open_side_and_counts_as_what_left(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         scene s;
         make_belt(&s, k);
@@ -165,7 +156,6 @@ static void cargo_leaves_backwards_over_an_open_side_and_counts_as_what_left(voi
 // Backwards from the start the cargo comes to the fed side, where it queues; a density has then no way in.
 static void a_fed_side_is_a_wall_and_takes_no_density_backwards(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         scene s;
         make_belt(&s, k);
@@ -207,7 +197,6 @@ static void check_parting(double first_speed, double factor)
 
 static void belts_run_apart_with_a_plate_across_their_border(void **state)
 {
-    (void)state;
     check_parting(SPEED, -1.0);
     check_parting(-SPEED, 1.0);
 }

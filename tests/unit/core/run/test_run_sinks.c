@@ -7,14 +7,11 @@
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SOLVERS = 4 };
 
@@ -95,7 +92,6 @@ static helper_run_log *run_of(const scene *s, int solver)
 
 static void what_sinks_take_has_left_the_line(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         const bool has_parts = solvers[k].model == RUN_MICRO;
         scene s;
@@ -129,7 +125,6 @@ static void what_sinks_take_has_left_the_line(void **state)
 // about the sink has nothing that leaves over its borders.
 static void what_is_taken_was_in_the_line_for_as_long_as_it_was(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         scene s;
         make_belt(&s, k, NULL, 0);
@@ -153,7 +148,6 @@ static void what_is_taken_was_in_the_line_for_as_long_as_it_was(void **state)
 // Before a wall: what queues there is taken at the rate, whatever queues.
 static void a_queue_is_worked_off_at_the_rate(void **state)
 {
-    (void)state;
     for (int k = 1; k < SOLVERS; k++) {
         const bool has_parts = solvers[k].model == RUN_MICRO;
         scene s;
@@ -182,7 +176,6 @@ static void the_part_that_waits_longest_is_taken_first(void **state)
                                         { 0.39, 0.08, 0.0 } };
     enum { TAKEN = 2 };
 
-    (void)state;
     for (int k = 2; k < SOLVERS; k++) {
         scene s;
         make_belt(&s, k, poses, 3);
@@ -215,7 +208,6 @@ static void kinds_and_places_say_which_sink_takes_a_part(void **state)
                   { { 1, 1 }, { 0.0, 5.0 } } };
     scene_pose poses[10];
 
-    (void)state;
     for (int i = 0; i < 10; i++)
         poses[i] = (scene_pose){ 0.05 + 0.06 * (i / 2), 0.05 + 0.06 * (i % 2), 0.0 };
     for (int k = 1; k < SOLVERS; k++)
@@ -248,7 +240,6 @@ static void a_rate_beyond_what_comes_is_no_limit(void **state)
     static const double rates[2] = { INFINITY, 1e6 };
     double taken[2];
 
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         for (int i = 0; i < 2; i++) {
             scene s;
@@ -271,7 +262,6 @@ static void a_density_goes_to_the_later_of_two_sinks(void **state)
 {
     static const scene_pose pose = { 0.2, 0.08, 0.0 };
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         scene s;
         make_belt(&s, k, &pose, 1);
@@ -292,7 +282,6 @@ static void a_density_goes_to_the_later_of_two_sinks(void **state)
 // The packer has taken parts from 1.25 s on, so it goes on with its rate when the run is stopped at 1.5 s.
 static void a_run_stopped_anywhere_takes_the_same(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         scene s;
         make_lane_and_packer(&s, k, SCENE_ARRIVALS_POISSON);
@@ -319,7 +308,6 @@ static void a_density_has_cells_and_kinds_by_congested_alone(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, 0, NULL, 0);
     s.duration = 1.0;
     helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
@@ -341,7 +329,6 @@ static void kinds_and_sinks_leave_memory_for_fewer_cells(void **state)
 {
     static const size_t n_kinds[] = { 2, SCENE_KINDS_MAX };
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         const double most = 30e6 * 265.0 / (265.0 + 60.0 * (double)n_kinds[k] + 36.0);
         bf_faults faults = { 0 };
@@ -369,7 +356,6 @@ static void cells_of_sinks_are_looked_for_within_a_number_of_steps(void **state)
     bf_faults faults = { 0 };
     scene s;
 
-    (void)state;
     make_belt(&s, 1, NULL, 0);
     s.domain.y_max = 4000.0;
     for (int k = 0; k < 62; k++)
@@ -390,7 +376,6 @@ static void out_of_memory_anywhere_ends_a_run_with_sinks(void **state)
 {
     static const scene_pose pose = { 0.45, 0.08, 0.0 };
 
-    (void)state;
     for (int k = 1; k < SOLVERS; k++) {
         size_t n_failed = 1;
         scene s;

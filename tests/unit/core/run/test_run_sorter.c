@@ -6,15 +6,10 @@
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define ANGLE (28.0 * M_PI / 180.0)
 
@@ -94,7 +89,6 @@ static void each_kind_goes_to_its_side_and_stops_change_no_bit(void **state)
     // Of the density what is a few cells around a change of kinds goes the wrong way, and what passes while the plate turns.
     static const double least[] = { 1.0, 0.75 };
 
-    (void)state;
     for (int m = 0; m < 2; m++) {
         scene s;
         double sums[COUNTERS];

@@ -7,16 +7,11 @@
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SOLVERS = 5 };
 
@@ -65,7 +60,6 @@ static helper_run_log *new_log(int solver)
 
 static void a_run_stopped_in_a_ramp_resumes_to_the_same_results(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         scene s;
         make_jam(&s, k);
@@ -109,7 +103,6 @@ static void make_path(scene *s, int solver)
 
 static void a_run_along_a_path_that_an_eye_commands_resumes_to_the_same_results(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k += 2) {
         scene s;
         make_path(&s, k);
@@ -126,7 +119,6 @@ static void a_run_along_a_path_that_an_eye_commands_resumes_to_the_same_results(
 // From 0.0395 m/s at 0.11 s the belt has 0.3995 m/s at 0.17 s, and stands 0.0799 s later, until 0.26 s.
 static void speeds_and_stops_of_a_belt_are_told(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         helper_run_log *log = new_log(k);
         scene s;
@@ -147,7 +139,6 @@ static void speeds_and_stops_of_a_belt_are_told(void **state)
 
 static void a_checkpoint_fits_no_other_schedule(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         helper_run_log *log = new_log(k);
         scene s;
@@ -164,7 +155,6 @@ static void a_checkpoint_fits_no_other_schedule(void **state)
 // The belt stands from 0.3 s on, 0.3 m before the plate, after it has moved by 0.395 m/s (0.2 s + 0.1 s / 2).
 static void while_a_belt_stands_the_curve_does_not_move(void **state)
 {
-    (void)state;
     for (int k = 0; k < SOLVERS; k++) {
         helper_run_log *log = new_log(k);
         scene s;

@@ -6,13 +6,9 @@
 #include "core/run/bridges.h"
 #include "core/scene/layout.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static validity validity_now(const scene *s)
 {
@@ -60,7 +56,6 @@ static void the_papers_examples_were_compared(void **state)
 {
     static const double degrees[] = { 30.0, 45.0, 60.0, 75.0, 90.0 };
 
-    (void)state;
     for (size_t k = 0; k < sizeof degrees / sizeof *degrees; k++) {
         scene s;
         helper_scene_example(&s, degrees[k], SCENE_SEALED);
@@ -73,7 +68,6 @@ static void shallow_and_leaning_plates_were_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     make_plate(&s, 20.0, 0.5);
     assert_only(&s, VALIDITY_ANGLE, 20.0, "/obstacles/0");
     helper_scene_example(&s, 60.0, SCENE_SEALED);
@@ -96,7 +90,6 @@ static void narrow_openings_were_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     make_plate(&s, 60.0, 0.546);
     s.initial.n_rows = 9;
     s.initial.n_columns = 10;
@@ -123,7 +116,6 @@ static void queues_that_stop_are_told_where_they_may_be(void **state)
     validity of;
     scene s;
 
-    (void)state;
     make_plate(&s, 60.0, 0.546);
     of = validity_now(&s);
     assert_int_equal(of.items[1].figure, VALIDITY_BRIDGES);
@@ -153,7 +145,6 @@ static void a_closed_belt_is_told_as_such(void **state)
 {
     scene s;
 
-    (void)state;
     make_plate(&s, 60.0, 0.6);
     const validity_item item = find_only(&s);
     assert_int_equal(item.figure, VALIDITY_OPENING);
@@ -166,7 +157,6 @@ static void a_heap_that_saturates_the_opening_was_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.initial.n_columns = 40;
     assert_only(&s, VALIDITY_HEAP, 153.6, "/initial");
@@ -181,7 +171,6 @@ static void few_parts_were_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.initial.n_rows = s.initial.n_columns = 4;
     assert_only(&s, VALIDITY_PARTS, 16.0, "/initial");
@@ -192,7 +181,6 @@ static void slow_and_fast_belts_were_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.belts[0].velocity.x = 0.1;
     s.macro.dispersion = 0.2; // as by default, twice the speed
@@ -209,7 +197,6 @@ static void belts_whose_speed_changes_were_not_compared(void **state)
     static const double times[] = { 2.0, 3.0 }, factors[] = { 0.5, 2.0 };
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     scene_speed_schedule *schedule = &s.belts[0].speed_schedule;
     schedule->times = memory_alloc(2, sizeof *times);
@@ -238,7 +225,6 @@ static bool is_outside(const validity *of, validity_figure figure, const char *p
 
 static void slopes_of_more_than_12_degrees_were_not_compared(void **state)
 {
-    (void)state;
     for (double sign = -1.0; sign <= 1.0; sign += 2.0)
         for (double degrees = 12.0; degrees <= 13.0; degrees += 1.0) {
             scene s;
@@ -257,7 +243,6 @@ static void belts_of_several_velocities_were_not_compared(void **state)
     static const vec2 half[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 0.6 }, { 0.0, 0.6 } };
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     helper_scene_add_belt(&s, (vec2){ 0.5, 0.0 }, half, 4);
     s.macro.dispersion = 1.0;
@@ -280,7 +265,6 @@ static void a_belt_against_a_wall_was_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     make_plate(&s, 75.0, 0.5);
     s.belts[0].velocity = (vec2){ 0.4 * cos(M_PI / 6.0), 0.4 * sin(M_PI / 6.0) };
     s.macro.dispersion = 0.8;
@@ -293,7 +277,6 @@ static void a_funnel_was_not_compared(void **state)
     static const vec2 upper[] = { { 0.55, 0.6 }, { 0.75, 0.4 } };
     scene s;
 
-    (void)state;
     make_plate(&s, 45.0, 0.2);
     helper_scene_add_obstacle(&s, upper, 2, SCENE_SEALED);
     helper_scene_resolve(&s);
@@ -306,7 +289,6 @@ static void staggered_plates_were_not_compared_where_cargo_queues(void **state)
     static const vec2 upper[] = { { 0.622, 0.6 }, { 0.822, 0.4 } };
     scene s;
 
-    (void)state;
     make_plate(&s, 45.0, 0.2);
     helper_scene_add_obstacle(&s, upper, 2, SCENE_SEALED);
     helper_scene_resolve(&s);
@@ -329,7 +311,6 @@ static void a_steep_plate_with_two_free_ends_was_not_compared_where_cargo_queues
 {
     static const double angles[] = { 75.0, 45.0 };
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         const double foot = 0.5 - 0.2 / tan(angles[k] * M_PI / 180.0);
         const vec2 path[] = { { foot, 0.2 }, { 0.5, 0.4 } };
@@ -357,7 +338,6 @@ static void a_plate_at_the_end_of_the_belt_was_not_compared(void **state)
     validity of;
     scene s;
 
-    (void)state;
     make_plate(&s, 45.0, 0.5);
     s.domain.x_max = 0.846;
     helper_scene_resolve(&s);
@@ -373,7 +353,6 @@ static void a_plate_that_is_bent_twice_was_not_compared(void **state)
     static const vec2 off[] = { { 0.45, -0.2 }, { 0.5, -0.1 } };
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     helper_scene_add_obstacle(&s, path, 4, SCENE_SEALED);
     memory_free(s.obstacles[0].path);
@@ -392,7 +371,6 @@ static void parts_of_another_size_were_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.cargo[0].shape.radius = 0.010;
     s.initial.n_rows = s.initial.n_columns = 10;
@@ -408,7 +386,6 @@ static void other_shapes_were_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.cargo[0].shape = (scene_shape){ SCENE_BOX, .height = 0.01, .length = 0.021, .width = 0.014 };
     const validity_item item = find_only(&s);
@@ -425,7 +402,6 @@ static void mixes_were_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.cargo[1] = s.cargo[0];
     s.cargo[1].shape = (scene_shape){ SCENE_BOX, .height = 0.01, .length = 0.021, .width = 0.014 };
@@ -459,7 +435,6 @@ static void other_frictions_were_not_compared(void **state)
         { SCENE_CONVEYOR_CARGO, 0.2, VALIDITY_BELT_FRICTION, "/contacts/conveyor_cargo/friction" },
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         scene s;
         helper_scene_example(&s, 60.0, SCENE_SEALED);
@@ -472,7 +447,6 @@ static void only_sealed_plates_agree_with_moving_parts(void **state)
 {
     static const scene_treatment others[] = { SCENE_FIELD, SCENE_WALL };
 
-    (void)state;
     for (size_t k = 0; k < 2; k++) {
         scene s;
         helper_scene_example(&s, 60.0, others[k]);
@@ -485,7 +459,6 @@ static void coarse_grids_were_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.cell = 0.01;
     assert_only(&s, VALIDITY_CELL, 0.01 / 0.024, "/macro/cell_m");
@@ -496,7 +469,6 @@ static void obstacles_that_move_were_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         const double zero = 0.0;
         helper_scene_example(&s, 60.0, SCENE_SEALED);
@@ -519,7 +491,6 @@ static void obstacles_that_are_shifted_were_not_compared(void **state)
     };
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.actions = memory_alloc(1, sizeof *s.actions);
     s.actions[0] = shift;
@@ -539,7 +510,6 @@ static void each_closure_has_ranges_of_its_own(void **state)
 {
     scene s;
 
-    (void)state;
     make_plate(&s, 15.0, 0.5);
     s.initial.n_columns = 40;
     assert_int_equal(validity_now(&s).subject, VALIDITY_DISPERSIVE);
@@ -560,7 +530,6 @@ static void openings_of_funnels_have_a_range_of_their_own(void **state)
     static const vec2 upper[] = { { 0.492, 0.6 }, { 0.75, 0.342 } };
     scene s;
 
-    (void)state;
     make_plate(&s, 45.0, 0.234);
     helper_scene_add_obstacle(&s, upper, 2, SCENE_SEALED);
     helper_scene_resolve(&s);
@@ -577,7 +546,6 @@ static void plates_of_too_many_pieces_are_not_measured(void **state)
     static vec2 path[LAYOUT_PIECES_MAX + 2];
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     for (size_t k = 0; k < LAYOUT_PIECES_MAX + 2; k++)
         path[k] = (vec2){ 0.6, 0.0001 * (double)k };
@@ -600,7 +568,6 @@ static void cargo_that_nothing_deflects_rides_on_its_belt(void **state)
     static const scene_pose place = { 0.5, 0.3, 0.0 };
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.6, 0.01, &place, 1);
     helper_scene_add_belt(&s, (vec2){ 2.0, 0.0 }, NULL, 0);
     helper_scene_resolve(&s);
@@ -611,7 +578,6 @@ static void cargo_that_nothing_deflects_rides_on_its_belt(void **state)
 
 static void every_figure_has_a_word_of_its_own(void **state)
 {
-    (void)state;
     for (int k = 0; k < VALIDITY_FIGURE_COUNT; k++) {
         assert_non_null(validity_words[k]);
         for (int i = 0; i < k; i++)
@@ -625,7 +591,6 @@ static void no_memory_is_reported(void **state)
     validity of = { .n = 7 };
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     memory_plan_fault(1, 0);
     assert_int_equal(validity_of(&s, &of, NULL), BF_ENOMEM);

@@ -2,18 +2,12 @@
 
 #include "core/run/bridges.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static void a_place_of_the_table_has_what_was_measured(void **unused)
 {
-    (void)unused;
     for (int two = 0; two < 2; two++) {
         for (int a = 0; a < BRIDGES_ANGLES; a++) {
             for (int f = 0; f < BRIDGES_FRICTIONS; f++) {
@@ -38,7 +32,6 @@ static void parts_are_chances(void **unused)
     const bridges_outlet at = { false, 2.3, 70.0, 0.4 };
     const double once = bridges_probability(&at, 1.0);
 
-    (void)unused;
     assert_true(once > 0.0 && once < 1.0);
     assert_near(bridges_probability(&at, 1000.0), 1.0 - pow(1.0 - once, 1000.0), 1e-9);
     assert_near(bridges_probability(&at, 0.0), 0.0, 0.0);
@@ -52,7 +45,6 @@ static void between_places_it_lies_between_them_and_beyond_it_stays(void **unuse
     const bridges_outlet rough = { true, 2.0, 60.0, 3.0 }, most = { true, 2.0, 60.0, 0.9 };
     const bridges_outlet wide = { true, 5.01, 60.0, 0.34 };
 
-    (void)unused;
     assert_near(bridges_probability(&middle, 1.0),
                 sqrt(bridges_probability(&low, 1.0) * bridges_probability(&high, 1.0)), 1e-9);
     assert_near(bridges_probability(&steep, 1.0), bridges_probability(&upright, 1.0), 1e-12);
@@ -62,7 +54,6 @@ static void between_places_it_lies_between_them_and_beyond_it_stays(void **unuse
 
 static void below_two_diameters_queues_stop(void **unused)
 {
-    (void)unused;
     for (int two = 0; two < 2; two++) {
         for (double opening = 0.5; opening < 1.6; opening += 0.1) {
             const bridges_outlet at = { two == 1, opening, 60.0, 0.34 };

@@ -4,13 +4,9 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { INSIDE = -1 };
 
@@ -41,7 +37,6 @@ static void feed_it(scene *s, double rate)
 
 static void nothing(scene *s)
 {
-    (void)s;
 }
 
 static void congested(scene *s)
@@ -263,7 +258,6 @@ static void none_is_wrong_and_none_is_missing(void **state)
 {
     static validity of;
 
-    (void)state;
     for (size_t k = 0; k < sizeof verdicts / sizeof *verdicts; k++) {
         scene s;
         helper_scene_example(&s, 60.0, SCENE_SEALED);

@@ -9,15 +9,10 @@
 #include "core/world/world.h"
 #include "tests/unit/core/helper_faults.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Right, up and right again: two corners of 90 degrees.
 static const vec2 points[] = { { 0.0, 0.5 }, { 1.5, 0.5 }, { 1.5, 2.5 }, { 3.0, 2.5 } };
@@ -49,7 +44,6 @@ static void on_the_centre_line_a_path_has_its_speed_along_it(void **state)
 {
     scene s;
 
-    (void)state;
     make_path(&s);
     helper_scene_resolve(&s);
     assert_int_equal(s.n_belts, 1);
@@ -76,7 +70,6 @@ static void the_lanes_of_an_arc_of_a_path_turn_as_a_whole(void **state)
 {
     scene s;
 
-    (void)state;
     make_path(&s);
     helper_scene_resolve(&s);
     const surroundings around = surroundings_of(&s);
@@ -94,7 +87,6 @@ static void a_path_is_one_belt_for_commands_figures_and_stops(void **state)
     bf_world w;
     scene s;
 
-    (void)state;
     make_path(&s);
     helper_scene_schedule(&s.belts[0], 1, (double[]){ 2.0 }, (double[]){ 0.5 });
     s.actions = memory_alloc(1, sizeof *s.actions);
@@ -125,7 +117,6 @@ static void cargo_leaves_a_path_at_the_outlet_of_its_last_section(void **state)
 {
     scene s;
 
-    (void)state;
     make_path(&s);
     helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 },
                           (vec2[]){ { 2.0, 0.0 }, { 3.0, 0.0 }, { 3.0, 0.5 }, { 2.0, 0.5 } }, 4);
@@ -145,7 +136,6 @@ static void a_resolved_path_resolves_to_itself(void **state)
     scene_belt first[5];
     scene s;
 
-    (void)state;
     make_path(&s);
     s.belts[0].velocity = (vec2){ 0.1, -0.3 }; // only its size counts
     helper_scene_resolve(&s);
@@ -166,7 +156,6 @@ static void a_resolved_path_resolves_to_itself(void **state)
 // Its velocity keeps its bits, whatever its direction: the size of a vector that was scaled is not always that again.
 static void a_path_in_any_direction_keeps_its_velocity(void **state)
 {
-    (void)state;
     for (int k = 0; k < 90; k++) {
         const vec2 along = { cos(0.07 * k), sin(0.07 * k) };
         const vec2 line[] = { { 1.5, 1.5 }, vec2_add((vec2){ 1.5, 1.5 }, along) };
@@ -187,7 +176,6 @@ static void without_memory_for_its_sections_a_scene_says_so(void **state)
     size_t n = 1;
     bf_status status;
 
-    (void)state;
     do {
         scene s;
         make_path(&s);
@@ -260,7 +248,6 @@ static void what_is_wrong_with_a_path_is_pointed_at(void **state)
     };
     scene s;
 
-    (void)state;
     make_path(&s);
     helper_faults_none(&s);
     helper_faults_each(make_path, bad, sizeof bad / sizeof *bad);
@@ -271,7 +258,6 @@ static void cargo_may_come_over_the_side_of_a_straight_along_an_axis(void **stat
     const vec2 spur[] = { { 0.2, 0.0 }, { 0.5, 0.0 }, { 0.5, 0.25 }, { 0.2, 0.25 } };
     scene s;
 
-    (void)state;
     make_path(&s);
     helper_scene_add_belt(&s, (vec2){ 0.0, 0.4 }, spur, 4);
     helper_faults_none(&s);
@@ -284,7 +270,6 @@ static void outlines_beside_paths_are_looked_at_within_a_number_of_steps(void **
     vec2 corners[CORNERS], beside[ALONG + 5];
     scene s;
 
-    (void)state;
     for (int k = 0; k < CORNERS; k++)
         corners[k] = (vec2){ 1.0 + 2.0 * k, 3.0 + k % 2 };
     for (int k = 0; k < ALONG; k++)

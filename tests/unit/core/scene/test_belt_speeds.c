@@ -6,16 +6,11 @@
 #include "core/base/random.h"
 #include "tests/reference/schedule.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // 0.3 m/s to the east and 0.4 m/s to the north: 0.5 m/s.
 static scene_belt belt_with(double acceleration, double deceleration, size_t n, double *times,
@@ -51,7 +46,6 @@ static void without_a_schedule_the_factor_is_1(void **state)
     belt_speeds speeds = speeds_of(&belt);
     double factors[2];
 
-    (void)state;
     assert_true(speeds.are_constant);
     assert_true(belt_speeds_largest(&belt) == 1.0);
     ASSERT_FACTORS(&speeds, { 0.0, 1.0 }, { 1e9, 1.0 });
@@ -67,7 +61,6 @@ static void a_target_is_reached_by_a_ramp(void **state)
     const scene_belt belt = belt_with(1.0, 2.0, 3, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
-    (void)state;
     ASSERT_FACTORS(&speeds, { 0.0, 1.0 }, { 1.0, 1.0 }, { 1.0625, 0.75 }, { 1.125, 0.5 },
                    { 1.9, 0.5 }, { 2.0, 0.5 }, { 2.25, 1.0 }, { 2.5, 1.5 }, { 4.0, 1.5 },
                    { 4.125, 1.0 }, { 4.375, 0.0 }, { 100.0, 0.0 });
@@ -81,7 +74,6 @@ static void without_accelerations_the_speed_jumps(void **state)
     const scene_belt belt = belt_with(INFINITY, INFINITY, 2, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
-    (void)state;
     assert_true(belt_speeds_at(&speeds, 0, nextafter(1.0, 0.0)) == 1.0);
     assert_true(belt_speeds_at(&speeds, 0, 1.0) == 0.0);
     assert_true(belt_speeds_at(&speeds, 0, nextafter(2.0, 0.0)) == 0.0);
@@ -94,7 +86,6 @@ static void a_belt_without_velocity_needs_no_ramp(void **state)
     double times[] = { 1.0 }, targets[] = { 0.25 };
     scene_belt belt = belt_with(1.0, 1.0, 1, times, targets);
 
-    (void)state;
     belt.velocity = (vec2){ 0.0, 0.0 };
     belt_speeds speeds = speeds_of(&belt);
     ASSERT_FACTORS(&speeds, { 0.5, 1.0 }, { 1.0, 0.25 });
@@ -108,7 +99,6 @@ static void a_factor_at_0_holds_from_the_start(void **state)
     const scene_belt belt = belt_with(1.0, 1.0, 2, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
-    (void)state;
     ASSERT_FACTORS(&speeds, { 0.0, 0.0 }, { 1.0, 0.0 }, { 1.125, 0.25 }, { 1.25, 0.5 });
     assert_true(belt_speeds_largest(&belt) == 0.5);
     belt_speeds_fini(&speeds);
@@ -121,7 +111,6 @@ static void a_ramp_that_is_interrupted_goes_on_from_the_speed_it_has(void **stat
     const scene_belt belt = belt_with(0.25, 0.5, 2, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
-    (void)state;
     ASSERT_FACTORS(&speeds, { 1.25, 0.75 }, { 1.5, 0.5 }, { 2.0, 0.75 }, { 2.5, 1.0 },
                    { 3.0, 1.0 });
     belt_speeds_fini(&speeds);
@@ -134,7 +123,6 @@ static void the_mean_over_a_step_is_the_displacement_in_it(void **state)
     const scene_belt belt = belt_with(INFINITY, 2.0, 2, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
-    (void)state;
     assert_near(belt_speeds_mean(&speeds, 0, 0.0, 2.0), 0.5 * (1.0 + 0.125), 1e-15);
     assert_near(belt_speeds_mean(&speeds, 0, 1.0, 1.25), 0.5, 1e-15);
     assert_near(belt_speeds_mean(&speeds, 0, 1.125, 1.25), 0.25, 1e-15);
@@ -154,7 +142,6 @@ static void random_schedules_agree_with_the_recursion_over_them(void **state)
     double times[TIMES], targets[TIMES];
     bf_random r;
 
-    (void)state;
     random_init(&r, 5);
     for (int round = 0; round < 50; round++) {
         double t = round % 2 == 0 ? 0.0 : random_unit(&r);
@@ -185,7 +172,6 @@ static void off_every_belt_the_factor_is_1(void **state)
     belt_speeds speeds;
     double factors[3];
 
-    (void)state;
     assert_int_equal(belt_speeds_init(&speeds, 2, belts, NULL), BF_OK);
     assert_false(speeds.are_constant);
     belt_speeds_in_step(&speeds, 0, 1.0, factors);
@@ -199,7 +185,6 @@ static void without_memory_there_are_no_speeds(void **state)
     const scene_belt belts[] = { belt_with(1.0, 1.0, 1, times, targets),
                                  belt_with(1.0, 1.0, 1, times, targets) };
 
-    (void)state;
     for (size_t n = 1; n <= 3; n++) {
         belt_speeds speeds;
         memory_plan_fault(n, 0);
@@ -232,7 +217,6 @@ static void accelerations_are_positive(void **state)
 {
     const double bad[] = { 0.0, -1.0, NAN, -INFINITY, 1e300 };
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         scene_belt belt = belt_with(bad[k], INFINITY, 0, NULL, NULL);
         assert_fault(&belt, BF_EINPUT, "/b/acceleration_m_s2");
@@ -263,7 +247,6 @@ static void times_rise_and_factors_are_finite(void **state)
         { { 0.0, 1.0, 2.0 }, { 2000.0, 1.0, 1.0 }, NULL },
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof schedules / sizeof *schedules; k++) {
         double times[3], factors[3];
         memcpy(times, schedules[k].times, sizeof times);
@@ -281,7 +264,6 @@ static void there_is_a_factor_for_each_time_and_not_too_many(void **state)
     static double times[SCENE_SPEEDS_MAX + 1], factors[SCENE_SPEEDS_MAX + 1];
     scene_belt belt = belt_with(1.0, 1.0, 3, times, factors);
 
-    (void)state;
     for (int k = 0; k <= SCENE_SPEEDS_MAX; k++)
         times[k] = k;
     belt.speed_schedule.n_factors = 2;
@@ -308,7 +290,6 @@ static void a_command_ramps_and_replaces_the_schedule(void **state)
     const scene_belt belt = commanded_belt();
     belt_speeds speeds = speeds_of(&belt);
 
-    (void)state;
     assert_false(speeds.are_constant);
     assert_true(belt_speeds_largest(&belt) == 1.5);
     // Down by 1/s to 0.5 at 2.5 s; the schedule would stop it at 10 s.
@@ -337,7 +318,6 @@ static void a_belt_stands_between_knots_without_speed(void **state)
                      { 6.0, 7.0, false }, { 7.0, INFINITY, false } };
     belt_speeds speeds = speeds_of(&belt);
 
-    (void)state;
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
         double until = NAN;
         assert_int_equal(belt_speeds_stands(&speeds, 0, expected[k].t, &until), expected[k].stands);
@@ -354,7 +334,6 @@ static void a_belt_reverses_over_rest(void **state)
     scene_belt belt = belt_with(0.25, 0.5, 4, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
-    (void)state;
     ASSERT_FACTORS(&speeds, { 2.0, 1.0 }, { 2.5, 0.5 }, { 3.0, 0.0 }, { 4.0, -0.5 }, { 5.0, -1.0 },
                    { 6.5, -0.5 }, { 7.0, 0.0 }, { 7.5, 0.25 }, { 7.75, 0.0 }, { 8.0, -0.125 },
                    { 8.25, -0.25 }, { 1e9, -0.25 });
@@ -374,7 +353,6 @@ static void a_belt_may_reverse_by_its_schedule_or_by_a_command(void **state)
     double times[] = { 1.0, 2.0 }, targets[] = { 0.0, 2.0 };
     scene_belt belt = belt_with(1.0, 1.0, 2, times, targets);
 
-    (void)state;
     assert_false(belt_speeds_may_reverse(&belt));
     belt.is_commanded = belt.command_reverses = true;
     assert_true(belt_speeds_may_reverse(&belt));
@@ -390,7 +368,6 @@ static void a_command_reverses_over_rest(void **state)
     scene_belt belt = commanded_belt();
     belt_speeds speeds = speeds_of(&belt);
 
-    (void)state;
     belt_speeds_command(&speeds, 0, 2.0, -1.0);
     ASSERT_FACTORS(&speeds, { 2.5, 0.5 }, { 3.0, 0.0 }, { 5.0, -1.0 }, { 1e9, -1.0 });
     belt_speeds_command(&speeds, 0, 4.0, 0.5);
@@ -407,7 +384,6 @@ static void saved_commands_come_back_with_the_same_bits(void **state)
     checkpoint_reader r;
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(belt_speeds_init(&speeds, 3, belts, NULL), BF_OK);
     assert_int_equal(belt_speeds_init(&loaded, 3, belts, NULL), BF_OK);
     belt_speeds_command(&speeds, 2, 0.1, -0.3);

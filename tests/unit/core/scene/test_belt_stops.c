@@ -6,17 +6,12 @@
 #include "core/scene/belt_speeds.h"
 #include "core/scene/ranges.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A belt of 0.5 m/s that stops at once.
 static scene_belt belt_with(scene_stops stops)
@@ -73,7 +68,6 @@ static void listed_failures_stop_a_belt_with_its_ramps(void **state)
                              .durations = durations };
     scene_belt belt =
         belt_with((scene_stops){ .n_failures = 1, .failures = &listed, .until = 20.0 });
-    (void)state;
     belt.deceleration = 0.5;
     belt.acceleration = 0.25;
     belt_speeds speeds = speeds_of(&belt);
@@ -90,7 +84,6 @@ static void a_belt_that_stands_by_its_schedule_does_not_fail(void **state)
     scene_failure f = drawn("f", fixed(10.0), fixed(2.0));
     double times[] = { 4.0, 7.0, 27.0 }, factors[] = { 0.0, 0.5, 0.0 };
     scene_belt belt = belt_with((scene_stops){ .n_failures = 1, .failures = &f, .until = 100.0 });
-    (void)state;
     belt.speed_schedule = (scene_speed_schedule){ 3, times, 3, factors };
     belt_speeds speeds = speeds_of(&belt);
     ASSERT_STOPS(&speeds, { 0.0, 0 }, { 13.0, 1 }, { 15.0, 0 }, { 25.0, 1 }, { 27.0, 0 });
@@ -104,7 +97,6 @@ static void a_belt_that_runs_backwards_fails_and_comes_to_rest(void **state)
     scene_failure f = drawn("f", fixed(10.0), fixed(2.0));
     double times[] = { 4.0 }, factors[] = { -1.0 };
     scene_belt belt = belt_with((scene_stops){ .n_failures = 1, .failures = &f, .until = 20.0 });
-    (void)state;
     belt.speed_schedule = (scene_speed_schedule){ 1, times, 1, factors };
     belt.acceleration = belt.deceleration = 0.5;
     belt_speeds speeds = speeds_of(&belt);
@@ -123,7 +115,6 @@ static void while_one_failure_lasts_the_others_wait(void **state)
                                  drawn("rare", fixed(10.0), fixed(5.0)) };
     const scene_belt belt =
         belt_with((scene_stops){ .n_failures = 2, .failures = failures, .until = 25.0 });
-    (void)state;
     belt_speeds speeds = speeds_of(&belt);
     ASSERT_STOPS(&speeds, { 0.0, 0 }, { 3.0, 1 }, { 4.0, 0 }, { 7.0, 1 }, { 8.0, 0 }, { 11.0, 1 },
                  { 12.0, 0 }, { 13.0, 2 }, { 18.0, 0 }, { 20.0, 1 }, { 21.0, 0 });
@@ -136,7 +127,6 @@ static void failures_that_are_due_at_once_come_one_after_the_other(void **state)
                                  drawn("b", fixed(4.0), fixed(2.0)) };
     const scene_belt belt =
         belt_with((scene_stops){ .n_failures = 2, .failures = failures, .until = 12.0 });
-    (void)state;
     belt_speeds speeds = speeds_of(&belt);
     ASSERT_STOPS(&speeds, { 0.0, 0 }, { 4.0, 1 }, { 5.0, 2 }, { 7.0, 0 }, { 11.0, 1 });
     belt_speeds_fini(&speeds);
@@ -151,7 +141,6 @@ static void breaks_repeat_and_repairs_go_on_in_them(void **state)
     const scene_belt belt = belt_with((scene_stops){
         .n_failures = 1, .failures = &f, .n_breaks = 2, .breaks = breaks, .until = 60.0 });
     enum { BREAK = BELT_STOPS_BREAK };
-    (void)state;
     belt_speeds speeds = speeds_of(&belt);
     assert_true(belt_speeds_at(&speeds, 0, 0.0) == 0.0 && belt_speeds_at(&speeds, 0, 1.0) == 1.0);
     ASSERT_STOPS(&speeds, { 0.0, BREAK }, { 1.0, 0 }, { 9.5, 1 }, { 10.0, BREAK | 1 },
@@ -165,7 +154,6 @@ static void after_the_only_break_nothing_stops_a_belt(void **state)
     scene_break once = { .start = 10.0, .duration = 5.0, .every = INFINITY };
     const scene_belt belt =
         belt_with((scene_stops){ .n_breaks = 1, .breaks = &once, .until = 60.0 });
-    (void)state;
     belt_speeds speeds = speeds_of(&belt);
     ASSERT_STOPS(&speeds, { 0.0, 0 }, { 10.0, BELT_STOPS_BREAK }, { 15.0, 0 });
     assert_true(belt_speeds_at(&speeds, 0, 1e6) == 1.0);
@@ -235,7 +223,6 @@ static void drawn_times_have_their_distributions(void **state)
     const struct {
         double shape_up, shape_down;
     } cases[] = { { 1.0, 2.5 }, { 0.7, 1.0 }, { 3.0, 0.5 } };
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         const scene_failure f =
             drawn("f", (scene_drawn_time){ 40.0, SCENE_TIME_WEIBULL, cases[k].shape_up },
@@ -256,7 +243,6 @@ static void draws_follow_the_id_and_the_substream_alone(void **state)
     const scene_failure f = drawn("f", up, down), g = drawn("g", up, down);
     times of[] = { find_times(&f, 0, 1000.0), find_times(&f, 0, 1000.0), find_times(&f, 1, 1000.0),
                    find_times(&g, 0, 1000.0) };
-    (void)state;
     assert_int_equal(of[0].n, of[1].n);
     assert_memory_equal(of[0].up, of[1].up, of[0].n * sizeof *of[0].up);
     assert_memory_equal(of[0].down, of[1].down, of[0].n * sizeof *of[0].down);
@@ -283,7 +269,6 @@ static void commands_stop_the_clock_and_failures_override_them(void **state)
 {
     scene_failure f = drawn("f", fixed(10.0), fixed(3.0));
     const scene_belt belt = commanded_belt(&f);
-    (void)state;
     belt_speeds speeds = speeds_of(&belt);
     belt_speeds_command(&speeds, 0, 4.0, 0.0);
     belt_speeds_command(&speeds, 0, 9.0, 0.5);
@@ -305,7 +290,6 @@ static void a_belt_that_was_commanded_fails_as_before_after_a_checkpoint(void **
                             (scene_drawn_time){ 3.0, SCENE_TIME_WEIBULL, 2.0 });
     const scene_belt belt = commanded_belt(&f);
     belt_speeds speeds = speeds_of(&belt);
-    (void)state;
     for (int n = 0; n < 12; n++) {
         belt_speeds loaded = speeds_of(&belt);
         checkpoint_writer w;
@@ -332,7 +316,6 @@ static void without_memory_there_are_no_stops(void **state)
     scene_failure f = drawn("f", fixed(10.0), fixed(3.0));
     const scene_belt belt =
         belt_with((scene_stops){ .n_failures = 1, .failures = &f, .until = 50.0 });
-    (void)state;
     for (size_t n = 1; n <= 3; n++) {
         belt_speeds speeds;
         memory_plan_fault(n, 0);
@@ -370,7 +353,6 @@ static void times_and_shapes_are_in_range(void **state)
         { { 9.0, SCENE_TIME_WEIBULL, 0.2 }, { 9.0, SCENE_TIME_WEIBULL, 100.0 }, NULL },
         { good, { 9.0, SCENE_TIME_WEIBULL, 101.0 }, "/belts/0/failures/0/mttr_shape" },
     };
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scene_failure f = drawn("f", cases[k].between, cases[k].repair);
         assert_fault(&(scene_stops){ .n_failures = 1, .failures = &f, .until = 10.0 }, BF_EINPUT,
@@ -388,7 +370,6 @@ static void lists_rise_and_do_not_overlap(void **state)
                         .n_durations = 3,
                         .durations = lasts };
     const scene_stops stops = { .n_failures = 1, .failures = &f, .until = 10.0 };
-    (void)state;
     assert_fault(&stops, BF_EINPUT, NULL);
     lasts[1] = 2.0; // until the next one begins
     assert_fault(&stops, BF_EINPUT, "/belts/0/failures/0/t_s/2");
@@ -406,7 +387,6 @@ static void breaks_end_before_the_next_one_begins(void **state)
 {
     scene_break b = { .start = 5.0, .duration = 900.0, .every = 14400.0 };
     const scene_stops stops = { .n_breaks = 1, .breaks = &b, .until = 10.0 };
-    (void)state;
     assert_fault(&stops, BF_EINPUT, NULL);
     b.every = 900.0;
     assert_fault(&stops, BF_EINPUT, "/belts/0/breaks/0/every_s");
@@ -422,7 +402,6 @@ static void there_are_not_too_many(void **state)
     static scene_break breaks[SCENE_BREAKS_MAX + 1];
     scene_failure f = drawn("f", fixed(0.9), fixed(0.1));
     scene_stops stops = { .n_failures = 1, .failures = &f, .until = 1.0 * SCENE_STOPS_MAX };
-    (void)state;
     assert_fault(&stops, BF_ELIMIT, NULL);
     stops.until += 1.0;
     assert_fault(&stops, BF_ELIMIT, "/belts/0/failures");

@@ -3,12 +3,9 @@
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 #define RADIUS 0.012 // of parts, m
 
@@ -45,7 +42,6 @@ static void a_gap_is_bridged_where_it_is_narrower_than_a_radius(void **state)
 {
     static const double gaps[] = { 0.4 * RADIUS, 0.99 * RADIUS, 1.01 * RADIUS, 3.0 * RADIUS };
 
-    (void)state;
     for (size_t k = 0; k < 4; k++) {
         floor_plan p = { 0 };
         add_belt(&p, 0.0, 0.5, 0.0, 0.6);
@@ -67,7 +63,6 @@ static void the_nearest_belt_carries_and_the_later_one_of_two(void **state)
 {
     floor_plan p = { 0 };
 
-    (void)state;
     add_belt(&p, 0.0, 0.5, 0.0, 0.6);
     add_belt(&p, 0.5078125, 1.0, 0.0, 0.6);
     assert_int_equal(belt_at(&p, 0.503, 0.3), 0);
@@ -80,7 +75,6 @@ static void nothing_is_carried_where_nothing_lies_beyond(void **state)
 {
     floor_plan p = { 0 };
 
-    (void)state;
     add_belt(&p, 0.0, 0.5, 0.1, 0.5);
     add_belt(&p, 0.505, 0.9, 0.2, 0.4);
     for (int k = 0; k <= 100; k++) {
@@ -97,7 +91,6 @@ static void a_strip_before_a_side_is_bridged_up_to_half_a_radius(void **state)
 {
     floor_plan p = { 0 };
 
-    (void)state;
     add_belt(&p, 0.0, 1.0 - 0.49 * RADIUS, 0.0, 0.6);
     assert_int_equal(belt_at(&p, 1.0 - 0.48 * RADIUS, 0.3), 0);
     assert_int_equal(belt_at(&p, 1.0, 0.3), 0);
@@ -112,7 +105,6 @@ static void an_inner_corner_holds_what_lies_before_the_chord(void **state)
     floor_plan p = { 0 };
     const double inside = 0.7 * RADIUS, outside = 0.72 * RADIUS;
 
-    (void)state;
     add_belt(&p, 0.0, 0.5, 0.0, 0.6);
     add_belt(&p, 0.5, 1.0, 0.0, 0.3);
     assert_true(belt_at(&p, 0.5 + inside, 0.3 + inside) < 2);
@@ -129,7 +121,6 @@ static void radii_reach_from_the_centre_to_the_nearest_side(void **state)
         .type = SCENE_PRISM, .n_vertices = 3, .vertices = corners, .height = 0.1
     };
 
-    (void)state;
     assert_near(shape_inner_radius(&cylinder), 0.033, 1e-15);
     assert_near(shape_inner_radius(&carton), 0.09, 1e-15);
     assert_near(shape_inner_radius(&triangle), 0.1 / sqrt(2.0), 1e-12);
@@ -138,7 +129,6 @@ static void radii_reach_from_the_centre_to_the_nearest_side(void **state)
 // The eastern side of the domain is an outflow, and so is the northern one.
 static void cargo_leaves_from_belts_that_lie_along_an_outflow(void **state)
 {
-    (void)state;
     floor_plan p = { .around.edges = { SCENE_EDGE_INFLOW, SCENE_EDGE_OUTFLOW, SCENE_EDGE_WALL,
                                        SCENE_EDGE_OUTFLOW } };
     add_belt(&p, 0.0, 0.5, 0.0, 0.5);  // ends inside
@@ -154,7 +144,6 @@ static void cargo_leaves_from_belts_that_lie_along_an_outflow(void **state)
 
 static void a_scene_may_drop_parts_where_no_belt_lies(void **state)
 {
-    (void)state;
     floor_plan whole = { 0 };
     assert_false(surroundings_may_drop(&whole.around)); // no belt at all
     add_belt(&whole, 0.0, 1.0, 0.0, 0.6);

@@ -5,12 +5,9 @@
 #include "core/base/random.h"
 #include "core/scene/scene.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 static scene scene_of(double length, double width, double cell, scene_shape shape)
 {
@@ -32,7 +29,6 @@ static void auto_follows_the_size_of_the_goods(void **state)
     };
     scene s = scene_of(4.0, 1.2, 0.0, can);
 
-    (void)state;
     assert_near(cells_wanted(&s), 0.066 / 3.0, 1e-15);
     s.macro.closure = SCENE_DISPERSIVE;
     assert_near(cells_wanted(&s), 0.066 / 5.0, 1e-15);
@@ -55,7 +51,6 @@ static void auto_is_bounded_in_number(void **state)
     const scene s = scene_of(100.0, 10.0, 0.0, bead);
     const cells c = cells_of(&s);
 
-    (void)state;
     assert_true(c.n1 * c.n2 > 0.99 * CELLS_AUTO_MAX && c.n1 * c.n2 < 1.01 * CELLS_AUTO_MAX);
 }
 
@@ -64,7 +59,6 @@ static void a_cell_that_divides_the_domain_is_taken_as_it_is(void **state)
     const scene s = scene_of(1.0, 0.6, 0.005, can);
     const cells c = cells_of(&s);
 
-    (void)state;
     assert_true(c.n1 == 200.0 && c.n2 == 120.0);
     assert_true(c.d1 == 0.005 && c.d2 == 0.005);
     // Rounding of the document is forgiven, 1e-6 of the length.
@@ -79,7 +73,6 @@ static void another_one_is_fitted_to_the_shorter_side_first(void **state)
     const scene along = scene_of(1.0, 0.613, 0.01, can), across = scene_of(0.613, 1.0, 0.01, can);
     const cells c = cells_of(&along), turned = cells_of(&across);
 
-    (void)state;
     assert_true(c.n1 == 100.0 && c.n2 == 61.0);
     assert_near(c.d1, 0.01, 1e-17);
     assert_near(c.d2, 0.613 / 61.0, 1e-17);
@@ -91,7 +84,6 @@ static void a_cell_beyond_the_domain_is_one_of_it(void **state)
     const scene s = scene_of(0.1, 0.1, 0.3, can);
     const cells c = cells_of(&s);
 
-    (void)state;
     assert_true(c.n1 == 1.0 && c.n2 == 1.0);
     assert_near(c.d1, 0.1, 1e-17);
 }
@@ -101,7 +93,6 @@ static void any_domain_has_cells_that_are_nearly_square(void **state)
 {
     bf_random random;
 
-    (void)state;
     random_init(&random, 7);
     for (int k = 0; k < 2000; k++) {
         const double length = 0.1 + 20.0 * random_unit(&random);

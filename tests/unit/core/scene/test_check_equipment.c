@@ -6,14 +6,11 @@
 #include "core/scene/placement.h"
 #include "tests/unit/core/helper_faults.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void set_series(scene_series *series, size_t n, const double *times, const double *values)
 {
@@ -69,7 +66,6 @@ static void equipment_in_order_is_accepted(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s);
     set_series(&s.obstacles[0].turn, 2, (double[]){ 0.0, 2.0 }, (double[]){ 0.0, -9.0 });
     set_series(&s.obstacles[0].presence, 2, (double[]){ 0.0, 2.0 }, (double[]){ 0.0, 1.0 });
@@ -208,7 +204,6 @@ static void what_is_wrong_with_an_arc_is_pointed_at(void **unused)
     };
     scene s;
 
-    (void)unused;
     make_curve(&s);
     helper_faults_none(&s);
     helper_faults_each(make_curve, bad, sizeof bad / sizeof *bad);
@@ -261,7 +256,6 @@ static void what_is_wrong_is_pointed_at(void **unused)
         { bad_cargo, "/cargo/id", "letters" },
     };
 
-    (void)unused;
     helper_faults_each(make_scene, bad, sizeof bad / sizeof *bad);
 }
 
@@ -269,7 +263,6 @@ static void nothing_becomes_steady_without_a_feed(void **unused)
 {
     scene s;
 
-    (void)unused;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.until = SCENE_UNTIL_STEADY;
     assert_string_equal(helper_faults_of(&s)->items[0].pointer, "/until");
@@ -287,7 +280,6 @@ static void a_belt_has_a_friction_above_0_of_its_own_or_that_of_contacts(void **
         { 0.0, 1.0, 0 }, { 0.3, 1.0, 0 }, { -0.3, 1.0, 1 }, { 2e6, 1.0, 1 }, { 0.3, 0.0, 1 }
     };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scene s;
         make_scene(&s);
@@ -309,7 +301,6 @@ static void a_belt_rises_by_45_degrees_at_most_in_the_direction_that_it_has(void
                   { 0.79, 0.4, "between" },   { -0.79, 0.4, "between" },
                   { NAN, 0.4, "between" },    { 0.1, 0.0, "velocity_m_s" } };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scene s;
         make_scene(&s);
@@ -328,7 +319,6 @@ static void kinds_have_ids_of_their_own(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s);
     s.n_cargo = 2;
     scene_cargo_init(&s.cargo[1]);
@@ -347,7 +337,6 @@ static void parts_keep_clear_of_plates_as_they_stand_at_the_start(void **unused)
         size_t n;
     } cases[] = { { 0.0, 1.0, 0 }, { -1.1071487, 1.0, 1 }, { -1.1071487, 0.0, 0 } };
 
-    (void)unused;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         static bf_faults faults;
         scene s;

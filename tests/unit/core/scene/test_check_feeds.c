@@ -5,14 +5,11 @@
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_faults.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Room for a profile or a list of arrivals, freed with the scene.
 static double *numbers(size_t n, const double *values)
@@ -73,7 +70,6 @@ static void feeds_in_order_are_accepted(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s);
     helper_faults_none(&s);
     make_scene(&s);
@@ -175,7 +171,6 @@ static void what_is_wrong_with_a_feed_is_pointed_at(void **unused)
         { nowhere, "/feeds/1/line_m/0", "" },
     };
 
-    (void)unused;
     helper_faults_each(make_scene, bad, sizeof bad / sizeof *bad);
 }
 
@@ -183,7 +178,6 @@ static void a_feed_without_an_end_that_is_a_number_is_refused(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s);
     endless(&s);
     const bf_faults *faults = helper_faults_of(&s);
@@ -197,7 +191,6 @@ static void belts_must_carry_parts_away(void **unused)
     const vec2 left[] = { { 0, 0 }, { 0.1, 0 }, { 0.1, 0.6 }, { 0, 0.6 } };
     scene s;
 
-    (void)unused;
     make_scene(&s);
     s.n_feeds = 1;
     helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, narrow, 4);
@@ -215,7 +208,6 @@ static void lines_keep_clear_of_plates(void **unused)
     scene_obstacle *o;
     scene s;
 
-    (void)unused;
     make_scene(&s);
     helper_scene_add_obstacle(&s, across, 2, SCENE_SEALED);
     helper_faults_one(&s, "/feeds/1/line_m", "plate of obstacle 'obstacle-1'");
@@ -243,7 +235,6 @@ static void lines_keep_clear_of_plates_that_turn(void **unused)
     static const double angles[] = { 0.0, -M_PI * 80.0 / 180.0 };
     const vec2 across[] = { { 0.22, 0.3 }, { 0.35, 0.3 } };
 
-    (void)unused;
     for (int k = 0; k < 4; k++) {
         scene s;
         make_scene(&s);
@@ -279,7 +270,6 @@ static void lines_keep_clear_of_plates_that_are_shifted(void **unused)
     static const vec2 ends[] = { { -0.24, 0.0 }, { -0.1, 0.0 }, { -0.2, 0.5 } };
     const vec2 path[] = { { 0.5, 0.25 }, { 0.5, 0.35 } };
 
-    (void)unused;
     for (int k = 0; k < 3; k++) {
         scene s;
         make_scene(&s);
@@ -304,7 +294,6 @@ static void inlets_keep_clear_of_plates(void **unused)
 {
     scene s;
 
-    (void)unused;
     for (int k = 0; k < 4; k++) {
         const double y = k < 2    ? 0.2
                          : k == 2 ? 0.1
@@ -331,7 +320,6 @@ static void every_kind_has_room_beside_plates(void **unused)
     const double away[] = { 0.0121, 0.0119 };
     scene s;
 
-    (void)unused;
     for (int k = 0; k < 2; k++) {
         const vec2 along[] = { { 0.3 + away[k], 0.1 }, { 0.3 + away[k], 0.5 } };
         make_scene(&s);
@@ -351,7 +339,6 @@ static void every_kind_has_room_between_the_walls(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s);
     s.n_feeds = 1;
     s.feeds[0].line[0].y = 0.0;
@@ -387,14 +374,12 @@ static void room_depends_on_the_heading(void **unused)
         else
             helper_faults_none(&s);
     }
-    (void)unused;
 }
 
 static void feeds_do_not_overlap(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s);
     s.feeds[1] = s.feeds[0];
     s.feeds[1].line[0].y = 0.3;
@@ -419,7 +404,6 @@ static void too_many_feeds_are_a_limit(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s);
     helper_scene_resolve(&s);
     s.n_feeds = SCENE_FEEDS_MAX + 1;
@@ -438,7 +422,6 @@ static void the_check_reports_that_memory_is_exhausted(void **unused)
     static bf_faults faults;
     scene s;
 
-    (void)unused;
     make_scene(&s);
     scene_obstacle *o = helper_scene_add_obstacle(&s, path, 2, SCENE_SEALED);
     o->presence.n_times = o->presence.n_values = 1;

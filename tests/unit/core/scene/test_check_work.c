@@ -7,12 +7,9 @@
 #include "core/scene/overlap_grid.h"
 #include "core/scene/placement.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const scene_rect square = { 0.0, 9.0, 0.0, 9.0 };
 
@@ -53,7 +50,6 @@ static void needles_that_cannot_find_room_are_refused_before_places_are_tried(vo
     scene_placement p;
     scene s;
 
-    (void)state;
     lay_out_random(&s, 200000);
     turn_into_boxes(&s, 0.1, 0.001);
     helper_scene_resolve(&s);
@@ -70,7 +66,6 @@ static void random_places_are_looked_for_within_a_number_of_steps(void **state)
     bf_error err = { 0 };
     scene s;
 
-    (void)state;
     lay_out_random(&s, 1000);
     helper_scene_resolve(&s);
     assert_int_equal(placement_make_within(&s, 1000, &check_of, &within, &err), BF_ELIMIT);
@@ -91,7 +86,6 @@ static void parts_that_lie_too_near_are_refused(void **state)
     bf_faults faults;
     scene s;
 
-    (void)state;
     assert_non_null(poses);
     for (size_t k = 0; k < ROWS * COLUMNS; k++)
         poses[k] =
@@ -111,7 +105,6 @@ static void a_cancelled_check_ends(void **state)
     bf_faults faults = { .is_cancelled = &is_cancelled };
     scene s;
 
-    (void)state;
     lay_out_random(&s, 1000);
     helper_scene_resolve(&s);
     scene_check(&s, &faults);
@@ -143,7 +136,6 @@ static void a_large_part_does_not_slow_down_the_search_among_small_ones(void **s
     bf_random random;
     size_t n = 0, other, n_searches = 0;
 
-    (void)state;
     set_disk(&footprints[0], 0.06);
     set_disk(&footprints[1], 0.002);
     for (size_t k = 0; k < N; k++)
@@ -183,7 +175,6 @@ static void outlines_with_too_many_points_are_refused(void **state)
     bf_faults faults;
     scene s;
 
-    (void)state;
     lay_out_random(&s, 10);
     add_outlines(&s, 5, SCENE_POINTS_MAX); // 5 x 1024^2/2 pairs of 20 steps: 5e7
     check(&s, &faults);
@@ -200,7 +191,6 @@ static void plates_below_too_many_belts_are_refused(void **state)
     bf_faults faults = { .n = 0 };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < SCENE_POINTS_MAX; k++)
         path[k] = (vec2){ k % 2 == 0 ? 1.0 : 8.0, 1.0 + 0.007 * (double)k };
     lay_out_random(&s, 10);
@@ -222,7 +212,6 @@ static void plates_that_cross_too_many_parts_are_refused(void **state)
     bf_faults faults;
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < SCENE_POINTS_MAX; k++)
         path[k] = (vec2){ 8.9 + 1e-5 * (double)k, k % 2 == 0 ? 0.0 : 9.0 };
     lay_out_random(&s, 0);

@@ -3,11 +3,7 @@
 #include "core/scene/counter.h"
 
 #include "core/base/random.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 static const bf_grid grid = { 200, 120, 0.0, 0.0, 0.005, 0.005 };
 
@@ -19,7 +15,6 @@ static counter_cells cells_of(scene_rect rect)
 
 static void the_papers_counter_has_the_150_columns_upstream_of_the_exit(void **state)
 {
-    (void)state;
     counter_cells c = cells_of((scene_rect){ 0.0, 0.75, 0.0, 0.6 });
     assert_int_equal(c.i_min, 0);
     assert_int_equal(c.i_max, 150);
@@ -29,7 +24,6 @@ static void the_papers_counter_has_the_150_columns_upstream_of_the_exit(void **s
 
 static void a_counter_larger_than_the_domain_has_all_cells(void **state)
 {
-    (void)state;
     counter_cells c = cells_of((scene_rect){ -1e5, 1e5, -1e5, 1e5 });
     assert_int_equal(c.i_min, 0);
     assert_int_equal(c.i_max, 200);
@@ -39,7 +33,6 @@ static void a_counter_larger_than_the_domain_has_all_cells(void **state)
 
 static void a_counter_between_centres_or_outside_has_no_cells(void **state)
 {
-    (void)state;
     counter_cells c = cells_of((scene_rect){ 0.101, 0.1012, -3.0, -2.0 });
     assert_int_equal(c.i_min, c.i_max);
     assert_int_equal(c.j_min, c.j_max);
@@ -52,7 +45,6 @@ static void cells_and_points_are_counted_by_the_same_rule(void **state)
 {
     bf_random random;
 
-    (void)state;
     random_init(&random, 5);
     for (int n = 0; n < 200; n++) {
         double x = random_unit(&random), y = random_unit(&random);
@@ -77,7 +69,6 @@ static void a_counter_holds_its_lower_borders_only(void **state)
 {
     scene_counter counter = { .rect = { 0.0, 1.0, 2.0, 3.0 } };
 
-    (void)state;
     assert_true(counter_holds(&counter, (vec2){ 0.0, 2.0 }));
     assert_false(counter_holds(&counter, (vec2){ 1.0, 2.0 }));
     assert_false(counter_holds(&counter, (vec2){ 0.0, 3.0 }));

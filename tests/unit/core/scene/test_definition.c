@@ -4,14 +4,9 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static void make_scene(scene *s)
 {
@@ -45,7 +40,6 @@ static void a_definition_that_differs_in_one_number_has_another_digest(void **st
 {
     scene s;
 
-    (void)state;
     make_scene(&s);
     const uint64_t digest = definition_digest(&s);
     double *const numbers[] = { &s.domain.x_max,
@@ -102,7 +96,6 @@ static void a_definition_that_differs_in_a_choice_has_another_digest(void **stat
 {
     scene s;
 
-    (void)state;
     make_scene(&s);
     const uint64_t digest = definition_digest(&s);
     s.edges[SCENE_EAST] = SCENE_EDGE_WALL;

@@ -6,12 +6,9 @@
 #include "core/base/random.h"
 #include "core/scene/placement.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { N1 = 60, N2 = 40 };
 static const bf_grid grid = { N1, N2, -0.1, 0.2, 0.005, 0.005 };
@@ -24,7 +21,6 @@ static void density_is_the_printed_sum_to_rounding(void **state)
     double rho[N1 * N2];
     bf_random random;
 
-    (void)state;
     random_init(&random, 3);
     for (int k = 0; k < PARTS; k++) // some of them outside the grid
         poses[k] = (scene_pose){ -0.15 + 0.4 * random_unit(&random),
@@ -50,7 +46,6 @@ static void cells_far_from_cargo_are_exactly_zero(void **state)
     scene_pose pose = { 0.0, 0.3, 0.0 };
     double rho[N1 * N2], reach = sqrt(2.0 * 53.0 * M_LN2 / sigma0);
 
-    (void)state;
     assert_int_equal(density_from_parts(&grid, 2004.0, sigma0, &pose, 1, rho, NULL), BF_OK);
     for (size_t j = 0; j < N2; j++) {
         for (size_t i = 0; i < N1; i++) {
@@ -70,7 +65,6 @@ static void the_density_of_example_1_holds_its_192_parts(void **state)
     scene_placement p;
     double sum = 0.0;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     assert_int_equal(placement_make(&s, &p, NULL), BF_OK);
     bf_grid cells = scene_grid(&s);
@@ -94,7 +88,6 @@ static void parts_far_outside_and_a_flat_kernel_are_no_trouble(void **state)
     scene_pose poses[] = { { 1e5, -1e5, 0.0 }, { -1e5, 0.3, 0.0 } };
     double rho[N1 * N2];
 
-    (void)state;
     memset(rho, 0xff, sizeof rho);
     assert_int_equal(density_from_parts(&grid, 1.0, 2500.0, poses, 2, rho, NULL), BF_OK);
     for (size_t k = 0; k < N1 * N2; k++)
@@ -110,7 +103,6 @@ static void without_memory_the_density_is_as_before(void **state)
     double rho[N1 * N2] = { 7.0, 8.0 };
     bf_error err = { 0 };
 
-    (void)state;
     memory_plan_fault(1, 0);
     assert_int_equal(density_from_parts(&grid, 2004.0, 2500.0, &pose, 1, rho, &err), BF_ENOMEM);
     memory_plan_fault(0, 0);

@@ -4,15 +4,10 @@
 
 #include "core/scene/scene.h"
 #include "core/scene/shape.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static scene scene_of(size_t n, const scene_goods *goods)
 {
@@ -34,7 +29,6 @@ static double friction(const scene *s, scene_pair pair)
 
 static void each_row_has_a_sound_shape_a_mass_and_a_source(void **unused)
 {
-    (void)unused;
     for (unsigned k = 0; k < SCENE_GOODS_COUNT; k++) {
         const scene_goods goods = (scene_goods)k;
         scene s = scene_of(1, &goods);
@@ -58,7 +52,6 @@ static void each_row_has_a_sound_shape_a_mass_and_a_source(void **unused)
 
 static void each_pair_is_there_once_with_a_source(void **unused)
 {
-    (void)unused;
     for (size_t k = 0; k < goods_n_frictions; k++) {
         const goods_friction *pair = &goods_frictions[k];
         const double value = goods_friction_of(pair);
@@ -76,7 +69,6 @@ static void without_surfaces_frictions_are_the_papers(void **unused)
     const scene_goods paper = SCENE_PAPER_CYLINDER;
     scene s = scene_of(1, &paper);
 
-    (void)unused;
     goods_resolve(&s);
     assert_true(friction(&s, SCENE_CARGO_CARGO) == 0.15);
     assert_true(friction(&s, SCENE_CONVEYOR_CARGO) == 1.0);
@@ -91,7 +83,6 @@ static void surfaces_say_the_frictions_that_are_not_given(void **unused)
     const scene_goods can = SCENE_CAN_330;
     scene s = scene_of(1, &can), other = scene_of(1, &can);
 
-    (void)unused;
     goods_resolve(&s);
     assert_true(friction(&s, SCENE_CARGO_CARGO) == 0.27);
     assert_true(friction(&s, SCENE_CONVEYOR_CARGO) == 0.25);
@@ -126,7 +117,6 @@ static void a_friction_that_has_no_one_value_is_a_fault(void **unused)
     const scene_goods half[] = { SCENE_CAN_330, SCENE_PAPER_CYLINDER };
     scene s = scene_of(2, mix);
 
-    (void)unused;
     s.micro.contact[SCENE_CARGO_CARGO].friction = 0.3;
     check_fault(&s, "/contacts/conveyor_cargo/friction", "different ones, 0.25 and 0.3");
     s = scene_of(2, half);
@@ -144,7 +134,6 @@ static void kinds_of_one_surface_mix(void **unused)
     const scene_goods cans[] = { SCENE_CAN_330, SCENE_KEG_30 };
     scene s = scene_of(2, cans);
 
-    (void)unused;
     goods_resolve(&s);
     assert_true(friction(&s, SCENE_CONVEYOR_CARGO) == 0.25);
     scene_fini(&s);

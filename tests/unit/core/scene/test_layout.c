@@ -4,12 +4,7 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 static const double east[] = { 0.4, 0.0 };
 static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
@@ -49,7 +44,6 @@ static void a_belt_without_plates_has_no_opening(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     const layout of = measure(&s);
     assert_int_equal(of.n_plates, 0);
@@ -64,7 +58,6 @@ static void a_single_plate_opens_from_its_tip_to_the_wall(void **state)
 {
     static const double degrees[] = { 30.0, 45.0, 60.0, 90.0 };
 
-    (void)state;
     for (size_t k = 0; k < sizeof degrees / sizeof *degrees; k++) {
         scene s;
         helper_scene_example(&s, degrees[k], SCENE_SEALED);
@@ -82,7 +75,6 @@ static void a_funnel_opens_between_its_tips(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.5, 0.0, 0.7, 0.2);
     add_plate(&s, 0.5, 0.6, 0.7, 0.4);
@@ -106,7 +98,6 @@ static void the_way_between_plates_one_behind_the_other_is_an_opening(void **sta
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.4, 0.0, 0.4, 0.4);
     add_plate(&s, 0.5, 0.6, 0.5, 0.3);
@@ -122,7 +113,6 @@ static void plates_are_staggered_by_how_far_one_is_downstream_of_the_other(void 
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.5, 0.0, 0.7, 0.2);
     const layout alone = measure(&s);
@@ -146,7 +136,6 @@ static void the_belt_behind_a_plate_ends_at_the_first_open_side(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.7, 0.4, 0.5, 0.6);
     add_plate(&s, 0.4, 0.0, 0.5, 0.1);
@@ -176,7 +165,6 @@ static void a_bent_plate_has_the_angles_of_its_pieces(void **state)
     static const vec2 straight[] = { { 0.4, 0.0 }, { 0.6, 0.2 }, { 0.7, 0.3 } };
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     helper_scene_add_obstacle(&s, path, 3, SCENE_SEALED);
     const layout of = measure(&s);
@@ -197,7 +185,6 @@ static void angles_are_those_to_the_belt(void **state)
     const double angle = 75.0 * M_PI / 180.0;
     scene s;
 
-    (void)state;
     make_belt(&s, 0.4 * cos(M_PI / 6.0), 0.4 * sin(M_PI / 6.0));
     add_plate(&s, 0.5, 0.0, 0.5 + 0.4 * cos(angle), 0.4 * sin(angle));
     const layout of = measure(&s);
@@ -212,7 +199,6 @@ static void a_belt_may_run_in_any_direction(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, 0.0, 0.3);
     s.edges[SCENE_WEST] = s.edges[SCENE_EAST] = SCENE_EDGE_WALL;
     s.edges[SCENE_SOUTH] = SCENE_EDGE_INFLOW;
@@ -231,7 +217,6 @@ static void each_plate_stands_on_its_own_belt(void **state)
     static const vec2 east_half[] = { { 0.5, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.6 }, { 0.5, 0.6 } };
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.6, 0.005, &somewhere, 1);
     helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, west_half, 4);
     helper_scene_add_belt(&s, (vec2){ 0.0, 0.4 }, east_half, 4);
@@ -248,7 +233,6 @@ static void a_plate_that_leans_against_the_belt_has_more_than_90_degrees(void **
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.6 + 0.5 / tan(M_PI / 3.0), 0.0, 0.6, 0.5);
     const layout of = measure(&s);
@@ -264,7 +248,6 @@ static void a_cup_holds_cargo_and_a_wedge_does_not(void **state)
     static const vec2 wedge[] = { { 0.6, 0.2 }, { 0.5, 0.3 }, { 0.6, 0.4 } };
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     helper_scene_add_obstacle(&s, cup, 3, SCENE_SEALED);
     const layout of = measure(&s);
@@ -282,7 +265,6 @@ static void a_corner_may_be_made_of_two_obstacles(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.5, 0.2, 0.6, 0.3);
     add_plate(&s, 0.5, 0.4, 0.6, 0.3);
@@ -306,7 +288,6 @@ static void plates_that_join_opposite_walls_leave_no_opening(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.3, 0.0, 0.5, 0.2);
     add_plate(&s, 0.5, 0.2, 0.9, 0.6);
@@ -321,7 +302,6 @@ static void guides_along_the_belt_deflect_nothing_and_bound_openings(void **stat
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.2, 0.1, 0.5, 0.1);
     add_plate(&s, 0.503, 0.1, 0.9, 0.1);
@@ -342,7 +322,6 @@ static void strips_to_which_no_cargo_comes_are_no_openings(void **state)
 {
     scene s;
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         make_belt(&s, east[0], east[1]);
         add_plate(&s, 0.0, 0.05, 0.98, 0.05);
@@ -367,7 +346,6 @@ static void what_lies_behind_a_plate_is_no_opening(void **state)
 {
     scene s;
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         make_belt(&s, east[0], east[1]);
         if (k == 0)
@@ -386,7 +364,6 @@ static void a_slit_at_a_wall_counts_from_half_a_cell_on(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.5, 0.002, 0.5, 0.4);
     assert_true(isinf(measure(&s).gap.value));
@@ -400,7 +377,6 @@ static void a_gap_that_no_part_fits_through_is_no_opening(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.5, 0.023, 0.5, 0.4);
     const layout gap = measure(&s);
@@ -418,7 +394,6 @@ static void the_narrowest_kind_says_what_an_opening_is(void **state)
 {
     scene s;
 
-    (void)state;
     for (size_t n = 1; n <= 2; n++) {
         make_belt(&s, east[0], east[1]);
         add_plate(&s, 0.5, 0.023, 0.5, 0.4);
@@ -436,7 +411,6 @@ static void a_gap_that_alone_is_left_of_the_belt_is_the_opening(void **state)
 {
     scene s;
 
-    (void)state;
     for (int k = 0; k < 4; k++) {
         make_belt(&s, east[0], east[1]);
         if (k > 0 && k < 3)
@@ -456,7 +430,6 @@ static void what_lies_off_the_belts_is_no_opening(void **state)
     static const vec2 strip[] = { { 0.0, 0.1 }, { 1.0, 0.1 }, { 1.0, 0.5 }, { 0.0, 0.5 } };
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.6, 0.005, &somewhere, 1);
     helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, strip, 4);
     add_plate(&s, 0.0, 0.1, 1.0, 0.1);
@@ -473,7 +446,6 @@ static void a_plate_that_leaves_the_domain_closes_nothing(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.8, 0.0, 1.4, 0.6);
     const layout of = measure(&s);
@@ -486,7 +458,6 @@ static void plates_count_as_far_as_they_lie_in_the_domain(void **state)
 {
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.3, -0.2, 0.7, 0.2);
     add_plate(&s, 0.2, -0.3, 0.9, -0.3);
@@ -504,7 +475,6 @@ static void so_many_pieces_are_measured_and_no_more(void **state)
     layout of;
     scene s;
 
-    (void)state;
     make_belt(&s, east[0], east[1]);
     for (size_t k = 0; k <= LAYOUT_PIECES_MAX; k++)
         path[k] = (vec2){ 0.1 + 0.0005 * (double)k, k % 2 == 0 ? 0.2 : 0.3 };
@@ -526,7 +496,6 @@ static void no_memory_is_reported(void **state)
     layout of = { .n_pieces = 77 };
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     for (size_t n = 1; n <= 2; n++) {
         memory_plan_fault(n, 0);

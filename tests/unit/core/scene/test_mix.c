@@ -5,15 +5,10 @@
 #include "core/base/memory.h"
 #include "core/scene/placement.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A belt of 1 m x 1 m with two kinds: cylinders of radius 0.01 m, and boxes of 0.04 m x 0.02 m.
 static void make_mix(scene *s, const scene_pose *poses, size_t n)
@@ -47,7 +42,6 @@ static void check_counts(const double *shares, size_t n_kinds, size_t n, const s
 // 5 : 3 : 2 are 3.5, 2.1, 1.4: rounded down 6, and the remainder 0.5 is the largest.
 static void counts_follow_the_proportions_by_the_largest_remainder(void **state)
 {
-    (void)state;
     check_counts((double[]){ 1, 1, 1 }, 3, 10, (size_t[]){ 4, 3, 3 });
     check_counts((double[]){ 5, 3, 2 }, 3, 7, (size_t[]){ 4, 2, 1 });
     check_counts((double[]){ 0.5, 0.3, 0.2 }, 3, 10, (size_t[]){ 5, 3, 2 });
@@ -58,7 +52,6 @@ static void counts_follow_the_proportions_by_the_largest_remainder(void **state)
 
 static void one_kind_needs_no_list(void **state)
 {
-    (void)state;
     uint32_t *kinds = (uint32_t *)1;
     scene s;
     scene_init(&s);
@@ -72,7 +65,6 @@ static void one_kind_needs_no_list(void **state)
 // (2/3)^40, below 1e-4 even for all 560 places together.
 static void kinds_are_spread_and_follow_their_seed(void **state)
 {
-    (void)state;
     enum { N = 600 };
     uint32_t *first, *again, *other;
     size_t n_second = 0, run = 0;
@@ -101,7 +93,6 @@ static void kinds_are_spread_and_follow_their_seed(void **state)
 // 1/(2 sqrt(3) 1e-4) = 2886.75 per m2; boxes of 8 cm2: 1250. Together 1744.6..., cut to 1744.
 static void the_packing_of_a_mix_is_the_mean_of_areas(void **state)
 {
-    (void)state;
     scene s;
     make_mix(&s, NULL, 0);
     helper_scene_resolve(&s);
@@ -115,7 +106,6 @@ static void the_packing_of_a_mix_is_the_mean_of_areas(void **state)
 // 2/3 of the radius of a disk of the footprint's area, for each kind, unless micro says otherwise.
 static void each_kind_has_its_own_lever_of_spin_friction(void **state)
 {
-    (void)state;
     scene s;
     make_mix(&s, NULL, 0);
     helper_scene_resolve(&s);
@@ -133,7 +123,6 @@ static void each_kind_has_its_own_lever_of_spin_friction(void **state)
 // The second kind's mass is at fault: it is pointed at below its place in the list.
 static void faults_of_a_kind_point_into_the_list(void **state)
 {
-    (void)state;
     static const scene_pose pose = { 0.5, 0.5, 0.0 };
     bf_faults faults = { 0 };
     bf_error err;
@@ -161,7 +150,6 @@ static size_t count_faults(scene *s, const char *text)
 // 0.01 m, its corner hypot(0.02, 0.01); the disk's radius is 0.01 m.
 static void kinds_overlap_by_their_own_footprints(void **state)
 {
-    (void)state;
     const double corner = 0.02 + 0.01 * sqrt(0.5), side = 0.01 + 0.01 * sqrt(0.5);
     const struct {
         scene_pose by;
@@ -188,7 +176,6 @@ static void kinds_overlap_by_their_own_footprints(void **state)
 // lies across.
 static void overlaps_with_walls_depend_on_the_footprint_of_the_kind(void **state)
 {
-    (void)state;
     const scene_pose poses[] = { { 0.2, 0.011, M_PI / 2.0 }, { 0.7, 0.011, M_PI / 2.0 } };
     scene s;
     make_mix(&s, poses, 2);
@@ -199,7 +186,6 @@ static void overlaps_with_walls_depend_on_the_footprint_of_the_kind(void **state
 
 static void a_random_mix_has_its_proportions_and_no_overlaps(void **state)
 {
-    (void)state;
     scene_placement p = { 0 };
     size_t n_boxes = 0;
     scene s;
@@ -224,7 +210,6 @@ static void a_random_mix_has_its_proportions_and_no_overlaps(void **state)
 
 static void out_of_memory_anywhere_is_an_error(void **state)
 {
-    (void)state;
     bf_status status = BF_ENOMEM;
     scene_placement p = { 0 };
     scene s;

@@ -7,13 +7,10 @@
 #include "core/base/random.h"
 #include "core/scene/shape.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double radius = 0.012; // of the paper's cylinders, m
 
@@ -63,7 +60,6 @@ static void listed_places_are_taken_as_they_are(void **state)
     static const scene_pose poses[] = { { 0.1, 0.2, 0.3 }, { 0.4, 0.25, -6.0 } };
     scene s;
 
-    (void)state;
     lay_out(&s, poses, 2);
     scene_placement p = make(&s);
     assert_int_equal(p.n, 2);
@@ -78,7 +74,6 @@ static void example_1_lies_in_16_rows_of_12(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     scene_placement p = make(&s);
     double spacing = 1.02 * 2.0 * radius;
@@ -100,7 +95,6 @@ static void cylinders_may_touch_but_not_overlap(void **state)
     static const double gaps[] = { 1e-3, 1e-10, -1e-10, -1e-8, -0.01 };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < sizeof gaps / sizeof *gaps; k++) {
         double angle = 0.7 * (double)k, off = 2.0 * radius + gaps[k];
         scene_pose poses[] = { { 0.5, 0.25, 0.0 },
@@ -137,7 +131,6 @@ static void boxes_overlap_by_their_sides_and_corners(void **state)
     };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         for (double all = 0.0; all < 6.0; all += 0.7) { // the pair as a whole, turned
             double c = cos(all), d = sin(all);
@@ -167,7 +160,6 @@ static void cargo_must_not_overlap_walls_and_its_centres_lie_in_the_domain(void 
     };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         lay_out(&s, &cases[k].pose, 1);
         const bf_faults *faults = check(&s);
@@ -183,7 +175,6 @@ static void a_turned_box_extends_farther_than_a_straight_one(void **state)
     // Half extent across the belt: 0.01 straight, (0.02 + 0.01)/sqrt(2) = 0.0212 at 45 degrees.
     scene s;
 
-    (void)state;
     lay_out(&s, (scene_pose[]){ { 0.3, 0.015, 0.0 }, { 0.6, 0.015, M_PI / 4 } }, 2);
     turn_into_boxes(&s, 0.04, 0.02);
     const bf_faults *faults = check(&s);
@@ -198,7 +189,6 @@ static void of_many_bad_places_only_a_few_are_reported(void **state)
     scene_pose poses[N];
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < N; k++)
         poses[k] = (scene_pose){ 0.5, 0.25, 0.0 };
     lay_out(&s, poses, N);
@@ -228,7 +218,6 @@ static void the_search_by_cells_finds_what_a_search_of_all_pairs_finds(void **st
     enum { N = 40 };
     bf_random random;
 
-    (void)state;
     random_init(&random, 11);
     for (int round = 0; round < 400; round++) {
         scene_pose poses[N];
@@ -261,7 +250,6 @@ static void random_places_are_free_inside_and_within_the_region(void **state)
     static const scene_rect region = { 0.0, 0.4, 0.0, 0.5 };
     scene s;
 
-    (void)state;
     for (int is_box = 0; is_box < 2; is_box++) {
         lay_out_random(&s, 150, region);
         if (is_box)
@@ -282,7 +270,6 @@ static void a_seed_gives_the_same_places_every_time_and_another_gives_others(voi
 {
     scene s;
 
-    (void)state;
     lay_out_random(&s, 50, (scene_rect){ 0.1, 0.4, 0.1, 0.4 });
     scene_placement a = make(&s), b = make(&s);
     assert_memory_equal(a.poses, b.poses, 50 * sizeof *a.poses);
@@ -306,7 +293,6 @@ static void too_many_random_parts_are_refused_and_the_output_untouched(void **st
     static const uint32_t many[] = { 110, 1000, SCENE_PARTS_MAX };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < sizeof many / sizeof *many; k++) {
         scene_placement p = { .n = 77 };
         bf_error err = { 0 };
@@ -324,7 +310,6 @@ static void without_memory_nothing_is_placed_or_lost(void **state)
 {
     scene s;
 
-    (void)state;
     lay_out_random(&s, 50, (scene_rect){ 0.1, 0.4, 0.1, 0.4 });
     for (size_t n = 1;; n++) {
         scene_placement p = { .n = 77 };
@@ -363,7 +348,6 @@ static void a_checked_scene_lends_the_places_that_the_check_made(void **state)
     scene_placement p;
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     assert_int_equal(placement_of(&s, &p, NULL), BF_OK);
     assert_false(p.is_borrowed); // not checked yet: places of its own

@@ -6,15 +6,10 @@
 #include "core/base/memory.h"
 #include "core/scene/scene.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static vec2 path[] = { { 0.0, 0.0 }, { 2.0, 0.0 } };
 
@@ -51,7 +46,6 @@ static void it_is_as_told_up_to_half_its_limit_and_slower_beyond(void **state)
     static const double expected[][2] = { { -2.0, 1.0 }, { 0.0, 1.0 }, { 0.5, 1.0 }, { 0.6, 0.8 },
                                           { 0.75, 0.5 }, { 1.0, 0.0 }, { 3.0, 0.0 } };
 
-    (void)state;
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
         plate_motion motion = turning();
         const plate_load load = { .torque = -20.0 * expected[k][0] };
@@ -79,7 +73,6 @@ static void a_shift_is_slower_the_more_bears_against_it(void **state)
     static double flat[] = { 0.0, 0.0 };
     static vec2 shifts[] = { { 0.0, 0.0 }, { 0.3, 0.4 } };
 
-    (void)state;
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
         scene_obstacle o;
         plate_motion motion;
@@ -116,7 +109,6 @@ static void what_pushes_in_its_direction_does_not_turn_it_faster(void **state)
     static const plate_load with = { .torque = 1e6 };
     plate_motion motion = turning();
 
-    (void)state;
     assert_near(follow(&motion, &with, 1.0, 50), 0.5, 1e-14);
     assert_int_equal(plate_drive_state_of(&motion, 0, 1.5), PLATE_DRIVE_AS_TOLD);
     plate_motion_fini(&motion);
@@ -127,7 +119,6 @@ static void it_catches_up_at_its_fastest_rate(void **state)
 {
     plate_motion motion = turning();
 
-    (void)state;
     assert_near(follow(&motion, &at_limit, 1.0, 50), 0.0, 1e-15);
     assert_near(follow(&motion, &none, 1.5, 50), 0.5, 1e-12);
     assert_int_equal(plate_drive_state_of(&motion, 0, 2.0), PLATE_DRIVE_BEHIND);
@@ -142,7 +133,6 @@ static void a_command_begins_where_it_stands(void **state)
 {
     plate_motion motion = turning();
 
-    (void)state;
     (void)follow(&motion, &at_limit, 1.0, 50);
     plate_motion_command_turn(&motion, 0, 1.5, -1.0, 0.5);
     assert_near(plate_motion_at(&motion, 0, 1.75).angle, -0.5, 1e-15);
@@ -159,7 +149,6 @@ static void a_plate_that_comes_is_held_back_by_the_force_on_its_surfaces(void **
     scene_obstacle o;
     plate_motion motion;
 
-    (void)state;
     scene_obstacle_init(&o);
     o.n_points = 2;
     o.path = path;
@@ -186,7 +175,6 @@ static void its_force_is_what_the_document_says_or_twice_that_of_a_full_belt(voi
     static const double at[] = { 0.0, 2.0 }, turned[] = { 0.0, 1.0 };
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 2.0, 1.0, 0.01, &somewhere, 1);
     scene_obstacle *o = helper_scene_add_obstacle(&s, arm, 2, SCENE_SEALED);
     o->thickness = 0.0;
@@ -210,7 +198,6 @@ static void a_saved_lag_goes_on_and_a_damaged_one_is_refused(void **state)
     plate_motion motion = turning(), other = turning();
     bf_buffer bytes = { 0 };
 
-    (void)state;
     (void)follow(&motion, &at_limit, 1.0, 50);
     for (int damaged = 0; damaged < 2; damaged++) {
         checkpoint_writer w;

@@ -6,15 +6,10 @@
 #include "core/base/memory.h"
 #include "core/scene/scene.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static vec2 path[] = { { 1.0, 2.0 }, { 4.0, 6.0 } };
 
@@ -61,7 +56,6 @@ static void an_obstacle_without_motion_stands_as_in_the_document(void **state)
     const plate_motion_pose pose =
         plate_motion_pose_at(&motion, 0, (plate_motion_place){ .angle = 0.0 });
 
-    (void)state;
     assert_false(motion.is_any);
     ASSERT_ANGLES(&motion, { 0.0, 0.0 }, { 1e6, 0.0 });
     assert_true(plate_motion_in_step(&motion, 0, 3, 1.0, 0.0).spin == 0.0);
@@ -79,7 +73,6 @@ static void angles_are_linear_between_times_and_constant_outside(void **state)
     o.turn = series(3, times, angles, INFINITY);
     plate_motion motion = motion_of(&o);
 
-    (void)state;
     assert_true(motion.is_any);
     ASSERT_ANGLES(&motion, { 0.0, 0.25 }, { 1.0, 0.25 }, { 1.5, 0.375 }, { 2.0, 0.5 },
                   { 2.5, 0.25 }, { 3.0, 0.0 }, { 4.0, -0.5 }, { 1e6, -0.5 });
@@ -98,7 +91,6 @@ static void repeats_join_the_last_angle_to_the_first(void **state)
     o.turn = series(2, times, angles, 2.5);
     plate_motion motion = motion_of(&o);
 
-    (void)state;
     // From 2 to 3.5 it returns; only before its very first time it waits.
     ASSERT_ANGLES(&motion, { 0.0, 0.0 }, { 0.5, 0.0 }, { 1.5, 0.25 }, { 2.0, 0.5 }, { 2.75, 0.25 },
                   { 3.5, 0.0 }, { 4.0, 0.25 }, { 4.5, 0.5 }, { 5.25, 0.25 }, { 6.0, 0.0 });
@@ -111,7 +103,6 @@ static void a_jump_from_round_to_round_has_no_bound(void **state)
     double times[] = { 0.0, 2.0 }, angles[] = { 0.0, 0.5 };
     scene_obstacle o = gate();
 
-    (void)state;
     o.turn = series(2, times, angles, 2.0);
     assert_true(plate_range_largest_speed(&o, 0, 0, NULL) == INFINITY);
     angles[1] = 0.0;
@@ -130,7 +121,6 @@ static void it_comes_and_goes_at_its_times(void **state)
     double times[] = { 1.0, 3.0 }, values[] = { 0.0, 1.0 };
     scene_obstacle o = gate();
 
-    (void)state;
     for (int is_again = 0; is_again < 2; is_again++) {
         o.presence = series(2, times, values, is_again ? 4.0 : INFINITY);
         plate_motion motion = motion_of(&o);
@@ -156,7 +146,6 @@ static void a_plate_that_comes_grows_steadily(void **state)
 {
     double times[] = { 0.0, 1.0, 1.1, 2.0 }, values[] = { 0.0, 1.0, 1.0, 0.0 };
 
-    (void)state;
     assert_true(extent_of(INFINITY, 4, times, values, 0.5) == 0.0);
     assert_true(extent_of(INFINITY, 4, times, values, 1.0) == 0.0);
     // A time without a change does not begin it anew.
@@ -190,7 +179,6 @@ static void it_turns_left_about_its_pivot(void **state)
     const vec2 pivot = plate_motion_move(&pose, path[0]), end = plate_motion_move(&pose, path[1]);
     const vec2 velocity = plate_motion_velocity(o.pivot, 2.0, (vec2){ 0.5, -1.0 }, path[1]);
 
-    (void)state;
     assert_true(pivot.x == 1.0 && pivot.y == 2.0);
     assert_near(end.x, 1.0 - 4.0, 1e-15);
     assert_near(end.y, 2.0 + 3.0, 1e-15);
@@ -217,7 +205,6 @@ static void shifts_are_linear_between_the_times_of_angles(void **state)
     o.n_shifts = 3;
     plate_motion motion = motion_of(&o);
 
-    (void)state;
     assert_place(&motion, 0.5, 0.0, 0.0, 0.0);
     assert_place(&motion, 1.25, 0.125, 0.0, 0.1);
     assert_place(&motion, 3.0, 0.0, 1.0, 0.2);
@@ -240,7 +227,6 @@ static void what_is_turned_and_shifted_is_moved_back(void **state)
     const vec2 moved = plate_motion_move(&pose, path[1]);
     const vec2 same = plate_motion_move(&back, moved);
 
-    (void)state;
     // (3, 4) from the pivot is turned to (-1.4, 4.8).
     assert_near(moved.x, 1.0 - 1.4 + 0.25, 1e-15);
     assert_near(moved.y, 2.0 + 4.8 - 0.5, 1e-15);
@@ -259,7 +245,6 @@ static void a_shift_is_commanded_from_where_the_plate_is(void **state)
     o.n_shifts = 2;
     plate_motion motion = motion_of(&o);
 
-    (void)state;
     plate_motion_command_shift(&motion, 0, 2.0, (vec2){ 1.0, 0.0 }, 0.5);
     // Its angles go on by the schedule.
     assert_place(&motion, 2.0, 0.5, 0.0, 0.4);
@@ -280,7 +265,6 @@ static void the_fastest_shift_is_that_of_any_action_from_any_place(void **state)
     scene_obstacle o[] = { gate(), gate() };
     const plate_range r = plate_range_of(o, 0, 3, actions);
 
-    (void)state;
     assert_true(r.moves && r.is_shifted && !r.is_line);
     // From (0, 0.4) to (0.3, 0) in 0.5 s.
     assert_near(plate_range_largest_speed(o, 0, 3, actions), 1.0, 1e-14);
@@ -298,7 +282,6 @@ static void commands_replace_the_schedule(void **state)
     o.presence = series(2, times, values, INFINITY);
     plate_motion motion = motion_of(&o);
 
-    (void)state;
     plate_motion_command_turn(&motion, 0, 2.0, -0.5, 2.0);
     ASSERT_ANGLES(&motion, { 2.0, 0.5 }, { 3.0, 0.0 }, { 4.0, -0.5 }, { 5.0, -0.5 });
     // Once more before it has ended.
@@ -327,7 +310,6 @@ static void the_largest_speed_is_that_of_any_action_from_any_angle(void **state)
     };
     scene_obstacle o[] = { gate(), gate() };
 
-    (void)state;
     // Without a schedule the angles are 0, 0.5 and -0.5: by at most 1 in 0.5 s, or by 1 in 1 s.
     assert_near(plate_range_largest_speed(o, 0, 4, actions), 2.0 * 5.5, 1e-14);
     // With it up to 1: by 1.5 in 1 s, by 1 in 0.5 s.
@@ -345,7 +327,6 @@ static void what_was_commanded_is_saved_and_loaded(void **state)
     checkpoint_reader r;
     plate_motion from, to;
 
-    (void)state;
     o[1].is_commanded = true;
     assert_int_equal(plate_motion_init(&from, 2, o, NULL), BF_OK);
     assert_int_equal(plate_motion_init(&to, 2, o, NULL), BF_OK);
@@ -397,7 +378,6 @@ static void a_state_that_is_not_one_is_refused(void **state)
     };
     scene_obstacle o = gate();
 
-    (void)state;
     o.is_commanded = true;
     plate_motion motion = motion_of(&o);
     checkpoint_reader good = { (const char *)&s, sizeof s };
@@ -417,7 +397,6 @@ static void without_memory_there_is_no_motion(void **state)
     double times[] = { 1.0 }, values[] = { 1.0 };
     scene_obstacle o = gate();
 
-    (void)state;
     o.turn = o.presence = series(1, times, values, INFINITY);
     for (size_t n = 1; n <= 6; n++) {
         plate_motion motion;

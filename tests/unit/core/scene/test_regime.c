@@ -4,13 +4,9 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 // One feed of one kind at one place, regular.
 static void make(scene *s)
@@ -30,7 +26,6 @@ static void make(scene *s)
 
 static void what_feeds_draw_is_chance(void **state)
 {
-    (void)state;
     scene s;
     make(&s);
     scene_feed *f = s.feeds;
@@ -59,7 +54,6 @@ static void eyes_that_command_by_drawn_gaps_are_chance_of_the_density(void **sta
     scene_action actions[] = { { .eye = 0, .type = SCENE_ACTION_BELT } };
     scene s;
 
-    (void)state;
     make(&s);
     s.feeds[0].arrivals = SCENE_ARRIVALS_POISSON;
     assert_false(scene_has_chance(&s, true));
@@ -86,7 +80,6 @@ static void failures_are_chance_of_both_models_unless_they_are_given(void **stat
     scene_stops *stops = &belt.stops;
     scene s;
 
-    (void)state;
     make(&s);
     s.belts = &belt;
     s.n_belts = 1;
@@ -115,7 +108,6 @@ static void failures_are_chance_of_both_models_unless_they_are_given(void **stat
 // Poisson belongs to a rate, not to a list; of a list what is not given is drawn.
 static void a_list_draws_what_it_does_not_give(void **state)
 {
-    (void)state;
     scene s;
     make(&s);
     scene_feed *f = s.feeds;
@@ -145,7 +137,6 @@ static void set_presence(scene *s, double t0, double t1, double repeat)
 
 static void a_gate_that_repeats_is_a_cycle(void **state)
 {
-    (void)state;
     static scene_obstacle plate;
     scene s;
     make(&s);
@@ -163,7 +154,6 @@ static void a_gate_that_repeats_is_a_cycle(void **state)
 
 static void what_changes_once_does_so_before_the_warm_up_or_is_not_constant(void **state)
 {
-    (void)state;
     static scene_obstacle plate;
     scene s;
     make(&s);

@@ -5,19 +5,15 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void defaults_are_those_of_the_paper(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     assert_int_equal(s.n_belts, 1);
     assert_string_equal(s.belts[0].id, "main");
@@ -40,7 +36,6 @@ static void the_papers_treatments_have_a_narrower_slide_zone_and_no_mirror(void 
 {
     scene s;
 
-    (void)state;
     for (int treatment = 0; treatment < SCENE_TREATMENT_COUNT; treatment++) {
         helper_scene_example(&s, 60.0, (scene_treatment)treatment);
         bool is_sealed = treatment == SCENE_SEALED;
@@ -54,7 +49,6 @@ static void several_items_without_ids_are_numbered(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
     for (int k = 0; k < 3; k++)
         helper_scene_add_belt(&s, (vec2){ 0.395, 0.0 }, NULL, 0);
@@ -77,7 +71,6 @@ static void resolving_twice_changes_nothing(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     scene before = s;
     scene_obstacle obstacle = s.obstacles[0];
@@ -91,7 +84,6 @@ static void without_memory_the_scene_is_as_before(void **state)
 {
     scene s, before;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
     before = s;
     for (size_t n = 1;; n++) {
@@ -116,7 +108,6 @@ static void the_grid_of_the_examples_is_that_of_the_paper(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     bf_grid grid = scene_grid(&s);
     assert_int_equal(grid.n1, 200);
@@ -140,7 +131,6 @@ static void close_packing_has_the_density_of_its_shape(void **state)
     double hexagon[6][3], area = 1.5 * sqrt(3.0) * 1e-4;
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     // 1/(2 sqrt(3) 0.012^2) = 2004.69, of which the paper keeps four digits.
     assert_true(scene_packing_density(&s) == 2004.0);
@@ -168,7 +158,6 @@ static void steps_are_bounded_by_stability_and_positivity(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     // dx / (|v_T| + eps) = 0.005 / (0.395 + 0.79).
     assert_near(scene_step_stable(&s), 0.005 / 1.185, 1e-15);
@@ -188,7 +177,6 @@ static void an_auto_step_fits_into_the_period_of_the_curve(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.step = 0.0;
     // The bound is 0.0021097 s: 0.01 s in 5 steps, not in 4.
@@ -211,7 +199,6 @@ static void an_auto_step_is_no_longer_than_the_run(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.step = 0.0;
     s.duration = 1e-4;
@@ -227,7 +214,6 @@ static void the_congested_closure_has_steps_of_its_own(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.closure = SCENE_CONGESTED;
     assert_true(scene_macro_step(&s) == 0.00125);
@@ -250,7 +236,6 @@ static void the_default_is_congested_in_steps_and_cells_that_are_chosen(void **s
 {
     scene s;
 
-    (void)state;
     scene_init(&s);
     helper_scene_resolve(&s);
     assert_int_equal(s.macro.closure, SCENE_CONGESTED);
@@ -265,7 +250,6 @@ static void the_papers_step_belongs_to_cells_that_are_given(void **state)
 {
     scene s;
 
-    (void)state;
     for (int is_named = 0; is_named < 2; is_named++) {
         scene_init(&s);
         s.macro.closure = SCENE_DISPERSIVE;
@@ -290,7 +274,6 @@ static void the_gaussian_of_a_part_has_its_size(void **state)
     };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scene_init(&s);
         s.domain = (scene_rect){ 0.0, 2.0, 0.0, 1.0 };
@@ -323,7 +306,6 @@ static void the_mass_of_a_solid_is_steel_times_its_volume(void **state)
                                              { 0, -1, 0 }, { 0, 0, 1 },  { 0, 0, -1 } };
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     helper_scene_set_vertices(&s, SCENE_HULL, cube, 12);
     assert_near(mass_of(&s), 7850.0, 1e-8);
@@ -349,7 +331,6 @@ static void the_hull_of_a_fine_cylinder_has_nearly_its_volume(void **state)
     double vertices[64][3];
     scene s;
 
-    (void)state;
     for (int k = 0; k < 64; k++) {
         vertices[k][0] = 0.012 * cos(k / 2 * M_PI / 16.0);
         vertices[k][1] = 0.012 * sin(k / 2 * M_PI / 16.0);

@@ -5,14 +5,11 @@
 #include "core/base/memory.h"
 #include "core/scene/placement.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double speed = 0.395; // of the paper's belt, m/s
 
@@ -53,7 +50,6 @@ static void the_examples_have_no_fault(void **state)
 {
     scene s;
 
-    (void)state;
     for (int treatment = 0; treatment < SCENE_TREATMENT_COUNT; treatment++) {
         for (double angle = 30.0; angle <= 90.0; angle += 10.0) {
             helper_scene_example(&s, angle, (scene_treatment)treatment);
@@ -66,7 +62,6 @@ static void the_check_reports_that_memory_is_exhausted(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     for (size_t n = 1;; n++) {
         static bf_faults faults;
@@ -140,7 +135,6 @@ static void numbers_out_of_range_are_refused_where_they_stand(void **state)
         { offsetof(scene, micro.wall_friction), "/contacts/wall_friction", -0.1 },
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
         const double bad[] = { numbers[k].bad, NAN, INFINITY, -INFINITY };
         for (size_t m = 0; m < sizeof bad / sizeof *bad; m++) {
@@ -165,7 +159,6 @@ static void numbers_of_items_are_refused_where_they_stand(void **state)
     static const double bad[] = { 0.0, -1.0, NAN, INFINITY };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
         for (size_t m = 0; m < sizeof bad / sizeof *bad; m++) {
             helper_scene_example(&s, 60.0, SCENE_SEALED);
@@ -188,7 +181,6 @@ static void words_out_of_range_are_refused(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.edges[SCENE_NORTH] = SCENE_EDGE_COUNT;
     s.obstacles[0].treatment = SCENE_TREATMENT_COUNT;
@@ -221,7 +213,6 @@ static void a_fresh_scene_lacks_all_that_has_no_default(void **state)
 {
     scene s;
 
-    (void)state;
     scene_init(&s);
     helper_scene_resolve(&s);
     const bf_faults *faults = faults_of(&s);
@@ -235,7 +226,6 @@ static void a_wrong_member_is_reported_once_and_not_again_for_derived_members(vo
 {
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
     helper_scene_add_obstacle(&s, (vec2[]){ { 0.5, 0.0 }, { 0.5, 0.2 } }, 2, SCENE_SEALED);
     s.macro.mollifier = -1.0;
@@ -254,7 +244,6 @@ static void ids_are_words_and_unique(void **state)
     static const char *const bad[] = { "", "a b", "a,b", "\"", "a/b", "\xc3\xa4" };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         helper_scene_example(&s, 60.0, SCENE_SEALED);
         strcpy(s.obstacles[0].id, bad[k]);
@@ -276,7 +265,6 @@ static void counters_do_not_take_the_names_of_other_columns(void **state)
     static const char *const taken[] = { "t_s", "left_domain" };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < 2; k++) {
         helper_scene_example(&s, 60.0, SCENE_SEALED);
         strcpy(s.counters[0].id, taken[k]);
@@ -289,7 +277,6 @@ static void failures_have_ids_of_their_own_and_are_not_too_many(void **state)
 {
     scene s;
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         helper_scene_example(&s, 60.0, SCENE_SEALED);
         for (size_t n = s.n_belts; n < (k == 0 ? 2 : 33); n++)
@@ -318,7 +305,6 @@ static void speed_schedules_are_checked_belt_by_belt(void **state)
 {
     scene s;
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         helper_scene_example(&s, 60.0, SCENE_SEALED);
         scene_belt *belt = helper_scene_add_belt(&s, (vec2){ 0.2, 0.0 }, NULL, 0);
@@ -356,7 +342,6 @@ static void polygons_of_belts_are_simple(void **state)
     };
     scene s;
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
         helper_scene_add_belt(&s, (vec2){ speed, 0.0 }, bad[k].corners, bad[k].n);
@@ -384,7 +369,6 @@ static void paths_of_obstacles_have_length(void **state)
         { "/obstacles/0/path_m/0", 3, { { NAN, 0 }, { 0.5, 0.1 }, { 0.5, 0.2 } } },
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         scene s;
         helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
@@ -441,7 +425,6 @@ static void shapes_are_convex_and_solid(void **state)
           { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, INFINITY } } },
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         scene s;
         helper_scene_example(&s, 60.0, SCENE_SEALED);
@@ -454,7 +437,6 @@ static void slender_shapes_are_beyond_the_limit(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.cargo[0].shape.type = SCENE_BOX;
     s.cargo[0].shape.length = 1.0;
@@ -466,7 +448,6 @@ static void sizes_beyond_the_limits_are_refused_with_figure_and_limit(void **sta
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.cell = 1e-6;
     assert_true(is_only_fault(&s, BF_ELIMIT, "/macro/cell_m", "6e+11 cells, the limit is 1000000"));
@@ -511,7 +492,6 @@ static void numbers_of_items_are_limited(void **state)
     static bf_faults faults;
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     scene many = s;
     many.belts = belts;
@@ -545,7 +525,6 @@ static void cargo_faults_point_at_their_source(void **state)
                                               { 0.2, 0.223, 0.0 } };
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, overlapping, 3);
     helper_scene_resolve(&s);
     assert_true(is_only_fault(&s, BF_EINPUT, "/initial/positions_m/2", "0.024"));
@@ -564,7 +543,6 @@ static void random_cargo_needs_a_sound_region(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.initial.type = SCENE_INITIAL_RANDOM;
     s.initial.n_random = 100;

@@ -5,12 +5,9 @@
 #include "core/scene/sink.h"
 #include "tests/unit/core/helper_faults.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { N1 = 40, N2 = 30, POINTS = 7 };
 
@@ -37,7 +34,6 @@ static void sinks_in_order_are_accepted(void **unused)
 {
     scene s;
 
-    (void)unused;
     make_scene(&s);
     helper_faults_none(&s);
     make_scene(&s); // they may reach beyond the domain
@@ -90,7 +86,6 @@ static void what_is_wrong_with_a_sink_is_pointed_at(void **unused)
         { kind_twice, "/sinks/1/kinds/1", "second time" },
     };
 
-    (void)unused;
     helper_faults_each(make_scene, bad, sizeof bad / sizeof *bad);
 }
 
@@ -113,7 +108,6 @@ static void the_cells_of_a_sink_are_those_whose_centres_it_holds(void **unused)
     const bf_grid grid = { .n1 = N1, .n2 = N2, .d1 = 0.02, .d2 = 0.02 };
     bf_random random;
 
-    (void)unused;
     random_init(&random, 7);
     for (int round = 0; round < 200; round++) {
         vec2 star[POINTS];
@@ -137,7 +131,6 @@ static void a_part_is_in_the_last_sink_that_takes_its_kind(void **unused)
     const vec2 inside = { 0.7, 0.2 }, outside = { 0.7, 0.4 };
     scene s;
 
-    (void)unused;
     make_scene(&s);
     assert_int_equal(sink_at(&s, inside, 0), 1);
     assert_int_equal(sink_at(&s, inside, 1), 0);

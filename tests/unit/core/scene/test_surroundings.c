@@ -4,12 +4,9 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
 static const vec2 west[] = { { 0.0, 0.0 }, { 0.6, 0.0 }, { 0.6, 0.4 }, { 0.0, 0.4 } };
@@ -36,7 +33,6 @@ static void the_later_belt_wins_and_nothing_moves_off_the_belts(void **state)
 {
     scene s;
 
-    (void)state;
     make_two_belts(&s);
     const surroundings around = surroundings_of(&s);
     assert_belt(&around, 0.2, 0.2, 0, (vec2){ 0.1, 0.0 });
@@ -51,7 +47,6 @@ static void an_arc_carries_between_its_circles_and_ends_and_turns(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 1.0, 0.01, &somewhere, 1);
     helper_scene_add_arc(&s, 0.4, 0.4, 0.6, 90.0, 0.0);
     helper_scene_resolve(&s);
@@ -78,7 +73,6 @@ static void the_distance_to_a_border_is_that_of_the_nearest_belt(void **state)
 {
     scene s;
 
-    (void)state;
     make_two_belts(&s);
     surroundings around = surroundings_of(&s);
     assert_near(surroundings_border_distance(&around, (vec2){ 0.5, 0.2 }), 0.1, 1e-15);
@@ -90,7 +84,6 @@ static void the_distance_to_a_border_is_that_of_the_nearest_belt(void **state)
 
 static void a_copy_outlives_the_scene_and_is_whole_or_not_there(void **state)
 {
-    (void)state;
     for (size_t n = 1;; n++) {
         scene s;
         make_two_belts(&s);
@@ -120,7 +113,6 @@ static void a_piece_faces_against_the_belt_whichever_way_its_path_runs(void **st
     const double half = sqrt(0.5);
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
     helper_scene_add_obstacle(&s, up, 2, SCENE_SEALED);
     helper_scene_add_obstacle(&s, down, 2, SCENE_SEALED);
@@ -143,7 +135,6 @@ static void along_the_belt_the_left_side_is_upstream(void **state)
     const vec2 n = surroundings_upstream((vec2){ 1.0, 0.0 }, (vec2){ 0.395, 1e-14 });
     const vec2 m = surroundings_upstream((vec2){ 1.0, 0.0 }, (vec2){ 0.395, 3.4e-4 });
 
-    (void)state;
     assert_true(n.x == 0.0 && n.y == 1.0);
     assert_true(m.x == 0.0 && m.y == 1.0);
 }
@@ -173,7 +164,6 @@ static void a_guide_is_centred_on_its_path(void **state)
                                      { { 0.2, 0.3 - 1e-13 }, { 0.8, 0.3 } } };
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
     for (size_t k = 0; k < 4; k++)
         helper_scene_add_obstacle(&s, paths[k], 2, SCENE_SEALED)->thickness = 0.02;
@@ -194,7 +184,6 @@ static void the_body_of_a_path_lies_on_one_side(void **state)
     vec2 back[5];
     scene s;
 
-    (void)state;
     for (int k = 0; k < 5; k++)
         back[k] = path[4 - k];
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
@@ -219,7 +208,6 @@ static void parts_leave_over_edges_that_are_no_walls(void **state)
                                                    [SCENE_NORTH] = { 0.5, 0.6 } };
     scene s;
 
-    (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
     surroundings around = surroundings_of(&s);
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {

@@ -3,12 +3,7 @@
 #include "core/study/calibration.h"
 
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 enum { CURVES = 3, SAMPLES = 40 };
 
@@ -65,7 +60,6 @@ static study *calibrate(size_t d, const double *truth, double error, size_t n_tr
 
 static void parameters_are_found_again_and_one_without_effect_is_not_identifiable(void **state)
 {
-    (void)state;
     static const double truth[3] = { 0.37, 0.62, 0.5 };
     study *s = calibrate(3, truth, 0.0, 2500);
     const study_point best = study_point_at(s, study_best(s));
@@ -85,7 +79,6 @@ static void parameters_are_found_again_and_one_without_effect_is_not_identifiabl
 // With errors of three parts in the first curve the others are predicted without: its own mean square stays 9/2.
 static void a_curve_that_is_left_out_shows_how_well_it_is_predicted(void **state)
 {
-    (void)state;
     static const double truth[2] = { 0.37, 0.62 };
     study *s = calibrate(2, truth, 3.0, 400);
     const size_t without = calibration_without(s, 0);
@@ -138,7 +131,6 @@ static study *calibrate_one(size_t n_points, double tolerance, double n_independ
 // ((1.5625 + 1/12)/(0.0032/3 + 1/12))) = 9.440; 1.96 of it is at 1/16 1.96/9.440 = 0.01298.
 static void the_profile_of_one_parameter_is_the_one_derived_by_hand(void **state)
 {
-    (void)state;
     study *s = calibrate_one(4, 1e-6, 30, slope);
     const calibration_profile profile = calibration_profile_of(s, 0);
     assert_near(study_point_at(s, study_best(s)).at[0], 0.5, 1e-5);
@@ -152,7 +144,6 @@ static void the_profile_of_one_parameter_is_the_one_derived_by_hand(void **state
 // one place where it does not, and does not claim that this one is the truth.
 static void a_lucky_point_of_a_curve_that_jumps_is_not_identified(void **state)
 {
-    (void)state;
     study *s = calibrate_one(32, 1e-4, 20, jumps);
     assert_true(study_sample(s, study_best(s), 0).mean < 1.0);
     assert_false(calibration_profile_of(s, 0).is_identifiable);
@@ -161,7 +152,6 @@ static void a_lucky_point_of_a_curve_that_jumps_is_not_identified(void **state)
 
 static void a_calibration_short_of_trials_ends_and_claims_nothing(void **state)
 {
-    (void)state;
     static const double truth[2] = { 0.37, 0.62 };
     study *s = calibrate(2, truth, 0.0, 14);
     assert_true(study_best(s) != SIZE_MAX);

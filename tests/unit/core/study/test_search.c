@@ -4,13 +4,9 @@
 
 #include "core/study/cmaes.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { POINTS_MAX = 4000, D_MAX = 4 };
 
@@ -58,14 +54,12 @@ static double branin(const double *x, size_t d)
     const double a = 15.0 * x[0] - 5.0, b = 15.0 * x[1];
     const double c = b - 5.1 / (4.0 * M_PI * M_PI) * a * a + 5.0 / M_PI * a - 6.0;
 
-    (void)d;
     return c * c + 10.0 * (1.0 - 1.0 / (8.0 * M_PI)) * cos(a) + 10.0;
 }
 
 // A corner of the cube; where no scenario is valid above 0.8.
 static double corner(const double *x, size_t d)
 {
-    (void)d;
     return x[0] > 0.8 ? (double)INFINITY : x[0] + 2.0 * x[1];
 }
 
@@ -109,7 +103,6 @@ static trace asked;
 // The least value lies in boxes of 3^-k; after 200 points k is 4 at least.
 static void direct_finds_one_of_branins_least_values(void **state)
 {
-    (void)state;
     asked.n = asked.n_questions = 0;
     go_on(&asked, &(search){ SEARCH_GLOBAL, 2, 200, NULL, 0, 0 }, branin, 64, POINTS_MAX);
     assert_int_equal(asked.n, 200);
@@ -125,7 +118,6 @@ static void direct_finds_one_of_branins_least_values(void **state)
 
 static void subplex_goes_on_from_the_best_point(void **state)
 {
-    (void)state;
     double start[2];
     asked.n = asked.n_questions = 0;
     go_on(&asked, &(search){ SEARCH_GLOBAL, 2, 60, NULL, 0, 0 }, branin, 64, POINTS_MAX);
@@ -137,7 +129,6 @@ static void subplex_goes_on_from_the_best_point(void **state)
 
 static void no_point_is_asked_for_twice(void **state)
 {
-    (void)state;
     static const double start[3] = { 0.5, 0.5, 0.5 };
     asked.n = asked.n_questions = 0;
     go_on(&asked, &(search){ SEARCH_LOCAL, 3, 300, start, 0.2, 1e-5 }, quadratic, 16, POINTS_MAX);
@@ -153,7 +144,6 @@ static void no_point_is_asked_for_twice(void **state)
 // by three and more.
 static void few_points_are_evaluated_early_in_vain(void **state)
 {
-    (void)state;
     static const double start[2] = { 0.2, 0.9 };
     static trace single;
     const search searches[] = { { SEARCH_GLOBAL, 2, 300, NULL, 0, 0 },
@@ -174,7 +164,6 @@ static void few_points_are_evaluated_early_in_vain(void **state)
 
 static void points_without_a_value_are_left(void **state)
 {
-    (void)state;
     static const double start[2] = { 0.7, 0.5 };
     asked.n = 0;
     go_on(&asked, &(search){ SEARCH_GLOBAL, 2, 80, NULL, 0, 0 }, corner, 8, POINTS_MAX);
@@ -204,7 +193,6 @@ static size_t evolve(cmaes *s, function *f, double goal, size_t generations_max)
 // 100 lambda points for 10^-10); ellipsoids and Rosenbrock's valley some 5 to 10 times as many.
 static void the_strategy_finds_least_values_within_published_budgets(void **state)
 {
-    (void)state;
     const size_t d = 4;
     assert_int_equal(cmaes_population(d), 8);
     for (uint64_t seed = 1; seed <= 5; seed++) {
@@ -229,7 +217,6 @@ static void the_strategy_finds_least_values_within_published_budgets(void **stat
 
 static void the_strategy_finds_corners_and_leaves_points_without_a_value(void **state)
 {
-    (void)state;
     cmaes s = cmaes_begin(2, 2);
     assert_true(evolve(&s, corner, 1e-4, 150) < 150);
     s = cmaes_begin(2, 1);
@@ -240,7 +227,6 @@ static void the_strategy_finds_corners_and_leaves_points_without_a_value(void **
 // B D^2 B' = C and B' B = 1, after generations in which values were arbitrary.
 static void the_axes_of_the_matrix_are_its_eigenvectors(void **state)
 {
-    (void)state;
     cmaes s = cmaes_begin(9, 20);
     double values[CMAES_POPULATION];
     for (size_t n = 0; n < 40; n++) {

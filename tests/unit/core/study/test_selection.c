@@ -5,12 +5,7 @@
 #include "core/study/pruning.h"
 #include "core/study/variates.h"
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 // The system with the least sum of those left, the first one where several have it.
 static size_t best_of(size_t k, const selection_known *known, const bool *is_left)
@@ -35,7 +30,6 @@ static size_t best_of(size_t k, const selection_known *known, const bool *is_lef
 // difference of 3 leaves a variance of 8/3, h^2 = 3 (0.1^(-2/3) - 1) = 10.9, and with delta 2 2/8 (7.3 - 4) = 0.8.
 static void a_system_is_dropped_beyond_the_width_of_the_procedure(void **state)
 {
-    (void)state;
     static const double values[] = { 1, 3, 5, 3, 0, 0, 0, 0 };
     const selection near = { 2, 3, 0.9, 2.0 }, far = { 2, 3, 0.9, 4.0 };
     bool is_left[2] = { true, true };
@@ -51,7 +45,6 @@ static void a_system_is_dropped_beyond_the_width_of_the_procedure(void **state)
 
 static void equal_systems_end_with_the_first_and_one_system_at_once(void **state)
 {
-    (void)state;
     static const double values[] = { 2, 1, 3, 2, 1, 3 };
     const selection_known known = { values, 3, 3 };
     const selection pair = { 2, 3, 0.95, 0.5 }, single = { 1, 3, 0.95, 0.5 };
@@ -93,7 +86,6 @@ static bool is_selected_right(const selection *choice, uint64_t experiment, doub
 // replications alone, as in the procedure of 2001, would take 164, 53, 26, 2,600 and 53 replications a selection.
 static void selections_are_right_with_the_confidence_asked_for(void **state)
 {
-    (void)state;
     enum { EXPERIMENTS = 400 };
     static const struct {
         selection choice;
@@ -116,7 +108,6 @@ static void selections_are_right_with_the_confidence_asked_for(void **state)
 
 static void runs_that_cannot_win_any_more_are_hopeless(void **state)
 {
-    (void)state;
     const pruning_state jams = { FIGURE_JAM_TOTAL, false, 30.0, 12.0 };
     assert_true(pruning_is_hopeless(&jams, 11.9));
     assert_false(pruning_is_hopeless(&jams, 12.0));

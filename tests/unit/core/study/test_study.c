@@ -5,13 +5,9 @@
 #include "core/base/memory.h"
 #include "core/study/variates.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Least at (0.3, 0.6), with noise of deviation 0.02 of which nine tenths are common to all points of a substream. The
 // macroscopic model has none, and is off by 0.05 of a parameter. No run is valid where the first one is above 0.95.
@@ -111,7 +107,6 @@ static bool is_same_trial(const study *a, const study *b, size_t trial)
 
 static void trials_do_not_depend_on_the_order_in_which_others_end(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < DEFINITIONS; k++) {
         const study_definition d = definition_of(k);
         study *a = begin(&d), *b = begin(&d);
@@ -129,7 +124,6 @@ static void trials_do_not_depend_on_the_order_in_which_others_end(void **state)
 // A study of which the first n trials are known makes the others as the one that was not cut, for each n.
 static void a_study_that_was_cut_goes_on_with_the_same_trials(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < DEFINITIONS; k++) {
         const study_definition d = definition_of(k);
         study *whole = begin(&d);
@@ -154,7 +148,6 @@ static void a_study_that_was_cut_goes_on_with_the_same_trials(void **state)
 
 static void sweeps_have_all_points_at_once_with_common_substreams(void **state)
 {
-    (void)state;
     const study_definition d = definition_of(0);
     study *s = begin(&d);
     assert_int_equal(finish(s, 1), 1);
@@ -175,7 +168,6 @@ static void sweeps_have_all_points_at_once_with_common_substreams(void **state)
 
 static void the_largest_is_best_where_more_is_better(void **state)
 {
-    (void)state;
     study_definition d = definition_of(0);
     d.is_maximized = true;
     study *s = begin(&d);
@@ -187,7 +179,6 @@ static void the_largest_is_best_where_more_is_better(void **state)
 // Noise of 0.02 hides the gap of points nearer than sqrt(0.02).
 static void searches_come_near_the_best_point(void **state)
 {
-    (void)state;
     for (size_t k = 4; k < 6; k++) {
         const study_definition d = definition_of(k);
         study *s = begin(&d);
@@ -203,7 +194,6 @@ static void searches_come_near_the_best_point(void **state)
 // the indifference of the best.
 static void screening_confirms_the_best_points_of_a_sweep(void **state)
 {
-    (void)state;
     const study_definition d = definition_of(6);
     study *s = begin(&d);
     finish(s, 1);
@@ -228,7 +218,6 @@ static void screening_confirms_the_best_points_of_a_sweep(void **state)
 // Room for the first replications of 8 points, and not for more: it ends, and says that it is not sure.
 static void a_selection_that_lacks_trials_is_not_decided(void **state)
 {
-    (void)state;
     study_definition d = definition_of(6);
     d.n_trials_max = 64 + 8 * 5;
     d.indifference = 1e-6;
@@ -242,7 +231,6 @@ static void a_selection_that_lacks_trials_is_not_decided(void **state)
 
 static void a_study_of_runs_that_all_fail_ends_without_a_best_point(void **state)
 {
-    (void)state;
     static const double nothing[2] = { NAN, NAN };
     for (size_t k = 0; k < DEFINITIONS; k++) {
         const study_definition d = definition_of(k);
@@ -259,7 +247,6 @@ static void a_study_of_runs_that_all_fail_ends_without_a_best_point(void **state
 
 static void studies_beyond_their_limits_are_refused(void **state)
 {
-    (void)state;
     study_definition d = definition_of(0);
     study *s;
     bf_error err;
@@ -275,7 +262,6 @@ static void studies_beyond_their_limits_are_refused(void **state)
 // Of 5,000 trials DIRECT alone would make half.
 static void a_search_ends_with_its_most_points(void **state)
 {
-    (void)state;
     study_definition d = definition_of(4);
     d.n_replications = 1;
     d.n_trials_max = 5000;
@@ -289,7 +275,6 @@ static void a_search_ends_with_its_most_points(void **state)
 // Each allocation of two rounds fails once; the study is as it was, and goes on.
 static void without_memory_a_study_stays_as_it_was(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < DEFINITIONS; k++) {
         const study_definition d = definition_of(k);
         study *whole = begin(&d), *s = begin(&d);

@@ -5,12 +5,7 @@
 #include "core/base/memory.h"
 #include "core/study/study_front.h"
 #include "tests/unit/core/helper_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "tests/unit/helper_cmocka.h"
 
 enum { POINTS = 5 };
 
@@ -49,7 +44,6 @@ static study_choice choose(study *s, bool *is_in)
 // points 2 and 4 the middle is at 3, and 2 is the first of those that are as near.
 static void equal_points_are_told_by_the_second_value_and_the_middle(void **state)
 {
-    (void)state;
     static const double values[POINTS] = { 90.0, 99.99, 100.0, 99.6, 99.51 },
                         seconds[POINTS] = { 1.0, 6.0, 3.0, 4.0, 3.01 };
     bool is_in[POINTS];
@@ -70,7 +64,6 @@ static void equal_points_are_told_by_the_second_value_and_the_middle(void **stat
 
 static void an_indifference_that_is_given_counts(void **state)
 {
-    (void)state;
     static const double values[POINTS] = { 90.0, 99.99, 100.0, 99.6, 99.51 },
                         seconds[POINTS] = { 1.0, 6.0, 3.0, 4.0, NAN };
     bool is_in[POINTS];
@@ -86,7 +79,6 @@ static void an_indifference_that_is_given_counts(void **state)
 // At least 99.5: points 1 to 3 meet it, and the first of them is named, whatever their values are.
 static void a_demand_is_met_by_the_least_point(void **state)
 {
-    (void)state;
     static const double values[POINTS] = { 90.0, 99.6, 100.0, 99.5, 99.4 },
                         seconds[POINTS] = { 1.0, 6.0, 3.0, 4.0, 3.0 };
     bool is_in[POINTS];
@@ -111,7 +103,6 @@ static void a_demand_is_met_by_the_least_point(void **state)
 // are 10 - 12.7 and 20 - 12.7 = 7.29.
 static void a_demand_needs_the_confidence_of_all_points(void **state)
 {
-    (void)state;
     static const double values[] = { 9.0, 11.0, 19.0, 21.0 }, seconds[4] = { 0 };
     bool is_in[2];
     study_definition d = grid;
@@ -134,7 +125,6 @@ static void a_demand_needs_the_confidence_of_all_points(void **state)
 // and 3 has no second value.
 static void the_front_has_the_points_that_no_other_is_better_than(void **state)
 {
-    (void)state;
     static const double values[POINTS] = { 90.0, 98.0, 100.0, 101.0, 100.0 },
                         seconds[POINTS] = { 1.0, 6.0, 3.0, NAN, 4.0 };
     bool is_in[POINTS], is_on[POINTS];
@@ -148,7 +138,6 @@ static void the_front_has_the_points_that_no_other_is_better_than(void **state)
 // One run of each where there is chance: the best value is named, and no set.
 static void without_replications_nothing_is_known_of_chance(void **state)
 {
-    (void)state;
     static const double values[POINTS] = { 90.0, 99.99, 100.0, 99.6, 99.51 },
                         seconds[POINTS] = { 1.0, 6.0, 9.0, 4.0, 3.0 };
     bool is_in[POINTS];
@@ -166,7 +155,6 @@ static void without_replications_nothing_is_known_of_chance(void **state)
 // Replications of 80, 100, 99.9, 90, 95, with a spread of -+ 1 that is common to all and one of -+ 0.5 of the third alone.
 static void chance_leaves_points_equal(void **state)
 {
-    (void)state;
     static const double means[POINTS] = { 80.0, 100.0, 99.9, 90.0, 95.0 };
     double values[4 * POINTS], seconds[4 * POINTS];
     bool is_in[POINTS];
@@ -188,7 +176,6 @@ static void chance_leaves_points_equal(void **state)
 
 static void a_study_without_values_chooses_nothing(void **state)
 {
-    (void)state;
     static const double none[POINTS] = { NAN, NAN, NAN, NAN, NAN };
     bool is_in[POINTS];
     study *s = solve(&grid, none, none);
@@ -218,7 +205,6 @@ static study *swept(size_t n_confirmed, double indifference)
 // each of these is solved once, and that decides.
 static void screening_has_a_best_point_between_its_rounds(void **state)
 {
-    (void)state;
     bool is_in[POINTS + 2];
     study *s = swept(2, 0.1);
     assert_int_equal(study_points(s), POINTS + 2);
@@ -239,7 +225,6 @@ static void screening_has_a_best_point_between_its_rounds(void **state)
 // All three points that are confirmed let the same through, within 0.5 %; the one with the largest value takes longest.
 static void of_confirmed_points_that_are_equal_the_second_value_chooses(void **state)
 {
-    (void)state;
     static const double confirmed[][2] = { { 99.9, 3.8 }, { 99.8, 3.5 }, { 100.0, 6.1 } };
     bool is_in[POINTS + 3];
     study *s = swept(3, 0.5);
@@ -256,7 +241,6 @@ static void of_confirmed_points_that_are_equal_the_second_value_chooses(void **s
 
 static void without_memory_nothing_is_chosen(void **state)
 {
-    (void)state;
     static const double values[POINTS] = { 1.0, 2.0, 3.0, 4.0, 5.0 };
     bool is_in[POINTS];
     study *s = solve(&grid, values, values);

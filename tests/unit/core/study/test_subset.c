@@ -4,19 +4,14 @@
 
 #include "core/base/random.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 // Two systems, differences 1, 3, 2, 2: mean 2, S^2 = 2/3, width t(0.05; 3) sqrt(S^2/4) = 2.3534 0.40825 = 0.9608 by a printed
 // table. So the second one is out, unless what does not matter is 2.
 static void a_system_is_out_beyond_the_width(void **state)
 {
-    (void)state;
     static const double a[] = { 1.0, 2.0, 3.0, 4.0 }, b[] = { 2.0, 5.0, 5.0, 6.0 },
                         c[] = { 1.3, 4.3, 3.3, 3.8 }; // c - a: mean 0.675, S^2 1.2292, width 1.3046
     const subset_system pair[] = { { a, 4 }, { b, 4 } }, close[] = { { c, 4 }, { a, 4 } };
@@ -31,7 +26,6 @@ static void a_system_is_out_beyond_the_width(void **state)
 
 static void without_replications_the_indifference_decides(void **state)
 {
-    (void)state;
     static const double values[] = { 5.0, 4.0, 4.5, 9.0 };
     const subset_system systems[] = {
         { values, 1 }, { values + 1, 1 }, { values + 2, 1 }, { values + 3, 1 }
@@ -125,7 +119,6 @@ static void count(layout l, uint64_t seed, size_t *ret_right, size_t *ret_smalle
 // all points in 80 %.
 static void the_best_of_a_thousand_studies_is_in_the_set(void **state)
 {
-    (void)state;
     static const char *const names[] = { "spread", "equal", "standing out" };
     for (layout l = SPREAD; l <= STANDS_OUT; l++) {
         size_t n_right, n_smaller;

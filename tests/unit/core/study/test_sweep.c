@@ -6,19 +6,14 @@
 #include "core/study/sobol.h"
 #include "core/study/variates.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 // The first eight in two dimensions are in every textbook; points 5 and 13 in all dimensions are scipy 1.10's
 // (stats.qmc.Sobol without scrambling), in sixteenths.
 static void sobols_points_are_the_published_ones(void **state)
 {
-    (void)state;
     static const unsigned first[8][2] = { { 0, 0 }, { 4, 4 }, { 6, 2 }, { 2, 6 },
                                           { 3, 3 }, { 7, 7 }, { 5, 1 }, { 1, 5 } };
     static const unsigned fifth[SOBOL_DIMENSIONS] = { 14, 14, 2,  6, 14, 10, 14, 6, 6, 2,
@@ -51,7 +46,6 @@ static bool is_stratified(const uint32_t *x, size_t n)
 
 static void each_block_of_sobols_points_is_even_in_all_dimensions(void **state)
 {
-    (void)state;
     enum { N = 1024 };
     uint32_t x[N];
     for (unsigned d = 0; d < SOBOL_DIMENSIONS; d++) {
@@ -63,7 +57,6 @@ static void each_block_of_sobols_points_is_even_in_all_dimensions(void **state)
 
 static void a_shift_keeps_sobols_points_even_and_depends_on_the_seed(void **state)
 {
-    (void)state;
     enum { N = 64, D = 3 };
     double points[N][D], other[D];
     uint32_t x[N];
@@ -80,7 +73,6 @@ static void a_shift_keeps_sobols_points_even_and_depends_on_the_seed(void **stat
 
 static void a_latin_hypercube_has_a_point_in_each_stratum(void **state)
 {
-    (void)state;
     enum { N = 37, D = 4 };
     double points[N * D];
     sweep_lhs(3, N, D, points);
@@ -100,7 +92,6 @@ static void a_latin_hypercube_has_a_point_in_each_stratum(void **state)
 
 static void a_grid_counts_its_last_parameter_fastest(void **state)
 {
-    (void)state;
     static const size_t steps[] = { 2, 1, 3 };
     static const double expected[6][3] = { { 0, 0.5, 0 }, { 0, 0.5, 0.5 }, { 0, 0.5, 1 },
                                            { 1, 0.5, 0 }, { 1, 0.5, 0.5 }, { 1, 0.5, 1 } };
@@ -118,7 +109,6 @@ static void a_grid_counts_its_last_parameter_fastest(void **state)
 // The words of the generator under the key (seed, 1), and Box and Muller's transform of the first two.
 static void variates_are_words_of_their_counter(void **state)
 {
-    (void)state;
     const variates_key key = { .seed = 5, .purpose = VARIATES_STEP, .set = 3, .item = 2 };
     const uint64_t counter[4] = { 9, 2, 3, VARIATES_STEP }, cipher_key[2] = { 5, 1 };
     uint64_t words[4];
@@ -133,7 +123,6 @@ static void variates_are_words_of_their_counter(void **state)
 // 10,000 normal variates: mean 0 with a deviation of 0.01, mean square 1 with sqrt(2/10,000).
 static void normal_variates_have_mean_0_and_variance_1(void **state)
 {
-    (void)state;
     enum { N = 10000 };
     const variates_key key = { .seed = 1, .purpose = VARIATES_STEP };
     double sum = 0.0, squares = 0.0;

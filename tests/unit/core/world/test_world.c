@@ -4,14 +4,9 @@
 #include "core/world/world.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/core/helper_world.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 // A belt of 0.5 m/s that accelerates by 1 m/s2, and a plate; both wait for commands.
 static bf_world *commandable_world(void)
@@ -55,7 +50,6 @@ static void belts_and_plates_do_what_they_are_told(void **state)
 {
     bf_world *w = commandable_world();
 
-    (void)state;
     assert_true(belt_speeds_at(&w->belts, 0, 9.0) == 1.0);
     assert_true(plate_motion_is_present(&w->plates, 0, 9.0));
     command_all(w);
@@ -66,7 +60,6 @@ static void off_every_belt_the_factor_is_1(void **state)
 {
     const bf_world *w = commandable_world();
 
-    (void)state;
     assert_true(belt_speeds_at(&w->belts, 1, 2.0) == 1.0);
     assert_true(belt_speeds_mean(&w->belts, 1, 1.0, 2.0) == 1.0);
 }
@@ -75,7 +68,6 @@ static void a_checkpoint_has_all_commands(void **state)
 {
     bf_world *w = commandable_world(), *resumed = commandable_world();
 
-    (void)state;
     command_all(w);
     helper_world_copy(w, resumed);
     assert_commanded(resumed);
@@ -88,7 +80,6 @@ static void a_checkpoint_that_is_cut_is_refused(void **state)
     checkpoint_writer writer;
     checkpoint_reader r;
 
-    (void)state;
     command_all(w);
     checkpoint_begin(&writer, &saved, CHECKPOINT_RUN, 0);
     world_save(w, &writer);
@@ -108,7 +99,6 @@ static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
     scene_obstacle plate;
     bf_status status = BF_ENOMEM;
 
-    (void)state;
     scene_obstacle_init(&plate);
     plate.n_points = 2;
     plate.path = path;

@@ -3,17 +3,13 @@
 #include "server/base/file_io.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <fcntl.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static char root[] = "/tmp/beltflow-files-XXXXXX";
 static char path[64];
@@ -21,7 +17,6 @@ static int directory = -1;
 
 static int make_root(void **state)
 {
-    (void)state;
     strcpy(root, "/tmp/beltflow-files-XXXXXX");
     if (mkdtemp(root) == NULL)
         return -1;
@@ -32,7 +27,6 @@ static int make_root(void **state)
 
 static int remove_root(void **state)
 {
-    (void)state;
     unlink(path);
     close(directory);
     return rmdir(root); // fails if anything else was left
@@ -49,7 +43,6 @@ static void assert_holds(const char *text)
 
 static void a_file_is_replaced_as_a_whole(void **state)
 {
-    (void)state;
     assert_int_equal(file_io_replace(directory, "name", "first", 5, FILE_IO_NOW, NULL), BF_OK);
     assert_holds("first");
     assert_int_equal(file_io_replace(directory, "name", "2", 1, FILE_IO_LATER, NULL), BF_OK);
@@ -59,7 +52,6 @@ static void a_file_is_replaced_as_a_whole(void **state)
 static void a_name_that_cannot_be_written_is_an_error(void **state)
 {
     bf_error err = { 0 };
-    (void)state;
 
     assert_int_equal(file_io_replace(directory, "no/name", "x", 1, FILE_IO_NOW, &err), BF_ESYSTEM);
     assert_int_equal(err.code, BF_ESYSTEM);
@@ -69,7 +61,6 @@ static void a_name_that_cannot_be_written_is_an_error(void **state)
 static void a_directory_stands_for_a_file_in_it(void **state)
 {
     bf_buffer bytes = { 0 };
-    (void)state;
 
     assert_int_equal(file_io_replace(directory, "name", "in it", 5, FILE_IO_LATER, NULL), BF_OK);
     assert_int_equal(file_io_read(root, "name", 100, &bytes, NULL), BF_OK);
@@ -84,7 +75,6 @@ static void reading_stops_at_its_limit(void **state)
 {
     bf_buffer bytes = { 0 };
     bf_error err = { 0 };
-    (void)state;
 
     assert_int_equal(file_io_replace(directory, "name", "12345", 5, FILE_IO_LATER, NULL), BF_OK);
     assert_int_equal(buffer_append(&bytes, "0", 1), BF_OK);
@@ -101,7 +91,6 @@ static void reading_stops_at_its_limit(void **state)
 static void without_memory_nothing_is_read(void **state)
 {
     bf_buffer bytes = { 0 };
-    (void)state;
 
     assert_int_equal(file_io_replace(directory, "name", "x", 1, FILE_IO_LATER, NULL), BF_OK);
     memory_plan_fault(1, 1);

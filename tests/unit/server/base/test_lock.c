@@ -3,15 +3,11 @@
 #include "server/base/lock.h"
 
 #include "server/base/clock.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { N_THREADS = 4, N_ROUNDS = 2000 };
 
@@ -52,7 +48,6 @@ static void one_thread_at_a_time_holds_a_lock(void **state)
 {
     pthread_t threads[N_THREADS];
     shared s;
-    (void)state;
 
     init_shared(&s);
     for (int i = 0; i < N_THREADS; i++)
@@ -78,7 +73,6 @@ static void waiting_gives_the_lock_away_and_takes_it_again(void **state)
 {
     pthread_t thread;
     shared s;
-    (void)state;
 
     init_shared(&s);
     lock_acquire(&s.lock);
@@ -95,7 +89,6 @@ static void waiting_ends_at_its_deadline(void **state)
 {
     shared s;
     bool was_woken = true;
-    (void)state;
 
     init_shared(&s);
     lock_acquire(&s.lock);
@@ -146,7 +139,6 @@ static void assert_held(lock *l)
 
 static void mistakes_with_a_lock_stop_the_process(void **state)
 {
-    (void)state;
     assert_int_equal(die_of(take_twice), SIGABRT);
     assert_int_equal(die_of(lock_release), SIGABRT);
     assert_int_equal(die_of(assert_held), SIGABRT);
@@ -155,7 +147,6 @@ static void mistakes_with_a_lock_stop_the_process(void **state)
 
 static void the_clocks_agree_with_each_other(void **state)
 {
-    (void)state;
     int64_t before_ms = clock_monotonic_ms();
     double now_s = clock_monotonic_s();
     int64_t after_ms = clock_monotonic_ms();

@@ -4,12 +4,10 @@
 
 #include "server/base/base_priv.h"
 #include "server/base/metrics.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,8 +17,6 @@
 
 #define SD_JOURNAL_SUPPRESS_LOCATION
 #include <systemd/sd-journal.h>
-
-#include <cmocka.h>
 
 enum { STAMP_LENGTH = 24 }; // of 2026-01-31T12:00:00.000Z
 
@@ -47,7 +43,6 @@ int sd_journal_sendv(const struct iovec *items, int n)
 
 static int redirect(void **state)
 {
-    (void)state;
     true_stderr = dup(STDERR_FILENO);
     if (true_stderr < 0 || pipe(pipe_ends) != 0 || dup2(pipe_ends[1], STDERR_FILENO) < 0)
         return -1;
@@ -56,7 +51,6 @@ static int redirect(void **state)
 
 static int restore(void **state)
 {
-    (void)state;
     dup2(true_stderr, STDERR_FILENO);
     close(true_stderr);
     close(pipe_ends[0]);
@@ -81,7 +75,6 @@ static void a_line_has_time_level_event_and_pairs(void **state)
 {
     char line[512];
     int year, month, day, hour, minute, second, ms, end = 0;
-    (void)state;
 
     log_event(LOG_LEVEL_WARN, "run_failed", "run=%s step=%d", "abc", 7);
     read_line(line, sizeof line);
@@ -95,7 +88,6 @@ static void a_line_has_time_level_event_and_pairs(void **state)
 static void an_event_needs_no_pairs(void **state)
 {
     char line[512];
-    (void)state;
 
     log_event(LOG_LEVEL_INFO, "ready", "%s", "");
     read_line(line, sizeof line);
@@ -108,7 +100,6 @@ static void an_event_needs_no_pairs(void **state)
 static void lines_beyond_the_level_are_not_written(void **state)
 {
     char line[512];
-    (void)state;
 
     log_event(LOG_LEVEL_DEBUG, "hidden", NULL);
     log_set_level(LOG_LEVEL_DEBUG);
@@ -125,7 +116,6 @@ static void lines_beyond_the_level_are_not_written(void **state)
 static void a_line_stays_one_line(void **state)
 {
     char line[512];
-    (void)state;
 
     log_event(LOG_LEVEL_INFO, "odd", "text=a\nb\x1b[0mc");
     read_line(line, sizeof line);
@@ -135,7 +125,6 @@ static void a_line_stays_one_line(void **state)
 static void a_long_line_is_cut_but_ends(void **state)
 {
     static char text[10000], line[20000];
-    (void)state;
 
     memset(text, 'x', sizeof text - 1);
     log_event(LOG_LEVEL_INFO, "long", "text=%s", text);
@@ -148,7 +137,6 @@ static void a_long_line_is_cut_but_ends(void **state)
 static void text_from_outside_is_quoted(void **state)
 {
     char storage[LOG_QUOTED_SIZE];
-    (void)state;
 
     assert_string_equal(log_quote("plain text", storage), "\"plain text\"");
     assert_string_equal(log_quote("", storage), "\"\"");
@@ -161,7 +149,6 @@ static void long_text_is_cut_between_characters(void **state)
 {
     static const char *const characters[] = { "a", "\u00fc", "\u20ac", "\"" };
     char storage[LOG_QUOTED_SIZE], text[1000];
-    (void)state;
 
     for (size_t i = 0; i < sizeof characters / sizeof *characters; i++) {
         size_t length = strlen(characters[i]);
@@ -179,7 +166,6 @@ static void long_text_is_cut_between_characters(void **state)
 
 static void levels_have_words(void **state)
 {
-    (void)state;
     for (int level = 0; level < LOG_LEVEL_COUNT; level++)
         assert_int_equal(log_level_find(log_level_word((log_level)level)), level);
     assert_int_equal(log_level_find("loud"), LOG_LEVEL_COUNT);
@@ -190,7 +176,6 @@ static void lines_are_counted_by_their_level(void **state)
     char line[512];
     int64_t n_warn = metrics_value(METRICS_LOG_LINES, LOG_LEVEL_WARN);
     int64_t n_debug = metrics_value(METRICS_LOG_LINES, LOG_LEVEL_DEBUG);
-    (void)state;
 
     log_event(LOG_LEVEL_WARN, "seen", NULL);
     log_event(LOG_LEVEL_DEBUG, "hidden", NULL);
@@ -203,7 +188,6 @@ static void only_the_stream_that_is_named_is_the_journal(void **state)
 {
     struct stat found;
     char name[64];
-    (void)state;
 
     assert_int_equal(fstat(pipe_ends[1], &found), 0);
     (void)snprintf(name, sizeof name, "%llu:%llu", (unsigned long long)found.st_dev,
@@ -235,7 +219,6 @@ static void connect_journal(void)
 
 static void the_journal_gets_ids_and_priority_as_fields(void **state)
 {
-    (void)state;
     connect_journal();
     log_event(LOG_LEVEL_WARN, "run_failed", "path=\"a run=x \\\" b\" run=01-2 request_id=r7 n=3");
     assert_int_equal(n_sent, 1);
@@ -249,7 +232,6 @@ static void a_line_without_ids_has_no_fields_for_them(void **state)
 {
     static const char *const pairs[] = { "run=- request_id=", "rerun=1 arequest_id=2", "run",
                                          NULL };
-    (void)state;
 
     connect_journal();
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
@@ -263,7 +245,6 @@ static void a_line_without_ids_has_no_fields_for_them(void **state)
 static void what_the_journal_does_not_take_goes_to_stderr(void **state)
 {
     char line[512];
-    (void)state;
 
     connect_journal();
     journal_is_away = true;

@@ -5,16 +5,12 @@
 
 #include "core/base/memory.h"
 #include "server/base/base_priv.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { N_THREADS = 4, N_EACH = 100000 };
 
@@ -40,7 +36,6 @@ static bool ends_with(const char *text, const char *end)
 
 static void names_end_with_their_unit_and_counters_with_total(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < METRICS_COUNT; i++) {
         const metrics__metric *m = &metrics__table[i];
         char bare[128], unit[32];
@@ -57,7 +52,6 @@ static void names_end_with_their_unit_and_counters_with_total(void **state)
 
 static void a_counter_has_help_type_and_its_value(void **state)
 {
-    (void)state;
     metrics_add(METRICS_STREAM_BYTES, 0, 40);
     metrics_add(METRICS_STREAM_BYTES, 0, 2);
     bf_buffer text = write_all();
@@ -70,7 +64,6 @@ static void a_counter_has_help_type_and_its_value(void **state)
 
 static void a_gauge_goes_down_too_and_can_be_set(void **state)
 {
-    (void)state;
     metrics_add(METRICS_CONNECTIONS, 0, 3);
     metrics_add(METRICS_CONNECTIONS, 0, -1);
     metrics_set(METRICS_STORE_SIZE, 0, 1LL << 40);
@@ -94,7 +87,6 @@ static void seconds_are_counted_in_nanoseconds(void **state)
         { -2500000000, "\nbeltflow_queue_oldest_age_seconds -2.5\n" },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         metrics_set(METRICS_QUEUE_AGE, 0, cases[i].ns);
         bf_buffer text = write_all();
@@ -105,7 +97,6 @@ static void seconds_are_counted_in_nanoseconds(void **state)
 
 static void few_labels_are_shown_before_they_were_counted(void **state)
 {
-    (void)state;
     metrics_add(METRICS_CHILD_EXITS, METRICS_EXIT_SIGNAL, 7);
     bf_buffer text = write_all();
     assert_holds(&text, "beltflow_child_exits_total{reason=\"ok\"} 0\n"
@@ -131,7 +122,6 @@ static void a_histogram_adds_up(void **state)
 {
     static const int64_t sizes[] = { 1, 2, 2, 3, 1024, 5000 };
 
-    (void)state;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
         metrics_observe(METRICS_COMMIT_SIZES, 0, sizes[i]);
     bf_buffer text = write_all();
@@ -149,7 +139,6 @@ static void a_histogram_adds_up(void **state)
 
 static void a_request_is_counted_by_template_method_and_code(void **state)
 {
-    (void)state;
     metrics_count_request("/v1/runs/{id}", "GET", 200, 250000);
     metrics_count_request("/v1/runs/{id}", "GET", 404, 50000000);
     metrics_count_request("/v1/runs/{id}/events", "GET", 200, -1);
@@ -174,7 +163,6 @@ static void a_request_is_counted_by_template_method_and_code(void **state)
 
 static void what_a_client_invents_makes_no_series_of_its_own(void **state)
 {
-    (void)state;
     metrics_count_request("/v1/runs/0123", "BREW", 299, 0);
     metrics_count_request(METRICS_NO_ROUTE, "MIX", 1234, 0);
     metrics_count_request("", "", -7, 0);
@@ -187,7 +175,6 @@ static void what_a_client_invents_makes_no_series_of_its_own(void **state)
 
 static void the_process_tells_of_itself(void **state)
 {
-    (void)state;
     metrics_read_process();
     assert_true(metrics_value(METRICS_PROCESS_TIME, 0) > 0);
     assert_true(metrics_value(METRICS_PROCESS_RESIDENT, 0) > 100000);
@@ -204,7 +191,6 @@ static void the_process_tells_of_itself(void **state)
 
 static void *count_much(void *context)
 {
-    (void)context;
     for (int i = 0; i < N_EACH; i++) {
         metrics_add(METRICS_SOLVER_STEPS, 1, 1);
         metrics_observe(METRICS_COMMIT_TIMES, 0, 2);
@@ -216,7 +202,6 @@ static void nothing_is_lost_when_many_threads_count_and_one_reads(void **state)
 {
     pthread_t threads[N_THREADS];
 
-    (void)state;
     for (int i = 0; i < N_THREADS; i++)
         assert_int_equal(pthread_create(&threads[i], NULL, count_much, NULL), 0);
     for (int i = 0; i < 5; i++) {
@@ -234,7 +219,6 @@ static void nothing_is_lost_when_many_threads_count_and_one_reads(void **state)
 
 static void without_memory_nothing_is_appended(void **state)
 {
-    (void)state;
     for (size_t n = 1;; n++) {
         bf_buffer text = { 0 };
         bf_error err = { 0 };

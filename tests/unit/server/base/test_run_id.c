@@ -3,17 +3,12 @@
 #include "server/base/run_id.h"
 
 #include "server/base/clock.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { N_THREADS = 4, N_IDS = 5000 };
 
@@ -39,7 +34,6 @@ static void an_id_is_a_uuid_of_version_7_of_now(void **state)
 {
     char id[API_ID_SIZE];
     unsigned long long high = 0, low = 0;
-    (void)state;
 
     int64_t before_ms = clock_unix_ms();
     assert_int_equal(run_id_make(id, NULL), BF_OK);
@@ -54,7 +48,6 @@ static void an_id_is_a_uuid_of_version_7_of_now(void **state)
 static void ids_rise_strictly(void **state)
 {
     char before[API_ID_SIZE], id[API_ID_SIZE];
-    (void)state;
 
     assert_int_equal(run_id_make(before, NULL), BF_OK);
     for (int i = 0; i < 50000; i++) {
@@ -88,7 +81,6 @@ static void threads_never_share_an_id(void **state)
     pthread_t threads[N_THREADS];
     size_t next[N_THREADS] = { 0 };
     const char *before = "";
-    (void)state;
 
     for (int i = 0; i < N_THREADS; i++)
         assert_int_equal(pthread_create(&threads[i], NULL, make_ids, &all[i]), 0);

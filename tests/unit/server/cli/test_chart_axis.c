@@ -1,18 +1,13 @@
 // Unit tests of the axes of charts.
 
 #include "server/cli/chart_axis.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 // 192 parts over at most about 5 ticks: 192/5 = 38.4, the next of 1, 2, 5 times a power is 50.
 static void steps_are_one_two_or_five_times_a_power_of_ten(void **state)
 {
-    (void)state;
     chart_axis a = chart_axis_make(0.0, 192.0, 5, CHART_AXIS_ON_TICKS);
     assert_true(a.step == 50.0);
     assert_true(a.low == 0.0 && a.high == 200.0);
@@ -22,7 +17,6 @@ static void steps_are_one_two_or_five_times_a_power_of_ten(void **state)
 
 static void an_axis_as_given_keeps_its_ends_and_has_ticks_inside(void **state)
 {
-    (void)state;
     chart_axis a = chart_axis_make(0.7, 3.2, 3, CHART_AXIS_AS_GIVEN);
     assert_true(a.low == 0.7 && a.high == 3.2);
     assert_true(a.step == 1.0); // 2.5 / 3 = 0.83
@@ -34,7 +28,6 @@ static void an_axis_as_given_keeps_its_ends_and_has_ticks_inside(void **state)
 static void rounding_does_not_cost_the_last_tick(void **state)
 {
     char label[CHART_AXIS_LABEL_SIZE];
-    (void)state;
     chart_axis a = chart_axis_make(0.0, 0.3, 3, CHART_AXIS_AS_GIVEN);
     assert_int_equal(a.n, 4);
     assert_int_equal(chart_axis_label(&a, 3, label), 3);
@@ -44,7 +37,6 @@ static void rounding_does_not_cost_the_last_tick(void **state)
 static void zero_is_labelled_without_a_sign(void **state)
 {
     char label[CHART_AXIS_LABEL_SIZE];
-    (void)state;
     chart_axis a = chart_axis_make(-1.0, 1.0, 4, CHART_AXIS_ON_TICKS);
     for (int i = 0; i < a.n; i++) {
         chart_axis_label(&a, i, label);
@@ -55,7 +47,6 @@ static void zero_is_labelled_without_a_sign(void **state)
 static void an_empty_range_is_widened(void **state)
 {
     static const double values[] = { 0.0, 5.0, -1e-300, 1e300, 1e15 };
-    (void)state;
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
         chart_axis a = chart_axis_make(values[i], values[i], 5, CHART_AXIS_AS_GIVEN);
         assert_true(a.low < values[i] && values[i] < a.high);
@@ -66,7 +57,6 @@ static void an_empty_range_is_widened(void **state)
 
 static void places_run_from_the_low_to_the_high_end(void **state)
 {
-    (void)state;
     chart_axis a = chart_axis_make(0.0, 10.0, 5, CHART_AXIS_AS_GIVEN);
     assert_int_equal(chart_axis_place(&a, 0.0, 11), 0);
     assert_int_equal(chart_axis_place(&a, 4.4, 11), 4);

@@ -5,22 +5,18 @@
 #include "core/base/buffer.h"
 #include "core/base/memory.h"
 #include "server/base/file_io.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { PATH_SIZE = 256, N1 = 3, N2 = 2 };
 
@@ -28,7 +24,6 @@ static char root[] = "/tmp/beltflow-results-XXXXXX";
 
 static int make_root(void **state)
 {
-    (void)state;
     strcpy(root, "/tmp/beltflow-results-XXXXXX");
     return mkdtemp(root) == NULL;
 }
@@ -36,7 +31,6 @@ static int make_root(void **state)
 static int remove_root(void **state)
 {
     char command[PATH_SIZE];
-    (void)state;
     snprintf(command, sizeof command, "rm -rf '%s'", root);
     return system(command);
 }
@@ -178,7 +172,6 @@ static void write_run(const char *name, uint64_t n, const char *summary)
 
 static void a_finished_run_leaves_its_five_kinds_of_files(void **state)
 {
-    (void)state;
     write_run("deep/er/out", 2, "{\"model\":\"macro\"}");
     assert_text("deep/er/out/curve.csv", "t_s,upstream,left_domain\n0,8,0\n0.5,8,1\n");
     assert_text("deep/er/out/summary.json", "{\"model\":\"macro\"}");
@@ -196,7 +189,6 @@ static void a_finished_run_leaves_its_five_kinds_of_files(void **state)
 
 static void a_stopped_run_has_no_summary(void **state)
 {
-    (void)state;
     write_run("out", 1, NULL);
     assert_true(has_file("out/curve.csv"));
     assert_true(has_file("out/snapshots.json"));
@@ -206,7 +198,6 @@ static void a_stopped_run_has_no_summary(void **state)
 
 static void a_new_run_leaves_nothing_of_the_one_before(void **state)
 {
-    (void)state;
     write_run("out", 5, "{}");
     int fd = open(path_in_root("out/snapshots"), O_RDONLY | O_DIRECTORY);
     assert_int_equal(file_io_replace(fd, "notes.npy", "x", 1, FILE_IO_LATER, NULL), BF_OK);
@@ -223,7 +214,6 @@ static void a_new_run_leaves_nothing_of_the_one_before(void **state)
 
 static void parts_have_a_folder_of_their_own(void **state)
 {
-    (void)state;
     write_run_with_parts("out", 3);
     assert_int_equal(count_files("out"), 5); // without a scenario, but with parts
     assert_int_equal(count_files("out/parts"), 3);
@@ -240,7 +230,6 @@ static void parts_have_a_folder_of_their_own(void **state)
 
 static void no_parts_of_an_earlier_run_are_left(void **state)
 {
-    (void)state;
     write_run_with_parts("out", 5);
     write_run_with_parts("out", 2);
     assert_int_equal(count_files("out/parts"), 2);
@@ -254,7 +243,6 @@ static void no_parts_of_an_earlier_run_are_left(void **state)
 // Files of others are not removed, nor is the folder then.
 static void files_of_others_among_the_parts_stay(void **state)
 {
-    (void)state;
     write_run_with_parts("out", 2);
     int fd = open(path_in_root("out/parts"), O_RDONLY | O_DIRECTORY);
     assert_int_equal(file_io_replace(fd, "notes.txt", "x", 1, FILE_IO_LATER, NULL), BF_OK);
@@ -266,7 +254,6 @@ static void files_of_others_among_the_parts_stay(void **state)
 
 static void lines_can_be_read_while_the_run_goes_on(void **state)
 {
-    (void)state;
     results_dir *d = open_results("out");
     assert_int_equal(give_begin(d), BF_OK);
     assert_int_equal(give_sample(d, 0, NULL), BF_OK);
@@ -278,7 +265,6 @@ static void a_second_writer_is_refused(void **state)
 {
     results_dir *second = NULL;
     bf_error err = { 0 };
-    (void)state;
 
     results_dir *first = open_results("out");
     assert_int_equal(results_dir_open(path_in_root("out"), "upstream,left_domain", &second, &err),
@@ -293,7 +279,6 @@ static void a_path_that_cannot_be_a_directory_is_an_error(void **state)
 {
     static const char *const paths[] = { "", "/dev/null/out", "/proc/beltflow" };
     results_dir *d = NULL;
-    (void)state;
 
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
         bf_error err = { 0 };
@@ -309,7 +294,6 @@ static void a_full_disk_leaves_no_half_line_and_no_half_file(void **state)
 {
     struct rlimit before, limit;
     bf_error err = { 0 };
-    (void)state;
 
     results_dir *d = open_results("out");
     assert_int_equal(give_begin(d), BF_OK);
@@ -349,7 +333,6 @@ static bf_status write_short_run(results_dir **ret_d)
 static void without_memory_it_fails_and_frees_everything(void **state)
 {
     bf_status status = BF_ENOMEM;
-    (void)state;
 
     for (size_t n = 1; status != BF_OK; n++) {
         results_dir *d = NULL;

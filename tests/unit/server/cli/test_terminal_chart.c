@@ -3,15 +3,11 @@
 #include "server/cli/terminal_chart.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { LINES_MAX = 128 };
 
@@ -46,7 +42,6 @@ static void a_line_goes_from_corner_to_corner(void **state)
     terminal_chart_options options = plain_options();
     bf_buffer out = { 0 };
     char *lines[LINES_MAX];
-    (void)state;
 
     assert_int_equal(draw_lines(&options, &line_curve, 1, &out, lines), 15);
     assert_string_equal(lines[0], "parts");
@@ -66,7 +61,6 @@ static void without_unicode_every_byte_is_ascii_and_no_line_is_too_wide(void **s
     const terminal_chart_curve curve = { "r\xc3\xa4nder", 2, two_times, rising };
     bf_buffer out = { 0 };
     char *lines[LINES_MAX];
-    (void)state;
 
     size_t n = draw_lines(&options, &curve, 1, &out, lines);
     for (size_t i = 0; i < n; i++) {
@@ -87,7 +81,6 @@ static void with_unicode_a_cell_holds_two_by_four_dots(void **state)
     const terminal_chart_curve both[] = { curves[0], { "dot", 1, two_times, high } };
     bf_buffer out = { 0 };
     char *lines[LINES_MAX];
-    (void)state;
 
     options.is_unicode = true;
     draw_lines(&options, both, 2, &out, lines);
@@ -106,7 +99,6 @@ static void colors_begin_and_end_within_a_line(void **state)
     terminal_chart_options options = plain_options();
     bf_buffer out = { 0 };
     char *lines[LINES_MAX];
-    (void)state;
 
     options.is_unicode = options.has_colors = true;
     size_t n = draw_lines(&options, &line_curve, 1, &out, lines);
@@ -126,7 +118,6 @@ static void curves_differ_without_colors(void **state)
     const terminal_chart_curve curves[] = { line_curve, { "zero", 2, two_times, zeros } };
     bf_buffer out = { 0 };
     char *lines[LINES_MAX];
-    (void)state;
 
     size_t n = draw_lines(&options, curves, 2, &out, lines);
     assert_string_equal(lines[n - 2], "    ****** line");
@@ -147,7 +138,6 @@ static void a_point_that_is_no_number_leaves_a_gap(void **state)
     const terminal_chart_curve curve = { "gap", 5, t, y };
     bf_buffer out = { 0 };
     char *lines[LINES_MAX];
-    (void)state;
 
     draw_lines(&options, &curve, 1, &out, lines);
     const char *row = NULL;
@@ -170,7 +160,6 @@ static void a_label_cannot_command_the_terminal(void **state)
                                          2, two_times, rising };
     bf_buffer out = { 0 };
     char *lines[LINES_MAX];
-    (void)state;
 
     options.is_unicode = true;
     size_t n = draw_lines(&options, &curve, 1, &out, lines);
@@ -186,7 +175,6 @@ static void a_long_label_is_cut(void **state)
     const terminal_chart_curve curve = { label, 2, two_times, rising };
     bf_buffer out = { 0 };
     char *lines[LINES_MAX];
-    (void)state;
 
     memset(label, 'x', sizeof label - 1);
     label[sizeof label - 1] = '\0';
@@ -199,7 +187,6 @@ static void any_size_is_taken_into_its_bounds(void **state)
 {
     static const size_t sizes[] = { 0, 1, 39, 401, SIZE_MAX };
     bf_buffer out = { 0 };
-    (void)state;
 
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         terminal_chart_options options = plain_options();
@@ -219,7 +206,6 @@ static void what_cannot_be_drawn_is_refused_and_nothing_written(void **state)
     terminal_chart_curve many[TERMINAL_CHART_CURVES_MAX + 1];
     bf_buffer out = { 0 };
     bf_error err = { 0 };
-    (void)state;
 
     assert_int_equal(terminal_chart_draw(&options, &empty, 1, &out, &err), BF_EINPUT);
     assert_int_equal(terminal_chart_draw(&options, &gaps, 1, &out, &err), BF_EINPUT);
@@ -238,7 +224,6 @@ static void without_memory_nothing_is_written(void **state)
     terminal_chart_options options = plain_options();
     bf_buffer out = { 0 };
     bf_status status = BF_ENOMEM;
-    (void)state;
 
     for (size_t n = 1; status != BF_OK; n++) {
         memory_plan_fault(n, 0);

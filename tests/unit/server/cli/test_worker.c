@@ -4,19 +4,15 @@
 #include "core/run/run.h"
 #include "server/base/file_io.h"
 #include "server/cli/cmd.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <fcntl.h>
 #include <jansson.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static const char scenario[] =
     "{\"duration_s\": 0.05, \"domain\": {\"x_m\": [0, 0.5], \"y_m\": [0, 0.3]}, "
@@ -105,7 +101,6 @@ static void a_checkpoint_that_does_not_fit_means_to_start_again(void **state)
 {
     char older[200] = "BFR1";
 
-    (void)state;
     check_start_again(older, sizeof older);
     check_start_again("torn", 4);
 }
@@ -140,7 +135,6 @@ static void hashes_are_seeded_before_the_confinement(void **state)
 {
     int status = -1;
 
-    (void)state;
     const pid_t child = fork();
     if (child == 0)
         work_on_nothing();

@@ -3,9 +3,8 @@
 #include "server/daemon/config.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,13 +12,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 static char folder[] = "/tmp/test_config_XXXXXX";
 
 static int make_folder(void **state)
 {
-    (void)state;
     return mkdtemp(folder) == NULL ? -1 : 0;
 }
 
@@ -27,7 +23,6 @@ static int remove_folder(void **state)
 {
     char command[64];
 
-    (void)state;
     (void)snprintf(command, sizeof command, "rm -rf %s", folder);
     return system(command);
 }
@@ -47,7 +42,6 @@ static void defaults_are_those_of_the_table(void **state)
 {
     config c;
 
-    (void)state;
     config_init(&c);
     assert_string_equal(c.listen, "127.0.0.1:8080");
     assert_string_equal(c.web, "");
@@ -60,7 +54,6 @@ static void a_setting_is_taken_by_its_name(void **state)
 {
     config c;
 
-    (void)state;
     config_init(&c);
     assert_int_equal(config_set(&c, "workers", "64", "--workers", NULL), BF_OK);
     assert_int_equal(config_set(&c, "data", "/var/lib/x", "--data", NULL), BF_OK);
@@ -82,7 +75,6 @@ static void a_bad_value_is_refused_and_changes_nothing(void **state)
     };
     config c, before;
 
-    (void)state;
     config_init(&c);
     before = c;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -99,7 +91,6 @@ static void a_text_may_be_as_long_as_its_room(void **state)
     char text[CONFIG_TEXT_SIZE + 1];
     config c;
 
-    (void)state;
     config_init(&c);
     memset(text, 'x', sizeof text);
     text[CONFIG_TEXT_SIZE] = '\0';
@@ -115,7 +106,6 @@ static void an_unknown_name_is_refused_with_a_suggestion(void **state)
     bf_error err = { 0 };
     config c;
 
-    (void)state;
     config_init(&c);
     assert_int_equal(config_set(&c, "worker", "1", "--worker", &err), BF_EINPUT);
     assert_non_null(strstr(err.text, "'workers'"));
@@ -128,7 +118,6 @@ static void a_file_is_read_line_by_line(void **state)
     char path[256];
     config c;
 
-    (void)state;
     config_init(&c);
     assert_int_equal(config_read_file(&c,
                                       write_file("good.conf",
@@ -164,7 +153,6 @@ static void a_bad_file_is_refused_with_its_line_and_changes_nothing(void **state
     };
     config c, before;
 
-    (void)state;
     (void)snprintf(long_line, sizeof long_line, "workers = 2\ndata = %0500d\n", 0);
     config_init(&c);
     before = c;
@@ -184,7 +172,6 @@ static void a_file_that_cannot_be_read_says_why(void **state)
     bf_error err = { 0 };
     config c;
 
-    (void)state;
     config_init(&c);
     assert_int_equal(config_read_file(&c, "/nowhere/beltflowd.conf", &err), BF_ESYSTEM);
     assert_non_null(strstr(err.text, "/nowhere/beltflowd.conf"));
@@ -196,7 +183,6 @@ static void the_environment_names_settings_in_capitals(void **state)
     bf_error err = { 0 };
     config c;
 
-    (void)state;
     config_init(&c);
     assert_int_equal(setenv("BELTFLOW_HTTP_THREADS", "5", 1), 0);
     assert_int_equal(setenv("BELTFLOW_SOMETHING_ELSE", "x", 1), 0);
@@ -217,7 +203,6 @@ static void the_sample_names_every_setting_and_is_itself_a_good_file(void **stat
     const config_row *rows = config_rows(&n);
     config c, defaults;
 
-    (void)state;
     assert_int_equal(config_sample(&sample, NULL), BF_OK);
     for (size_t i = 0; i < n; i++) {
         char line[128];
@@ -236,7 +221,6 @@ static void the_sample_names_every_setting_and_is_itself_a_good_file(void **stat
 
 static void a_sample_without_memory_fails(void **state)
 {
-    (void)state;
     for (size_t n = 1;; n++) {
         bf_buffer sample = { 0 };
         memory_plan_fault(n, 0);
@@ -257,7 +241,6 @@ static void a_text_that_a_file_could_not_say_is_refused(void **state)
     static const char *const good[] = { "", "a;b", "a b", "# a", "\xc3\xa4" };
     config c;
 
-    (void)state;
     config_init(&c);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         assert_int_equal(config_set(&c, "data", texts[i], "--data", NULL), BF_EINPUT);
@@ -272,7 +255,6 @@ static void it_is_known_where_a_setting_comes_from(void **state)
     char path[256], expected[300];
     config c;
 
-    (void)state;
     config_init(&c);
     assert_string_equal(c.origins[CONFIG_workers], "default");
     assert_int_equal(config_read_file(&c, write_file("o.conf", "\nworkers = 3\n", path), NULL),
@@ -292,7 +274,6 @@ static void what_is_printed_is_a_file_that_says_the_same(void **state)
     char path[256];
     config c, again;
 
-    (void)state;
     config_init(&c);
     assert_int_equal(config_set(&c, "workers", "7", "--workers", NULL), BF_OK);
     assert_int_equal(config_set(&c, "data", "/srv/belt flow", "BELTFLOW_DATA", NULL), BF_OK);
@@ -311,7 +292,6 @@ static void printing_without_memory_fails(void **state)
 {
     config c;
 
-    (void)state;
     config_init(&c);
     for (size_t n = 1;; n++) {
         bf_buffer text = { 0 };
@@ -341,7 +321,6 @@ static void a_reload_takes_what_it_can_and_tells_of_the_rest(void **state)
     char told[256] = "";
     config c, fresh;
 
-    (void)state;
     config_init(&c);
     config_init(&fresh);
     config_reload(&c, &fresh, note_change, told);
@@ -366,7 +345,6 @@ static void the_sample_in_the_tree_is_up_to_date(void **state)
     bf_buffer sample = { 0 };
     FILE *file = fopen(SOURCE_DIR "/deploy/beltflowd.conf", "re");
 
-    (void)state;
     assert_non_null(file);
     kept[fread(kept, 1, sizeof kept - 1, file)] = '\0';
     assert_int_equal(fclose(file), 0);
@@ -401,7 +379,6 @@ static void a_flag_goes_before_the_environment_and_that_before_the_file(void **s
                             "4" };
     config c;
 
-    (void)state;
     assert_int_equal(setenv("BELTFLOW_THREADS", "3", 1), 0);
     assert_int_equal(setenv("BELTFLOW_WORKERS", "3", 1), 0);
     config_flags flags = parse(words, sizeof words / sizeof *words);
@@ -422,7 +399,6 @@ static void a_service_with_workers_takes_what_they_send(void **state)
     bf_error err = { 0 };
     config c;
 
-    (void)state;
     config_flags flags = parse(words, sizeof words / sizeof *words);
     assert_int_equal(config_read(&flags, &c, &err), BF_EINPUT);
     assert_non_null(strstr(err.text, "--body-bytes: workers send requests of up to 262144 bytes"));
@@ -438,7 +414,6 @@ static void a_text_at_fault_is_told_with_its_origin(void **state)
                                          "listen = 0.0.0.0:80",      "access = sometimes" };
     char path[256], text[128], expected[300];
 
-    (void)state;
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         (void)snprintf(text, sizeof text, "workers = 1\n%s\n", lines[i]);
         const char *words[] = { "beltflowd", "--config", write_file("l.conf", text, path) };
@@ -458,7 +433,6 @@ static void what_lies_beside_the_program_is_found(void **state)
     char path[256], bin[64], expected[128];
     config c;
 
-    (void)state;
     (void)snprintf(bin, sizeof bin, "%s/bin", folder);
     config_init(&c);
     assert_int_equal(config_locate(&c, bin, NULL), BF_OK);
@@ -493,7 +467,6 @@ static void what_was_set_is_not_looked_for(void **state)
     char too_long[CONFIG_TEXT_SIZE + 10];
     config c;
 
-    (void)state;
     memset(too_long, 'x', sizeof too_long);
     too_long[sizeof too_long - 1] = '\0';
     config_init(&c);

@@ -3,20 +3,15 @@
 #include "server/daemon/notify.h"
 
 #include "server/base/clock.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <inttypes.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static int manager = -1;
 static char folder[] = "/tmp/test_notify_XXXXXX";
@@ -26,7 +21,6 @@ static int listen_as_manager(void **state)
 {
     struct sockaddr_un address = { .sun_family = AF_UNIX };
 
-    (void)state;
     if (mkdtemp(folder) == NULL)
         return -1;
     (void)snprintf(path, sizeof path, "%s/notify", folder);
@@ -39,7 +33,6 @@ static int listen_as_manager(void **state)
 
 static int leave(void **state)
 {
-    (void)state;
     (void)unsetenv("NOTIFY_SOCKET");
     (void)close(manager);
     return unlink(path) != 0 || rmdir(folder) != 0;
@@ -57,7 +50,6 @@ static const char *receive(void)
 
 static void readiness_comes_with_words(void **state)
 {
-    (void)state;
     notify_ready("port %d", 80);
     assert_string_equal(receive(), "READY=1\nSTATUS=port 80");
     notify_stopping("bye");
@@ -71,7 +63,6 @@ static void a_reload_comes_with_its_time(void **state)
 {
     int64_t from_us = clock_monotonic_ns() / 1000, at_us = 0;
 
-    (void)state;
     notify_reloading();
     const char *text = receive();
     assert_int_equal(sscanf(text, "RELOADING=1\nMONOTONIC_USEC=%" SCNd64 "\nSTATUS=", &at_us), 1);
@@ -82,7 +73,6 @@ static void a_long_status_is_cut(void **state)
 {
     char text[3 * NOTIFY_TEXT_SIZE];
 
-    (void)state;
     memset(text, 'x', sizeof text);
     text[sizeof text - 1] = '\0';
     notify_ready("%s", text);
@@ -93,7 +83,6 @@ static void the_watchdog_is_ours_only_if_it_names_this_process(void **state)
 {
     char pid[32];
 
-    (void)state;
     assert_int_equal(notify_watchdog_ms(), 0);
     assert_int_equal(setenv("WATCHDOG_USEC", "30000000", 1), 0);
     assert_int_equal(notify_watchdog_ms(), 30000);
@@ -113,7 +102,6 @@ static void without_a_manager_nothing_happens(void **state)
 {
     char none;
 
-    (void)state;
     assert_int_equal(unsetenv("NOTIFY_SOCKET"), 0);
     notify_ready("port %d", 80);
     notify_reloading();

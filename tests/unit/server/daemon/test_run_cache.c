@@ -20,7 +20,6 @@ static void test_a_run_is_remembered_until_the_next_commit(void **state)
     const api_run record = make_run("0190a0b0-0000-7000-8000-000000000001");
     api_run found;
 
-    (void)state;
     run_cache_init(&f);
     assert_false(run_cache_look(&f, record.id, 5, &found));
     run_cache_remember(&f, 5, &record);
@@ -40,7 +39,6 @@ static void test_many_runs_take_the_places_of_older_ones(void **state)
     char id[API_ID_SIZE];
     api_run found;
 
-    (void)state;
     run_cache_init(&f);
     for (unsigned k = 0; k < 10 * RUN_CACHE_MAX; k++) {
         snprintf(id, sizeof id, "0190a0b0-0000-7000-8000-%012u", k);
@@ -70,7 +68,6 @@ static void hear(void *context, const char *run_id)
 {
     heard *h = context;
 
-    (void)run_id;
     h->n_commits = h->store == NULL ? 0 : store_count_commits(h->store);
 }
 

@@ -22,7 +22,6 @@ static void an_answer_carries_the_standard_headers(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(
         client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", &answer), 200);
@@ -43,7 +42,6 @@ static void a_304_leaves_the_connection_open(void **state)
     bf_buffer rest = { 0 }, answer = { 0 };
     char again[512];
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, SCENARIO "\r\n"));
@@ -68,7 +66,6 @@ static void head_is_answered_without_a_body(void **state)
 {
     bf_buffer get = { 0 }, head = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(
         client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", &get), 200);
@@ -88,7 +85,6 @@ static void a_connection_serves_one_request_after_the_other(void **state)
 {
     bf_buffer rest = { 0 }, answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     for (int i = 0; i < 50; i++) {
@@ -119,7 +115,6 @@ static void requests_sent_at_once_are_answered_in_order(void **state)
     static const int statuses[] = { 200, 200, 404, 400, 405, 200 };
     bf_buffer rest = { 0 }, answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, requests));
@@ -145,7 +140,6 @@ static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
     enum { N = 30, TAKEN = 17 };
     int fds[N], n_refused = 0, n_answered = 0;
 
-    (void)state;
     server = fake_serve(&server_services, one_request_thread);
     fake_hold(&server_services, FAKE_HELD_LIST);
     for (int i = 0; i < N; i++) {
@@ -194,7 +188,6 @@ static void readiness_does_not_wait_behind_long_requests(void **state)
     enum { N_REQUEST_THREADS = 4, N = 3 * N_REQUEST_THREADS };
     int fds[N];
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     fake_hold(&server_services, FAKE_HELD_LIST);
     for (int i = 0; i < N; i++) {
@@ -225,7 +218,6 @@ static void requests_under_way_are_answered_when_the_server_stops(void **state)
     pthread_t releaser;
     int fds[N];
 
-    (void)state;
     server = fake_serve(&server_services, one_request_thread);
     fake_hold(&server_services, FAKE_HELD_LIST);
     for (int i = 0; i < N; i++) {
@@ -259,7 +251,6 @@ static void the_last_connections_are_for_the_health_of_the_daemon(void **state)
 {
     int fds[14];
 
-    (void)state;
     server = fake_serve(&server_services, sixteen_connections);
     for (int i = 0; i < 14; i++)
         fds[i] = client_connect(http_port(server));
@@ -302,7 +293,6 @@ static void one_client_gets_no_more_than_its_share(void **state)
     struct in_addr outside = { 0 };
     int fds[4];
 
-    (void)state;
     if (!find_outside(&outside))
         skip();
     server = fake_serve(&server_services, three_per_address);
@@ -323,7 +313,6 @@ static void connections_of_this_machine_are_not_limited(void **state)
 {
     int fds[4];
 
-    (void)state;
     server = fake_serve(&server_services, three_per_address);
     for (int i = 0; i < 4; i++)
         fds[i] = client_connect(http_port(server));
@@ -344,7 +333,6 @@ static void a_taken_port_is_named(void **state)
     http *second = NULL;
     bf_error err = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     (void)snprintf(address, sizeof address, "127.0.0.1:%u", http_port(server));
     (void)snprintf(expected, sizeof expected, "port %u of 127.0.0.1 is taken by another program",
@@ -366,7 +354,6 @@ static void what_is_no_address_is_refused(void **state)
                                          "a:65536",    "a:-1",        "a:8080:1 ", "a:999999" };
     const api_services table = fake_services(&server_services);
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const http_options options = { .listen = cases[i],
                                        .services = &table,
@@ -390,7 +377,6 @@ static void a_server_without_memory_does_not_start(void **state)
                                    .connection_limit = 10 };
     bf_status status = BF_ENOMEM;
 
-    (void)state;
     for (size_t n = 1; status != BF_OK; n++) {
         memory_plan_fault(n, 0);
         status = http_start(&options, &server, NULL);
@@ -403,7 +389,6 @@ static void a_server_without_memory_does_not_start(void **state)
 
 static void a_server_that_was_never_asked_stops(void **state)
 {
-    (void)state;
     assert_null(http_stop(NULL));
     for (int i = 0; i < 10; i++) {
         server = fake_serve(&server_services, NULL);

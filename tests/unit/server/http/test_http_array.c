@@ -59,7 +59,6 @@ static void a_large_array_comes_whole_with_its_length(void **state)
     char length[64];
     size_t n = 0;
 
-    (void)state;
     serve();
     assert_int_equal(ask("GET", "", &answer), 200);
     (void)snprintf(length, sizeof length, "\r\nContent-Length: %d\r\n", N_BYTES);
@@ -88,7 +87,6 @@ static void ranges_are_parts_of_the_whole(void **state)
     bf_buffer whole = { 0 }, part = { 0 };
     size_t n_whole = 0, n = 0;
 
-    (void)state;
     serve();
     assert_int_equal(ask("GET", "", &whole), 200);
     const char *all = body_of(&whole, &n_whole);
@@ -116,7 +114,6 @@ static void an_array_that_the_client_has_is_not_sent_again(void **state)
     bf_buffer answer = { 0 };
     char tag[128] = "", header[192], length[64];
 
-    (void)state;
     serve();
     assert_int_equal(ask("GET", "", &answer), 200);
     assert_int_equal(sscanf(strstr(answer.bytes, "\r\nETag: "), "\r\nETag: %127s", tag), 1);
@@ -133,7 +130,6 @@ static void a_client_may_want_no_bytes_as_they_are(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     serve();
     assert_int_equal(ask("GET", "Accept-Encoding: gzip, identity;q=0\r\n", &answer), 200);
     server_assert_holds(&answer, "\r\nContent-Encoding: gzip\r\n");
@@ -144,7 +140,6 @@ static void what_cannot_be_opened_is_a_problem(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     serve();
     lock_acquire(&server_services.lock);
     server_services.is_broken = true;

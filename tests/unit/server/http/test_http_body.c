@@ -16,7 +16,6 @@
 // Tokens "reads" and "submits".
 static api_credential identify(api_service *service, const char *token, api_identity *ret_who)
 {
-    (void)service;
     if (token == NULL)
         return API_CREDENTIAL_MISSING;
     const bool reads = strcmp(token, "reads") == 0;
@@ -50,7 +49,6 @@ static void who_may_not_send_a_body_is_refused_before_it_comes(void **state)
         { TO LENGTH "Authorization: Bearer submits\r\nExpect: 100-continue\r\n\r\n", 403 },
     };
 
-    (void)state;
     server = fake_serve(&server_services, need_tokens);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bf_buffer answer = { 0 };
@@ -73,7 +71,6 @@ static void a_client_that_sends_its_body_anyway_reads_the_refusal(void **state)
     char *body = calloc(1, N);
     bf_buffer answer = { 0 };
 
-    (void)state;
     assert_non_null(body);
     server = fake_serve(&server_services, need_tokens);
     int fd = client_connect(http_port(server));
@@ -90,7 +87,6 @@ static void who_may_send_it_is_asked_for_it(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, need_tokens);
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, TO "Connection: close\r\nAuthorization: Bearer reads\r\n"
@@ -110,7 +106,6 @@ static void a_body_of_no_use_is_passed_over(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, need_tokens);
     assert_int_equal(client_ask(http_port(server),
                                 "POST /livez HTTP/1.1\r\n" HOST "Content-Length: 5\r\n\r\nGET /"
@@ -132,7 +127,6 @@ static void refusals_count_as_requests(void **state)
 {
     static const int statuses[] = { 401, 401, 429 };
 
-    (void)state;
     server = fake_serve(&server_services, need_tokens_two_times_a_minute);
     for (size_t i = 0; i < sizeof statuses / sizeof *statuses; i++)
         assert_int_equal(

@@ -64,7 +64,6 @@ static void other_requests_are_answered_while_scenarios_are_checked(void **state
 {
     int fds[N_SUBMISSIONS];
 
-    (void)state;
     keep_busy(fds);
     assert_runs_are_listed();
     fake_hold(&server_services, FAKE_HELD_NONE);
@@ -74,7 +73,6 @@ static void other_requests_are_answered_while_scenarios_are_checked(void **state
 
 static void *stop(void *unused)
 {
-    (void)unused;
     server = http_stop(server);
     return NULL;
 }
@@ -85,7 +83,6 @@ static void scenarios_that_wait_are_refused_when_the_server_stops(void **state)
     int fds[N_SUBMISSIONS], n_accepted = 0, n_refused = 0;
     pthread_t stopper;
 
-    (void)state;
     keep_busy(fds);
     // All have arrived when a later request was answered on their way.
     assert_runs_are_listed();

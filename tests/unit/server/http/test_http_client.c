@@ -1,16 +1,11 @@
 // Whose address counts: the connection's, or what a trusted proxy says of it.
 
 #include "server/http/client.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 #include <sys/un.h>
 
@@ -73,7 +68,6 @@ static void the_client_is_found(void **state)
         { "fd00::1", "198.51.100.1", "fd00::/8, 10.0.0.1", "198.51.100.1" },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         http_client client = find(cases[i].peer, cases[i].forwarded, cases[i].proxies);
         assert_string_equal(client.text, cases[i].client);
@@ -90,7 +84,6 @@ static void who_is_on_this_machine_is_local(void **state)
     const struct sockaddr_un address = { .sun_family = AF_UNIX };
     const http_proxies none = { .n = 0 };
 
-    (void)state;
     assert_true(find("127.0.0.1", NULL, "").is_local);
     assert_true(find("127.8.9.1", NULL, "").is_local);
     assert_true(find("::1", NULL, "").is_local);
@@ -118,7 +111,6 @@ static void a_proxy_on_this_machine_that_is_not_trusted_is_one_client(void **sta
         { "127.0.0.1", NULL, "127.0.0.1", true },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         http_client client = find_of(cases[i].peer, cases[i].forwarded,
                                      cases[i].is_forwarded_otherwise, cases[i].proxies);
@@ -141,7 +133,6 @@ static void settings_are_addresses_and_networks(void **state)
     http_proxies proxies = { .n = 77 };
     bf_error err = { 0 };
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(http_client_read_proxies(bad[i], &proxies, &err), BF_EINPUT);
     for (int i = 0; i <= HTTP_PROXIES_MAX; i++)
@@ -167,7 +158,6 @@ static void connections_are_counted_by_client(void **state)
         { "::ffff:127.0.0.1", "", false, NULL },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         uint8_t key[HTTP_CLIENT_KEY_SIZE], same[HTTP_CLIENT_KEY_SIZE];
         assert_int_equal(count_as(cases[i].peer, cases[i].proxies, key), cases[i].is_counted);

@@ -1,13 +1,8 @@
 // Requests of pages from other origins, by the Fetch standard.
 
 #include "server/http/cors.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 #define ONE  "https://plan.example:8443"
@@ -27,14 +22,12 @@ static const char *ask(const char *origins, const char *method, const char *orig
 
 static void nobody_is_allowed_unless_configured(void **state)
 {
-    (void)state;
     assert_null(ask("", "GET", ONE, NULL, "Access-Control-Allow-Origin"));
     assert_int_equal(response.n_headers, 1);
 }
 
 static void a_listed_origin_is_named(void **state)
 {
-    (void)state;
     assert_string_equal(ask(LIST, "GET", ONE, NULL, "Access-Control-Allow-Origin"), ONE);
     assert_string_equal(api_response_find(&response, "Vary"), "Origin");
     const char *exposed = api_response_find(&response, "Access-Control-Expose-Headers");
@@ -51,7 +44,6 @@ static void others_get_nothing_but_vary(void **state)
         "",   "https://plan.example:84430"
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof origins / sizeof *origins; i++) {
         assert_null(ask(LIST, "GET", origins[i], NULL, "Access-Control-Allow-Origin"));
         assert_string_equal(api_response_find(&response, "Vary"), "Origin");
@@ -61,7 +53,6 @@ static void others_get_nothing_but_vary(void **state)
 
 static void anybody_is_answered_by_a_star(void **state)
 {
-    (void)state;
     assert_string_equal(ask("*", "GET", "null", NULL, "Access-Control-Allow-Origin"), "*");
     assert_null(api_response_find(&response, "Vary"));
     assert_null(ask("*", "GET", NULL, NULL, "Access-Control-Allow-Origin"));
@@ -69,7 +60,6 @@ static void anybody_is_answered_by_a_star(void **state)
 
 static void a_preflight_tells_methods_headers_and_for_how_long(void **state)
 {
-    (void)state;
     assert_string_equal(ask(LIST, "OPTIONS", ONE, "DELETE", "Access-Control-Allow-Methods"),
                         "GET, HEAD, OPTIONS");
     assert_non_null(
@@ -90,7 +80,6 @@ static void settings_are_origins_and_nothing_else(void **state)
                                        "null",         "http://a;http://b" };
     bf_error err = { 0 };
 
-    (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)
         assert_int_equal(http_cors_check(good[i], &err), BF_OK);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
@@ -137,7 +126,6 @@ static void a_change_that_another_page_asks_for_is_forged(void **state)
         { "", "POST", NULL, NULL, "here", false }, // no browser
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const http_cors_sender sender = { .method = cases[i].method,
                                           .origin = cases[i].origin,

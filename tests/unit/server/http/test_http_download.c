@@ -125,7 +125,6 @@ static void a_download_is_the_archive_and_leaves_the_connection_open(void **stat
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     serve(FEW, NULL);
     bf_buffer expected = make_archive();
     assert_true(expected.n > FEW * SNAPSHOT_BYTES);
@@ -148,7 +147,6 @@ static void a_download_ends_the_connection_of_an_old_client(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     serve(FEW, NULL);
     bf_buffer expected = make_archive();
     int fd = client_connect(http_port(server));
@@ -168,7 +166,6 @@ static void nothing_is_made_ahead_of_a_slow_client(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     serve(MANY, NULL);
     int fd = begin_download();
     assert_true(client_read_until(fd, &answer, "PK", HELPER_PATIENCE_MS));
@@ -184,7 +181,6 @@ static void head_of_a_download_makes_nothing(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     serve(FEW, NULL);
     assert_int_equal(
         client_ask(http_port(server), "HEAD " RESULTS " HTTP/1.1\r\n" HOST "\r\n", &answer), 200);
@@ -200,7 +196,6 @@ static void a_download_that_the_store_fails_is_torn_off(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     serve(MANY, NULL);
     int fd = begin_download();
     assert_true(client_read_until(fd, &answer, "PK", HELPER_PATIENCE_MS));
@@ -223,7 +218,6 @@ static void one_too_many_is_refused_until_another_client_leaves(void **state)
     bf_buffer answer = { 0 };
     int status;
 
-    (void)state;
     serve(MANY, allow_one);
     int first = begin_download();
     assert_true(client_read_until(first, &answer, "PK", HELPER_PATIENCE_MS));
@@ -277,7 +271,6 @@ static void slow_readers_of_one_client_leave_downloads_to_others(void **state)
     bf_buffer answer = { 0 };
     int fds[4];
 
-    (void)state;
     serve(MANY, allow_eight);
     for (size_t k = 0; k < 4; k++) {
         answer.n = 0;
@@ -318,7 +311,6 @@ static void many_downloads_share_few_threads(void **state)
     enum { N = 8 };
     client clients[N] = { { .is_served = false } };
 
-    (void)state;
     serve(FEW, two_request_threads);
     bf_buffer expected = make_archive();
     for (int i = 0; i < N; i++)
@@ -338,7 +330,6 @@ static void stopping_tears_downloads_off(void **state)
     enum { N = 8 };
     int fds[N];
 
-    (void)state;
     serve(MANY, two_request_threads);
     for (int i = 0; i < N; i++)
         fds[i] = begin_download();

@@ -3,13 +3,8 @@
 #include "server/http/representation.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 #include <zlib.h>
 #include <zstd.h>
@@ -20,7 +15,6 @@ static char text[N_TEXT], back[N_TEXT + 1];
 
 static int write_text(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < N_TEXT; i++)
         text[i] = "0123456789,.-\n"[(i * i / 7 + i) % 14];
     return 0;
@@ -44,7 +38,6 @@ static void what_is_packed_can_be_unpacked(void **state)
 {
     static const size_t sizes[] = { 0, 1, 1023, 1024, 65536, N_TEXT };
 
-    (void)state;
     for (int c = 0; c < CODING_IDENTITY; c++) {
         for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
             bf_buffer packed = { 0 };
@@ -60,7 +53,6 @@ static void what_is_packed_can_be_unpacked(void **state)
 
 static void without_memory_nothing_is_appended(void **state)
 {
-    (void)state;
     for (int c = 0; c < CODING_IDENTITY; c++) {
         bf_buffer packed = { 0 };
         memory_plan_fault(1, 1);
@@ -91,7 +83,6 @@ static void text_is_encoded_and_what_is_packed_already_is_not(void **state)
         "image/x-icon",      "+json",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         assert_true(http_encoding_is_text(texts[i]));
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
@@ -103,7 +94,6 @@ static void arrays_are_encoded_and_no_other_bytes(void **state)
     static const char *const others[] = { "application/x-vti", "image/png", "application/zip",
                                           "application/x-npy2", "application/json" };
 
-    (void)state;
     assert_true(http_encoding_is_array("application/octet-stream"));
     assert_true(http_encoding_is_array("application/x-npy"));
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)

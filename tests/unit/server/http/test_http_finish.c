@@ -47,7 +47,6 @@ static void age(const char *name, time_t seconds)
 
 static int make_web(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < N_PAGE; i++)
         page[i] = "abcdefghij klm\n"[i * 7 % 15];
     assert_non_null(mkdtemp(folder));
@@ -69,7 +68,6 @@ static int remove_web(void **state)
 {
     char command[64];
 
-    (void)state;
     buffer_fini(&answer);
     (void)snprintf(command, sizeof command, "rm -rf %s", folder);
     return system(command);
@@ -129,7 +127,6 @@ static void an_encoded_answer_says_so_and_has_its_own_tag(void **state)
 {
     char tag[256], headers[512], plain[N_PAGE + 1];
 
-    (void)state;
     server = fake_serve(&server_services, with_all);
     (void)snprintf(plain, sizeof plain, "%s", ask("GET", EXAMPLE, "", 200));
     assert_null(header("Content-Encoding"));
@@ -154,7 +151,6 @@ static void an_encoded_answer_says_so_and_has_its_own_tag(void **state)
 
 static void small_ones_and_streams_are_sent_as_they_are(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, with_all);
     (void)ask("GET", "/livez", "Accept-Encoding: gzip\r\n", 200);
     assert_null(header("Content-Encoding"));
@@ -167,7 +163,6 @@ static void small_ones_and_streams_are_sent_as_they_are(void **state)
 
 static void a_client_that_refuses_the_plain_form_gets_another_or_none(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, with_all);
     (void)ask("GET", "/livez", "Accept-Encoding: gzip, identity;q=0\r\n", 200);
     assert_string_equal(header("Content-Encoding"), "gzip");
@@ -182,7 +177,6 @@ static void a_client_that_refuses_the_plain_form_gets_another_or_none(void **sta
 // The page's build compresses its files; the server compresses none of them again.
 static void files_are_sent_as_the_build_left_them(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, with_all);
     const char *body = ask("GET", "/built.js", "Accept-Encoding: zstd, gzip\r\n", 200);
     assert_string_equal(header("Content-Encoding"), "gzip");
@@ -206,7 +200,6 @@ static void a_file_that_was_changed_has_another_tag(void **state)
 {
     char tag[256];
 
-    (void)state;
     server = fake_serve(&server_services, with_all);
     write_file("changing.js", "before");
     age("changing.js", 0);
@@ -221,7 +214,6 @@ static void a_range_of_a_file_is_its_bytes(void **state)
 {
     char headers[512], tag[256];
 
-    (void)state;
     server = fake_serve(&server_services, with_all);
     const char *body =
         ask("GET", "/app.js", "Range: bytes=10-19\r\nAccept-Encoding: gzip\r\n", 206);
@@ -251,7 +243,6 @@ static void a_range_of_a_file_is_its_bytes(void **state)
 // Its length would be that of a curve that has not been computed.
 static void a_304_of_what_was_not_made_has_no_length(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, with_all);
     (void)ask("GET", "/v1/runs/" FAKE_RUN "/curve", "If-None-Match: \"r0-json\"\r\n", 304);
     assert_null(header("Content-Length"));
@@ -261,7 +252,6 @@ static void a_304_of_what_was_not_made_has_no_length(void **state)
 
 static void pages_elsewhere_are_answered_as_configured(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, with_all);
     (void)ask("OPTIONS", "/v1/runs",
               "Origin: https://plan.example\r\nAccess-Control-Request-Method: POST\r\n", 204);
@@ -281,7 +271,6 @@ static void a_client_that_asks_too_often_is_told_when_to_come_back(void **state)
 {
     static const char remote[] = "X-Forwarded-For: 198.51.100.1\r\nContent-Length: 0\r\n";
 
-    (void)state;
     server = fake_serve(&server_services, with_all);
     for (int i = 0; i < 3; i++)
         (void)ask("POST", "/v1/validate", remote, 415);
@@ -307,7 +296,6 @@ static void a_client_that_asks_too_often_is_told_when_to_come_back(void **state)
 
 static void every_answer_carries_the_identity_of_its_request(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, with_all);
     (void)ask("GET", "/livez", "X-Request-Id: mine-1\r\n", 200);
     assert_string_equal(header("X-Request-Id"), "mine-1");
@@ -336,7 +324,6 @@ static void settings_that_make_no_sense_are_refused(void **state)
     http *h = NULL;
     bf_error err = { 0 };
 
-    (void)state;
     assert_int_equal(http_start(&options, &h, &err), BF_EINPUT);
     assert_non_null(strstr(err.text, "plan.example"));
     options.cors_origins = "*";
@@ -387,7 +374,6 @@ static void a_request_that_takes_long_counts_for_many(void **state)
 {
     static const char remote[] = "X-Forwarded-For: 198.51.100.1\r\n";
 
-    (void)state;
     server = fake_serve(&server_services, six_requests_a_minute_and_slow_lists);
     (void)ask("GET", "/v1/runs", remote, 200);
     (void)ask("GET", "/version", remote, 429);
@@ -397,7 +383,6 @@ static void a_request_that_takes_long_counts_for_many(void **state)
 // Behind a proxy of this machine that is not configured, all clients would count as this machine.
 static void what_an_unknown_proxy_forwards_is_limited_as_one_client(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, two_requests_a_minute);
     (void)ask("GET", "/version", "X-Forwarded-For: 198.51.100.1\r\n", 200);
     (void)ask("GET", "/version", "Forwarded: for=198.51.100.2\r\n", 200);

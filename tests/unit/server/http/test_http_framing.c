@@ -100,7 +100,6 @@ static void follow(http_framing *f, const message *m, size_t cut)
 
 static void a_good_message_ends_where_the_next_one_begins_however_it_is_cut(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         for (size_t cut = 0; cut <= good[i].n; cut++) {
             http_framing f = { .body_limit = BODY_LIMIT };
@@ -116,7 +115,6 @@ static void a_good_message_ends_where_the_next_one_begins_however_it_is_cut(void
 
 static void a_bad_message_is_refused_however_it_is_cut(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         for (size_t cut = 0; cut <= bad[i].n; cut++) {
             http_framing f = { .body_limit = BODY_LIMIT };
@@ -148,7 +146,6 @@ static void nothing_behind_a_header_at_fault_is_followed(void **state)
         { BYTES(POST "A\r\n\r\nzzz"), 0 },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         http_framing f = { .body_limit = BODY_LIMIT };
         follow(&f, &cases[i], 0);
@@ -170,7 +167,6 @@ static void what_a_chunked_body_has_beside_its_chunks_is_limited(void **state)
     };
     char zeros[HTTP_CHUNK_TRAILERS_MAX];
 
-    (void)state;
     memset(zeros, '0', sizeof zeros);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         for (size_t over = 0; over < 2; over++) {
@@ -202,7 +198,6 @@ static void white_space_behind_values_is_taken_out_however_it_is_cut(void **stat
         { "A: b \r c \r\nD: e \r\n", "A: b\r c \r\nD: e \r\n" },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char sent[200];
         int n = snprintf(sent, sizeof sent, POST "%s", cases[i].sent);
@@ -230,7 +225,6 @@ static void long_white_space_is_left_in_its_place(void **state)
         { N, 0, "\r\n" }, { N + 1, N, "\r\n" }, { N, N, "b\r\n" }, { N + 1, N + 1, "b\r\n" }
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         http_framing f = { .body_limit = BODY_LIMIT };
         bf_buffer left = { 0 };
@@ -251,7 +245,6 @@ static void what_is_held_back_can_be_released_in_parts(void **state)
     bf_buffer left = { 0 };
     char released[8];
 
-    (void)state;
     follow_bytes(&f, BYTES_OF(POST "X: a \t "), &left);
     assert_int_equal(f.n_held, 3);
     assert_int_equal(http_framing_release(&f, released, 2), 2);
@@ -291,7 +284,6 @@ static size_t count(const bf_buffer *answer, const char *text)
 
 static void the_server_refuses_a_bad_message_once_and_takes_nothing_behind_it(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, NULL);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const size_t body = strlen(CHUNKED); // no header has a zero byte
@@ -312,7 +304,6 @@ static void the_server_refuses_a_bad_message_once_and_takes_nothing_behind_it(vo
 
 static void the_server_answers_a_good_message_and_the_next_one(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, NULL);
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         for (size_t cut = 0; cut < good[i].n; cut += 7) {
@@ -332,7 +323,6 @@ static void a_fault_is_laid_on_the_request_that_has_it(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     exchange(&(message){ BYTES(POST "\r\n" CHUNKED "1\r\nx\r\n0\r\n\r\n" CHUNKED "2\nab" NEXT), 0 },
              0, "", &answer);

@@ -3,13 +3,10 @@
 #include "server/http/guard.h"
 
 #include "api/http/exchange.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Headers as they stand, "Name: value" each; what the guard says of them.
 typedef struct guard_case {
@@ -70,7 +67,6 @@ static void every_row_of_the_table_is_judged_as_it_says(void **state)
         { "", "HTTP/1.1", { "Host: a" }, 400 },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bf_error err = { 0 };
         int status = judge(&cases[i], &err);
@@ -85,7 +81,6 @@ static void a_zero_byte_in_a_value_is_refused(void **state)
 {
     http_guard guard = { 0 };
 
-    (void)state;
     http_guard_header(&guard, "Host", 4, "a", 1);
     http_guard_header(&guard, "X", 1, "a\0b", 3);
     assert_int_equal(http_guard_verdict(&guard, "GET", "HTTP/1.1", NULL), 400);
@@ -101,7 +96,6 @@ static void each_line_must_follow_the_one_before_it(void **state)
         int status;
     } cases[] = { { 0, 0, 0, 0 }, { 1, 0, 0, 400 }, { 0, 1, 0, 400 }, { 0, 0, 1, 400 } };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         http_guard guard = { .next = host - cases[i].moved_host };
         http_guard_header(&guard, host, 4, host + 6, 1);
@@ -139,7 +133,6 @@ static void a_target_is_split_and_its_path_decoded(void **state)
         { "http://host", "", NULL },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char path[API_PATH_MAX] = "untouched", query[API_PATH_MAX] = "untouched";
         int status = http_guard_target(cases[i].target, path, query, NULL);
@@ -153,7 +146,6 @@ static void a_target_may_be_as_long_as_its_limit(void **state)
 {
     char target[2 * API_PATH_MAX + 2], path[API_PATH_MAX], query[API_PATH_MAX];
 
-    (void)state;
     memset(target, 'a', sizeof target);
     target[0] = '/';
     target[API_PATH_MAX - 1] = '?';

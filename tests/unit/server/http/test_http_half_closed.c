@@ -57,7 +57,6 @@ static void requests_that_wait_for_the_store_are_answered(void **state)
         { LIST LIST LIST LIST, 4 },
     };
 
-    (void)state;
     server = fake_serve(&server_services, one_epoll_thread);
     int idle = client_connect(http_port(server));
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -84,7 +83,6 @@ static void bodies_are_taken_and_answered(void **state)
         "Content-Length: 115\r\n\r\n" BODY,
     };
 
-    (void)state;
     assert_int_equal(strlen(BODY), 0x73);
     server = fake_serve(&server_services, one_epoll_thread);
     int idle = client_connect(http_port(server));
@@ -103,7 +101,6 @@ static void a_wait_for_a_run_is_answered(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = ask_and_shut("GET " RUN "?wait=60 HTTP/1.1\r\n" HOST "\r\n");
     assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
@@ -117,7 +114,6 @@ static void an_event_stream_goes_on(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = ask_and_shut("GET " RUN "/events HTTP/1.1\r\n" HOST "\r\n");
     assert_true(client_read_until(fd, &answer, "\r\n:\n\n", HELPER_PATIENCE_MS));

@@ -72,7 +72,6 @@ static void what_is_listened_on_and_what_is_configured_is_ours(void **state)
         { "127.0.0.1", "plan.example", "plan.example:" },
     };
 
-    (void)state;
     ASSERT_ALL(cases, HTTP_HOST_OURS);
 }
 
@@ -95,7 +94,6 @@ static void every_other_host_is_foreign(void **state)
         { "127.0.0.1", "plan.example", "plan.exampl" },
     };
 
-    (void)state;
     ASSERT_ALL(cases, HTTP_HOST_FOREIGN);
 }
 
@@ -113,7 +111,6 @@ static void what_is_no_host_is_malformed(void **state)
         { "127.0.0.1", "", "[]" },        { "0.0.0.0", "", "a?b" },
     };
 
-    (void)state;
     ASSERT_ALL(cases, HTTP_HOST_MALFORMED);
 }
 
@@ -123,7 +120,6 @@ static void settings_are_names_without_ports(void **state)
                                        "a *" };
     bf_error err = { 0 };
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(http_host_check(bad[i], &err), BF_EINPUT);
     assert_int_equal(http_host_check("", NULL), BF_OK);
@@ -156,7 +152,6 @@ static void a_request_for_another_host_is_misdirected(void **state)
                                          "/v1/runs", "/",       "/v1/none" };
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, no_names);
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
         char line[64];
@@ -179,7 +174,6 @@ static void a_request_for_another_host_is_misdirected(void **state)
 
 static void a_configured_host_is_answered_whatever_a_proxy_says_of_it(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, two_names);
     assert_int_equal(ask("GET /livez", "other.example:443", NULL), 200);
     assert_int_equal(ask("GET /livez", "evil.example\r\nX-Forwarded-Host: plan.example", NULL),
@@ -191,7 +185,6 @@ static void a_configured_host_is_answered_whatever_a_proxy_says_of_it(void **sta
 // RFC 9112, 3.2.2: the host of a target in absolute form counts, and Host does not.
 static void the_host_of_the_target_counts_before_that_of_the_header(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, two_names);
     assert_int_equal(ask("GET http://plan.example/livez", "evil.example", NULL), 200);
     assert_int_equal(ask("GET http://evil.example/livez", "plan.example", NULL), 421);

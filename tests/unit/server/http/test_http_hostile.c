@@ -73,7 +73,6 @@ static void a_bad_request_is_refused_and_its_connection_closed(void **state)
 #undef BYTES
     };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bf_buffer answer = { 0 };
@@ -124,7 +123,6 @@ static void a_change_that_another_page_asks_for_is_refused(void **state)
     };
 #undef POSTED
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const int status = client_ask(http_port(server), cases[i].request, NULL);
@@ -138,7 +136,6 @@ static void long_headers_are_fine(void **state)
 {
     bf_buffer request = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(buffer_printf(&request, "GET /livez?a=%01000d HTTP/1.1\r\n" HOST CLOSE, 0),
                      BF_OK);
@@ -167,7 +164,6 @@ static int ask_with_fields(int n, int n_value)
 
 static void too_large_a_header_is_refused(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(ask_with_fields(1, 31000), 200);
     assert_int_equal(ask_with_fields(1, 33000), 431);
@@ -179,7 +175,6 @@ static void too_long_a_target_is_refused(void **state)
 {
     bf_buffer request = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(buffer_printf(&request, "GET /%05000d HTTP/1.1\r\n" HOST "\r\n", 0), BF_OK);
     assert_int_equal(client_ask(http_port(server), request.bytes, NULL), 414);
@@ -216,14 +211,12 @@ static int64_t drip(unsigned port, const char *head, char byte)
 
 static void a_client_that_drips_its_header_is_cut_off(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, shorten_deadlines);
     assert_true(drip(http_port(server), "GET /livez HTTP/1.1\r\nX: ", 'x') >= 350);
 }
 
 static void a_client_that_drips_its_body_is_cut_off(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, shorten_deadlines);
     assert_true(drip(http_port(server),
                      "POST /livez HTTP/1.1\r\n" HOST "Content-Length: 90000\r\n\r\n", ' ') >= 350);
@@ -247,7 +240,6 @@ static void clients_that_send_a_little_and_hang_up_hold_no_connection(void **sta
     int64_t start_ms = clock_monotonic_ms();
     int status = 503;
 
-    (void)state;
     server = fake_serve(&server_services, sixteen_connections);
     for (int i = 0; i < 60; i++) {
         int fd = client_connect(http_port(server));
@@ -265,7 +257,6 @@ static void a_crowd_that_says_nothing_does_not_shut_others_out(void **state)
     enum { CROWD = 40 };
     int fds[CROWD];
 
-    (void)state;
     server = fake_serve(&server_services, sixteen_connections);
     for (int i = 0; i < CROWD; i++)
         fds[i] = client_connect(http_port(server));
@@ -283,7 +274,6 @@ static void a_request_that_is_handled_outlives_the_crowd(void **state)
     bf_buffer rest = { 0 }, answer = { 0 };
     int fds[CROWD];
 
-    (void)state;
     server = fake_serve(&server_services, sixteen_connections);
     fake_hold(&server_services, FAKE_HELD_LIST);
     int fd = client_connect(http_port(server));
@@ -307,7 +297,6 @@ static void deadlines_do_not_hit_a_request_that_is_being_handled(void **state)
 {
     bf_buffer rest = { 0 }, answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, shorten_deadlines);
     fake_hold(&server_services, FAKE_HELD_LIST);
     int fd = client_connect(http_port(server));
@@ -325,7 +314,6 @@ static void a_body_that_is_announced_too_long_is_refused_at_once(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     assert_true(
@@ -347,7 +335,6 @@ static void a_client_that_sends_its_long_body_anyway_reads_the_refusal(void **st
     enum { N = 3000000 };
     char *body = calloc(1, N);
 
-    (void)state;
     assert_non_null(body);
     server = fake_serve(&server_services, NULL);
     for (int i = 0; i < 10; i++) {
@@ -369,7 +356,6 @@ static void a_chunked_body_is_refused_when_it_becomes_too_long(void **state)
     char chunk[10008] = "2710\r\n";
     bf_buffer answer = { 0 };
 
-    (void)state;
     memset(chunk + 6, ' ', 10000);
     memcpy(chunk + 10006, "\r\n", 2);
     server = fake_serve(&server_services, NULL);
@@ -390,7 +376,6 @@ static void a_body_may_be_as_long_as_the_limit(void **state)
 {
     bf_buffer request = { 0 }, answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(buffer_printf(&request,
                                    "POST /v1/validate HTTP/1.1\r\n" HOST CLOSE
@@ -408,7 +393,6 @@ static void a_client_that_expects_a_100_gets_it_or_the_refusal(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, "POST /v1/validate HTTP/1.1\r\n" HOST CLOSE

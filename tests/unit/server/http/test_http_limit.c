@@ -3,13 +3,8 @@
 #include "server/http/limit.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <pthread.h>
 #include <string.h>
 
@@ -28,14 +23,12 @@ static http_limit *create(uint64_t requests, uint64_t work, size_t n_clients)
 
 static int set_up(void **state)
 {
-    (void)state;
     limit = create(REQUESTS, WORK, 8);
     return 0;
 }
 
 static int tear_down(void **state)
 {
-    (void)state;
     limit = http_limit_destroy(limit);
     return 0;
 }
@@ -60,7 +53,6 @@ static unsigned drain(unsigned who, bool creates_work, int64_t now_ms)
 
 static void a_quota_can_be_used_at_once_and_comes_back_evenly(void **state)
 {
-    (void)state;
     assert_int_equal(drain(1, false, 1000), REQUESTS);
     http_limit_verdict verdict = take(1, false, 1000);
     assert_true(verdict.is_refused);
@@ -74,7 +66,6 @@ static void a_quota_can_be_used_at_once_and_comes_back_evenly(void **state)
 
 static void work_has_a_smaller_quota_and_counts_as_a_request_too(void **state)
 {
-    (void)state;
     assert_int_equal(drain(1, true, 0), WORK);
     http_limit_verdict verdict = take(1, true, 0);
     assert_int_equal(verdict.retry_after_s, 10);
@@ -95,7 +86,6 @@ static void charge(unsigned who, bool creates_work, int64_t before_ms, int64_t a
 // A token of requests is good for 10 ms, one of work for 100 ms: a second takes 99 and 9 beyond it.
 static void cpu_time_counts_like_requests(void **state)
 {
-    (void)state;
     assert_false(take(1, true, 0).is_refused);
     charge(1, true, 0, 1000);
     assert_int_equal(take(1, false, 0).retry_after_s, 1 + 99 - (REQUESTS - 1));
@@ -107,7 +97,6 @@ static void cpu_time_counts_like_requests(void **state)
 
 static void what_a_token_is_good_for_costs_nothing_and_pieces_add_up(void **state)
 {
-    (void)state;
     assert_int_equal(take(1, false, 0).left[HTTP_LIMIT_REQUESTS], REQUESTS - 1);
     charge(1, false, 0, 10);
     assert_int_equal(take(1, false, 0).left[HTTP_LIMIT_REQUESTS], REQUESTS - 2);
@@ -119,7 +108,6 @@ static void what_a_token_is_good_for_costs_nothing_and_pieces_add_up(void **stat
 
 static void a_debt_is_paid_within_a_minute(void **state)
 {
-    (void)state;
     assert_false(take(1, false, 0).is_refused);
     charge(1, false, 0, 3600000);
     charge(1, false, 3600000, INT64_MAX / 1000000);
@@ -128,7 +116,6 @@ static void a_debt_is_paid_within_a_minute(void **state)
 
 static void clients_do_not_disturb_each_other(void **state)
 {
-    (void)state;
     assert_int_equal(drain(1, false, 0), REQUESTS);
     assert_int_equal(drain(2, false, 0), REQUESTS);
     assert_true(take(1, false, 0).is_refused);
@@ -137,7 +124,6 @@ static void clients_do_not_disturb_each_other(void **state)
 // Eight clients have room: the ninth takes the place of the one that has not come for longest.
 static void the_table_forgets_who_has_not_come_for_longest(void **state)
 {
-    (void)state;
     for (unsigned who = 0; who < 8; who++)
         assert_int_equal(drain(who, false, 0), REQUESTS);
     assert_true(take(0, false, 0).is_refused); // 1 is the oldest now
@@ -150,7 +136,6 @@ static void the_table_forgets_who_has_not_come_for_longest(void **state)
 
 static void a_stream_of_new_clients_keeps_the_table_whole(void **state)
 {
-    (void)state;
     for (unsigned who = 0; who < 100000; who++)
         assert_false(take(who * 2654435761U, who % 3 == 0, who).is_refused);
     assert_int_equal(drain(99999 * 2654435761U, false, 100000), REQUESTS - 1);
@@ -160,7 +145,6 @@ static void no_quota_is_no_limit(void **state)
 {
     api_response response = { 0 };
 
-    (void)state;
     limit = http_limit_destroy(limit);
     limit = create(0, 0, 2);
     for (int i = 0; i < 10000; i++)
@@ -174,7 +158,6 @@ static void clients_are_told_policy_and_state(void **state)
 {
     api_response response = { 0 };
 
-    (void)state;
     http_limit_verdict verdict = take(1, true, 0);
     http_limit_write_headers(&verdict, &response);
     assert_string_equal(api_response_find(&response, "RateLimit-Policy"),
@@ -206,7 +189,6 @@ static void threads_share_one_quota(void **state)
     pthread_t threads[4];
     unsigned n_taken[4] = { 0 };
 
-    (void)state;
     for (int i = 0; i < 4; i++)
         assert_int_equal(pthread_create(&threads[i], NULL, ask_often, &n_taken[i]), 0);
     for (int i = 0; i < 4; i++)
@@ -219,7 +201,6 @@ static void without_memory_there_is_no_table(void **state)
     const uint64_t quotas[HTTP_LIMIT_COUNT] = { 1, 1 };
     http_limit *none = NULL;
 
-    (void)state;
     for (size_t n = 1; n <= 3; n++) {
         memory_plan_fault(n, 0);
         assert_int_equal(http_limit_create(quotas, 4, &none, NULL), BF_ENOMEM);
@@ -233,7 +214,6 @@ static void other_quotas_count_at_once_and_the_same_ones_change_nothing(void **s
 {
     const uint64_t same[HTTP_LIMIT_COUNT] = { REQUESTS, WORK }, fewer[HTTP_LIMIT_COUNT] = { 5, 0 };
 
-    (void)state;
     assert_int_equal(drain(1, false, 0), REQUESTS);
     http_limit_change(limit, same);
     assert_int_equal(drain(1, false, 0), 0);

@@ -23,7 +23,6 @@ static void answers_beyond_the_memory_for_all_of_them_are_refused(void **state)
 {
     bf_buffer first = { 0 }, second = { 0 };
 
-    (void)state;
     server_services.n_snapshots = 1;
     server = fake_serve(&server_services, room_for_one_and_a_half);
     fake_hold(&server_services, FAKE_HELD_SNAPSHOT);
@@ -42,7 +41,6 @@ static void answers_beyond_the_memory_for_all_of_them_are_refused(void **state)
 
 static void what_an_answer_took_is_free_when_it_is_sent(void **state)
 {
-    (void)state;
     server_services.n_snapshots = 1;
     server = fake_serve(&server_services, room_for_one_and_a_half);
     for (int i = 0; i < 5; i++) {
@@ -60,7 +58,6 @@ static void room_for_nothing(http_options *options)
 
 static void a_single_answer_is_sent_whatever_it_takes(void **state)
 {
-    (void)state;
     server_services.n_snapshots = 1;
     server = fake_serve(&server_services, room_for_nothing);
     assert_int_equal(client_ask(http_port(server), SNAPSHOT, NULL), 200);

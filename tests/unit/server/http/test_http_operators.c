@@ -27,7 +27,6 @@ static void metrics_are_text_of_prometheus_version(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(ask("/metrics", &answer), 200);
     server_assert_holds(&answer, "\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\n");
@@ -39,7 +38,6 @@ static void requests_are_counted_by_their_templates(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(ask("/v1/runs/" FAKE_RUN, NULL), 200);
     assert_int_equal(ask("/v1/nothing", NULL), 404);
@@ -76,7 +74,6 @@ static void metrics_are_answered_when_all_connections_but_the_reserve_are_taken(
     bf_buffer answer = { 0 };
     int fds[N];
 
-    (void)state;
     server = fake_serve(&server_services, sixteen_connections);
     for (int i = 0; i < N; i++) {
         bf_buffer head = { 0 };
@@ -111,7 +108,6 @@ static void assert_no_sign_of_life(void)
 
 static void a_server_that_works_gives_signs_of_life(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, three_threads);
     assert_true(http_is_alive(server)); // was never asked before
     for (int i = 0; i < 5; i++)
@@ -121,7 +117,6 @@ static void a_server_that_works_gives_signs_of_life(void **state)
 // A thread that is stopped with the connection of a probe still in its queue races with http_is_alive().
 static void a_server_stops_after_its_last_probes_are_answered(void **state)
 {
-    (void)state;
     for (int i = 0; i < 50; i++) {
         server = fake_serve(&server_services, three_threads);
         assert_true(http_is_alive(server)); // was never asked before
@@ -131,7 +126,6 @@ static void a_server_stops_after_its_last_probes_are_answered(void **state)
 
 static void request_threads_that_all_hang_give_none(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, three_threads);
     fake_hold(&server_services, FAKE_HELD_LIST);
     int fd = client_connect(http_port(server));
@@ -167,8 +161,6 @@ static void hanging_connections(http_options *options)
 static bf_status hang_in_metrics(api_service *service, bool with_owners, bf_buffer *out,
                                  bf_error *err)
 {
-    (void)with_owners;
-    (void)out;
     fake_hold(&server_services, FAKE_HELD_READY);
     return hanging.ready(service, err);
 }
@@ -186,7 +178,6 @@ static void figures_do_not_hold_up_signs_of_life(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, hanging_metrics);
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, "GET /metrics HTTP/1.1\r\n" HOST "\r\n"));
@@ -199,7 +190,6 @@ static void figures_do_not_hold_up_signs_of_life(void **state)
 
 static void one_thread_of_several_that_hangs_is_found(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, hanging_connections);
     assert_true(http_is_alive(server)); // was never asked before
     server_await_sign_of_life();
@@ -218,7 +208,6 @@ static void while_all_connections_are_taken_nobody_is_thought_dead(void **state)
     enum { N = 16 };
     int fds[N];
 
-    (void)state;
     server = fake_serve(&server_services, sixteen_connections);
     connect_crowd(fds, N);
     for (int i = 0; i < 3; i++)
@@ -238,7 +227,6 @@ static void limits_can_change_while_it_serves(void **state)
                              .body_deadline_ms = 5000,
                              .heartbeat_ms = 15000 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(client_ask(http_port(server), post, NULL), 400);
     assert_int_equal(http_reconfigure(server, &options, NULL), BF_OK);
@@ -267,7 +255,6 @@ static void the_page_can_be_exchanged_while_it_serves(void **state)
     bf_buffer answer = { 0 };
     bf_error err = { 0 };
 
-    (void)state;
     assert_non_null(mkdtemp(root));
     (void)snprintf(first, sizeof first, "%s/first", root);
     (void)snprintf(second, sizeof second, "%s/second", root);
@@ -298,7 +285,6 @@ static void an_address_is_checked_before_it_is_used(void **state)
     static const char *const bad[] = { "", "nowhere", "a:b", "1.2.3.4", "::1:80", "a:99999" };
     static const char *const good[] = { "127.0.0.1:0", "[::1]:8080", "localhost:80" };
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(http_check_address(bad[i], NULL), BF_EINPUT);
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)

@@ -45,7 +45,6 @@ static void make_link(const char *to, const char *name)
 
 static int make_web(void **state)
 {
-    (void)state;
     assert_non_null(mkdtemp(folder));
     (void)snprintf(web, sizeof web, "%s/web", folder);
     make_folder("web");
@@ -66,7 +65,6 @@ static int remove_web(void **state)
 {
     char command[64];
 
-    (void)state;
     (void)snprintf(command, sizeof command, "rm -rf %s", folder);
     return system(command);
 }
@@ -87,7 +85,6 @@ static void a_file_is_served_with_its_type_and_a_strict_policy(void **state)
         { "GET /a%20b.txt" REST "\r\n", "text/plain; charset=utf-8", "blank" },
     };
 
-    (void)state;
     server = fake_serve(&server_services, with_web);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bf_buffer answer = { 0 };
@@ -126,7 +123,6 @@ static void nothing_else_is_served(void **state)
         "/*",
     };
 
-    (void)state;
     server = fake_serve(&server_services, with_web);
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
         char request[256];
@@ -147,7 +143,6 @@ static void a_file_that_the_client_has_is_not_sent_again(void **state)
     char length[64];
     char request[256];
 
-    (void)state;
     server = fake_serve(&server_services, with_web);
     assert_int_equal(client_ask(http_port(server), "GET /" REST "\r\n", &answer), 200);
     const char *tag = strstr(answer.bytes, "\r\nETag: ");
@@ -170,7 +165,6 @@ static void head_of_a_file_has_its_length_only(void **state)
     bf_buffer answer = { 0 };
     char length[64];
 
-    (void)state;
     server = fake_serve(&server_services, with_web);
     assert_int_equal(client_ask(http_port(server), "HEAD /" REST "\r\n", &answer), 200);
     (void)snprintf(length, sizeof length, "\r\nContent-Length: %zu\r\n", strlen(PAGE));
@@ -183,7 +177,6 @@ static void a_file_is_only_read(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, with_web);
     assert_int_equal(client_ask(http_port(server), "POST /index.html" REST "\r\n", &answer), 405);
     server_assert_holds(&answer, "\r\nAllow: GET, HEAD, OPTIONS\r\n");
@@ -195,7 +188,6 @@ static void without_a_page_the_root_says_so(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(client_ask(http_port(server), "GET /" REST "\r\n", &answer), 200);
     assert_non_null(strstr(answer.bytes, "\r\nContent-Type: text/plain; charset=utf-8\r\n"));
@@ -209,7 +201,6 @@ static void without_a_reference_its_address_leads_to_the_document(void **state)
     static void (*const starts[])(http_options *) = { NULL, with_web };
     bf_buffer answer = { 0 };
 
-    (void)state;
     for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
         server = fake_serve(&server_services, starts[i]);
         assert_int_equal(client_ask(http_port(server), "GET /docs" REST "\r\n", &answer), 200);
@@ -225,7 +216,6 @@ static void the_reference_is_a_file_like_others(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     make_folder("web/docs");
     write_file("web/docs/index.html", "reference");
     server = fake_serve(&server_services, with_web);
@@ -248,7 +238,6 @@ static void a_page_that_is_not_there_is_an_error(void **state)
     http *h = NULL;
     bf_error err = { 0 };
 
-    (void)state;
     assert_int_equal(http_start(&options, &h, &err), BF_ESYSTEM);
     assert_non_null(strstr(err.text, "/nowhere/web"));
     assert_null(h);
@@ -259,7 +248,6 @@ static void what_is_no_regular_file_is_not_opened(void **state)
     char path[128];
     http_file file = { .fd = -1 };
 
-    (void)state;
     (void)snprintf(path, sizeof path, "%s/fifo.txt", web);
     assert_int_equal(mkfifo(path, 0600), 0);
     server = fake_serve(&server_services, with_web);

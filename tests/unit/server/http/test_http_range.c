@@ -1,13 +1,8 @@
 // Byte ranges by RFC 9110, section 14.
 
 #include "server/http/representation.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 static void one_range_is_first_byte_and_length(void **state)
 {
     static const struct {
@@ -25,7 +20,6 @@ static void one_range_is_first_byte_and_length(void **state)
         { "Bytes= 1-2 ", 1, 2 },
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         uint64_t first = 77, n = 77;
         assert_int_equal(http_range_read(cases[i].header, 1000, &first, &n), HTTP_RANGE_PART);
@@ -43,7 +37,6 @@ static void what_is_not_one_range_is_the_whole(void **state)
     };
     uint64_t first = 77, n = 77;
 
-    (void)state;
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
         assert_int_equal(http_range_read(headers[i], 1000, &first, &n), HTTP_RANGE_WHOLE);
     assert_int_equal(first, 77);
@@ -54,7 +47,6 @@ static void a_range_behind_the_end_is_told_apart(void **state)
 {
     uint64_t first = 77, n = 77;
 
-    (void)state;
     assert_int_equal(http_range_read("bytes=1000-", 1000, &first, &n), HTTP_RANGE_BEYOND);
     assert_int_equal(http_range_read("bytes=99999999999999999999999-", 1000, &first, &n),
                      HTTP_RANGE_BEYOND);
@@ -66,7 +58,6 @@ static void a_range_behind_the_end_is_told_apart(void **state)
 
 static void a_range_counts_for_the_state_that_the_client_has(void **state)
 {
-    (void)state;
     assert_true(http_range_is_current(NULL, "\"a\""));
     assert_true(http_range_is_current("\"a\"", "\"a\""));
     assert_false(http_range_is_current("\"b\"", "\"a\""));

@@ -49,7 +49,6 @@ static void a_stream_tells_what_happens_when_it_happens(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     assert_non_null(strstr(answer.bytes, "\r\nContent-Type: text/event-stream"));
@@ -75,7 +74,6 @@ static void head_of_a_stream_has_its_headers_and_no_length(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     assert_int_equal(
         client_ask(http_port(server), "HEAD " EVENTS " HTTP/1.1\r\n" HOST "\r\n", &answer), 200);
@@ -91,7 +89,6 @@ static void a_stream_that_the_store_fails_is_torn_off(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     lock_acquire(&server_services.lock);
@@ -108,7 +105,6 @@ static void a_notice_of_another_run_wakes_nobody(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     wait_until_asleep(0, 1);
@@ -169,7 +165,6 @@ static void a_stream_that_is_notified_at_any_moment_misses_nothing(void **state)
     int fds[N_READERS], n_good = 0;
     void *good;
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     for (int i = 0; i < N_READERS; i++) {
         fds[i] = client_connect(http_port(server));
@@ -207,7 +202,6 @@ static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **st
     bf_buffer answer = { 0 };
     char event[64];
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     wait_until_asleep(0, 1);
@@ -227,7 +221,6 @@ static void a_stream_that_sleeps_is_woken_every_time(void **state)
     enum { ROUNDS = HELPER_AMOUNT(2000, 400) };
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     for (int k = 1; k <= ROUNDS; k++) {
@@ -252,7 +245,6 @@ static void two_hundred_sleeping_streams_stop_at_once(void **state)
     enum { N = 200 };
     int fds[N];
 
-    (void)state;
     server = fake_serve(&server_services, slow_heart);
     for (int i = 0; i < N; i++) {
         bf_buffer answer = { 0 };
@@ -279,7 +271,6 @@ static void streams_under_way_stop_too(void **state)
 {
     enum { N = 20, ROUNDS = 10 };
 
-    (void)state;
     for (int round = 0; round < ROUNDS; round++) {
         server_writer writer;
         int fds[N];
@@ -306,7 +297,6 @@ static void beyond_the_limit_a_stream_is_refused(void **state)
 {
     bf_buffer answer = { 0 }, refusal = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, one_stream);
     int fd = open_stream(&answer);
     assert_int_equal(client_ask(http_port(server),
@@ -327,7 +317,6 @@ static void beyond_the_limit_a_stream_is_refused(void **state)
 // A client that left makes room for another although nothing happens on the stream.
 static void a_client_that_leaves_is_noticed(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, one_stream);
     for (int i = 0; i < 3; i++) {
         bf_buffer answer = { 0 };
@@ -358,7 +347,6 @@ static void an_idle_stream_has_a_heartbeat(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, quick_heart);
     int64_t start_ms = clock_monotonic_ms();
     int fd = open_stream(&answer);
@@ -380,7 +368,6 @@ static void a_client_that_does_not_read_disturbs_nobody(void **state)
     bf_buffer lazy = { 0 }, answer = { 0 };
     char event[64];
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int lazy_fd = open_stream(&lazy);
     int fd = open_stream(&answer);
@@ -408,7 +395,6 @@ static void a_store_that_stalls_stops_streams_and_nothing_else(void **state)
     enum { N = 20, N_REQUEST_THREADS = 4 };
     int fds[N];
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     fake_hold(&server_services, FAKE_HELD_EVENTS);
     for (int i = 0; i < N; i++) {
@@ -440,7 +426,6 @@ static void long_requests_do_not_delay_streams(void **state)
     bf_buffer answer = { 0 };
     int fds[N];
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     fake_hold(&server_services, FAKE_HELD_LIST);

@@ -1,13 +1,8 @@
 // Request ids and traceparent (W3C Trace Context).
 
 #include "server/http/trace.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 #define TRACE  "0af7651916cd43dd8448eb211c80319c"
@@ -18,7 +13,6 @@ static void a_sane_id_is_kept(void **state)
 {
     char longest[HTTP_TRACE_ID_SIZE];
 
-    (void)state;
     memset(longest, 'x', sizeof longest - 1);
     longest[sizeof longest - 1] = '\0';
     assert_string_equal(http_trace_read("a-1._B:/+=@~", NULL).id, "a-1._B:/+=@~");
@@ -31,7 +25,6 @@ static void any_other_id_is_replaced_by_one_of_its_own(void **state)
     const char *const ids[] = { NULL, "", "a b", "a\"b", "a,b", "\xc3\xa4", "<a>", too_long };
     char before[HTTP_TRACE_ID_SIZE] = "";
 
-    (void)state;
     memset(too_long, 'x', sizeof too_long - 1);
     too_long[sizeof too_long - 1] = '\0';
     for (size_t i = 0; i < sizeof ids / sizeof *ids; i++) {
@@ -46,7 +39,6 @@ static void a_trace_goes_on_with_a_span_of_its_own(void **state)
 {
     http_trace trace = http_trace_read(NULL, PARENT);
 
-    (void)state;
     assert_int_equal(strlen(trace.parent), HTTP_TRACE_PARENT_SIZE - 1);
     assert_memory_equal(trace.parent, "00-" TRACE "-", 36);
     assert_memory_not_equal(trace.parent + 36, SPAN, 16);
@@ -78,7 +70,6 @@ static void what_is_no_trace_is_none(void **state)
         "cc-" TRACE "-" SPAN "-01more",
     };
 
-    (void)state;
     assert_string_equal(http_trace_read(NULL, NULL).parent, "");
     for (size_t i = 0; i < sizeof parents / sizeof *parents; i++)
         assert_string_equal(http_trace_read(NULL, parents[i]).parent, "");

@@ -87,7 +87,6 @@ static void who_has_no_state_is_answered_at_the_end(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = begin("wait=60", "");
     wait_until_asleep(0, 1);
@@ -104,7 +103,6 @@ static void who_has_a_state_is_answered_at_the_next_one(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = begin("wait=60", "If-None-Match: \"r0\"\r\n");
     assert_true(is_silent(fd));
@@ -121,7 +119,6 @@ static void who_has_waited_long_enough_gets_what_there_is(void **state)
 {
     bf_buffer answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int64_t start_ms = clock_monotonic_ms();
     int fd = begin("wait=1", "");
@@ -137,7 +134,6 @@ static void a_connection_that_waited_serves_on(void **state)
 {
     bf_buffer rest = { 0 }, answer = { 0 };
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     for (int i = 0; i < 20; i++) {
@@ -165,7 +161,6 @@ static void end_after_the_second_look(void)
 
 static void an_end_between_the_last_look_and_the_sleep_is_not_missed(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, NULL);
     lock_acquire(&server_services.lock);
     server_services.after_look = end_after_the_second_look;
@@ -178,7 +173,6 @@ static void an_end_between_the_last_look_and_the_sleep_is_not_missed(void **stat
 // A run that commits all the time is looked at now and then only.
 static void looks_at_a_busy_run_are_paced(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = begin("wait=60", "");
     wait_until_asleep(0, 1);
@@ -208,7 +202,6 @@ static void a_thousand_wait_without_a_thread_and_no_more(void **state)
     bf_buffer answer = { 0 };
     struct rlimit files;
 
-    (void)state;
     assert_int_equal(getrlimit(RLIMIT_NOFILE, &files), 0);
     files.rlim_cur = files.rlim_max;
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &files), 0);
@@ -240,7 +233,6 @@ static void a_submission_waits_if_there_is_room(void **state)
     bf_buffer answer = { 0 };
     char request[1024];
 
-    (void)state;
     (void)snprintf(request, sizeof request, format, strlen(BODY));
     server = fake_serve(&server_services, one_wait);
     int fd = client_connect(http_port(server));
@@ -260,7 +252,6 @@ static void a_submission_waits_if_there_is_room(void **state)
 // A client that left makes room for another although nothing happens to the run.
 static void a_client_that_leaves_is_forgotten(void **state)
 {
-    (void)state;
     server = fake_serve(&server_services, one_wait);
     for (int i = 0; i < 3; i++) {
         int64_t start_ms = clock_monotonic_ms();
@@ -279,7 +270,6 @@ static void those_that_wait_are_answered_when_the_server_stops(void **state)
     enum { N = 100 };
     int fds[N], others[N];
 
-    (void)state;
     server = fake_serve(&server_services, NULL);
     begin_many(fds, N, "");
     begin_many(others, N, "If-None-Match: \"r0\"\r\n");
@@ -297,7 +287,6 @@ static void what_comes_leaves_and_stops_at_once_does_no_harm(void **state)
 {
     enum { N = 30, ROUNDS = 8 };
 
-    (void)state;
     for (int round = 0; round < ROUNDS; round++) {
         server_writer writer;
         int fds[N];

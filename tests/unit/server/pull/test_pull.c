@@ -7,13 +7,10 @@
 #include "server/base/metrics.h"
 #include "server/base/solver.h"
 #include "server/pull/pull_priv.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define RUN_A "0190a0b0-0000-7000-8000-00000000000a"
 #define RUN_B "0190a0b0-0000-7000-8000-00000000000b"

@@ -1,6 +1,7 @@
 // Unit tests of confinement: what a confined process can do, and what each layer refuses.
 
 #include "server/run/confinement.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -8,11 +9,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <seccomp.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -23,8 +20,6 @@
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define IS_SANITIZED 1
@@ -182,7 +177,6 @@ static void nothing_of_the_machine_can_be_used(void **state)
         raise_limit,  make_namespace, take_privileges, duplicate,     make_unix_socket,
     };
 
-    (void)state;
     if ((confinement_find() & BIT_CALLS) == 0)
         skip();
     for (size_t i = 0; i < sizeof attempts / sizeof *attempts; i++)
@@ -193,7 +187,6 @@ static void landlock_alone_refuses_files_and_signals(void **state)
 {
     const int lost = SCMP_SYS(seccomp);
 
-    (void)state;
     if ((confinement_find() & BIT_FILES) == 0)
         skip();
     assert_int_equal(attempt_without(lost, -1, make_folder), EACCES);
@@ -208,7 +201,6 @@ static void without_the_kernels_help_no_descriptor_can_be_made(void **state)
 {
     static attempt *const attempts[] = { open_to_read, list_folder, make_socket, duplicate };
 
-    (void)state;
     if (IS_SANITIZED)
         skip();
     for (size_t i = 0; i < sizeof attempts / sizeof *attempts; i++)
@@ -242,7 +234,6 @@ static void layers_that_the_kernel_lacks_are_known(void **state)
 {
     const int all = find_layers();
 
-    (void)state;
     assert_int_equal(layers_without(SCMP_SYS(landlock_create_ruleset)), all & BIT_CALLS);
     assert_int_equal(layers_without(SCMP_SYS(seccomp)), all & ~BIT_CALLS);
 }
@@ -261,7 +252,6 @@ static void a_layer_that_fails_is_an_error(void **state)
 {
     int status = 0;
 
-    (void)state;
     if ((confinement_find() & BIT_FILES) == 0)
         skip();
     const pid_t pid = fork();
@@ -300,7 +290,6 @@ static int work(void)
 
 static void what_a_solver_needs_goes_on(void **state)
 {
-    (void)state;
     assert_int_equal(attempt_without(-1, -1, work), 0);
 }
 
@@ -314,7 +303,6 @@ static int abort_here(void)
 
 static void a_solver_can_abort(void **state)
 {
-    (void)state;
     assert_int_equal(attempt_without(-1, -1, abort_here), EXIT_SIGNALLED);
 }
 
@@ -329,7 +317,6 @@ static void root_is_left_for_good(void **state)
 {
     int status = 0;
 
-    (void)state;
     if (IS_SANITIZED || geteuid() != 0)
         skip();
     const pid_t pid = fork();

@@ -174,7 +174,6 @@ static size_t start_with(int error)
 // An executor, three pipes, a child, its descriptor, and four descriptors that are watched.
 static void any_call_may_fail(void **state)
 {
-    (void)state;
     assert_int_equal(start_with(EMFILE), 10);
     assert_int_equal(start_with(EAGAIN), 10);
     assert_int_equal(start_with(EPERM), 10);
@@ -185,7 +184,6 @@ static void any_allocation_may_fail(void **state)
     const size_t n_before = count_descriptors();
     size_t n_faults = 1, n_allocations = 0;
 
-    (void)state;
     for (size_t n = 1; n_faults > 0; n++) {
         bf_error err = { 0 };
         memory_plan_fault(n, 0);
@@ -206,7 +204,6 @@ static void a_child_is_started_ahead(void **state)
     executor *e = NULL;
     int n = n_spawned;
 
-    (void)state;
     assert_int_equal(local_executor_create(PROGRAM_DIR "/beltflow-worker", &e, NULL), BF_OK);
     e->functions->prepare(e, &limits);
     e->functions->prepare(e, &limits);
@@ -237,7 +234,6 @@ static void a_child_that_cannot_be_started_ahead_is_started_later(void **state)
     const size_t n_before = count_descriptors();
     executor *e = NULL;
 
-    (void)state;
     assert_int_equal(local_executor_create(PROGRAM_DIR "/beltflow-worker", &e, NULL), BF_OK);
     for (size_t n = 1, n_calls = n; n_calls >= n; n++) {
         helper_fault_plan(n, EMFILE);

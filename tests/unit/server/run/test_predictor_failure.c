@@ -13,9 +13,7 @@ static atomic_int n_measured;
 bf_status prediction_measure(prediction_kind kind, double (*cpu_s)(void), double least_s,
                              double *ret_factor, bf_error *err)
 {
-    (void)kind;
     (void)cpu_s;
-    (void)least_s;
     if (atomic_fetch_add(&n_measured, 1) == 0)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     *ret_factor = 1.0;

@@ -1,22 +1,16 @@
 // Unit tests of when a run reports, saves itself and stops.
 
 #include "server/run/run_control.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { NEVER_MS = 1000000 };
 
 static void the_first_report_is_due_at_once_and_the_next_after_its_time(void **state)
 {
-    (void)state;
     run_control p = run_control_init(NEVER_MS, 0);
     assert_int_equal(run_control_requested(&p), RUN_REPORT);
     assert_int_equal(run_control_requested(&p), RUN_GO_ON);
@@ -28,7 +22,6 @@ static void the_first_report_is_due_at_once_and_the_next_after_its_time(void **s
 
 static void checkpoints_come_in_their_own_time(void **state)
 {
-    (void)state;
     run_control p = run_control_init(NEVER_MS, NEVER_MS);
     assert_int_equal(run_control_requested(&p), RUN_REPORT);
     p.next_checkpoint_ns -= NEVER_MS * INT64_C(1000000);
@@ -65,7 +58,6 @@ static int stop_with_checkpoint(void)
 
 static void a_signal_asks_for_a_stop_with_a_checkpoint_where_there_are_any(void **state)
 {
-    (void)state;
     int status = in_process(stop_with_checkpoint);
     assert_true(WIFEXITED(status));
     assert_int_equal(WEXITSTATUS(status), 0);
@@ -83,7 +75,6 @@ static int stop_twice(void)
 
 static void a_second_signal_ends_a_process_that_catches_the_first(void **state)
 {
-    (void)state;
     int status = in_process(stop_twice);
     assert_true(WIFSIGNALED(status));
     assert_int_equal(WTERMSIG(status), SIGINT);

@@ -32,7 +32,6 @@ typedef struct solution {
 static bf_status take_frame(void *context, const frame *f, bf_error *err)
 {
     solution *s = context;
-    (void)err;
 
     if (f->type == FRAME_CURVE) {
         size_t n = f->curve.n;
@@ -162,7 +161,6 @@ static bf_status count_progress(void *context, const api_event *event, bf_error 
 {
     size_t *n = context;
 
-    (void)err;
     *n += event->type == API_EVENT_PROGRESS;
     return BF_OK;
 }

@@ -394,7 +394,6 @@ static void a_run_beyond_its_output_fails_alone(void **state)
 static void a_worker_without_its_parent_ends_at_once(void **state)
 {
     char byte;
-    (void)state;
 
     if (getpid() == 1)
         skip();

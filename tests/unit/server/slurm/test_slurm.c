@@ -66,7 +66,6 @@ static int make_folder(void **state)
 {
     char path[256];
 
-    (void)state;
     if (mkdtemp(folder) == NULL)
         return -1;
     (void)snprintf(path, sizeof path, "%s:/usr/bin:/bin", folder);
@@ -82,7 +81,6 @@ static int make_folder(void **state)
 
 static int remove_folder(void **state)
 {
-    (void)state;
     helper_store_remove_directory(folder);
     return 0;
 }
@@ -109,7 +107,6 @@ static void assert_script(const slurm_settings *settings, const char *text)
 
 static void test_the_script_starts_a_worker_that_ends_before_the_time_limit(void **state)
 {
-    (void)state;
     assert_script(&usual, "#!/bin/sh\n"
                           "#SBATCH --nodes=1 --ntasks=1 --cpus-per-task=2\n"
                           "#SBATCH --time=60\n"
@@ -123,7 +120,6 @@ static void test_the_script_starts_a_worker_that_ends_before_the_time_limit(void
 
 static void test_texts_in_a_template_are_quoted_and_other_braces_stay(void **state)
 {
-    (void)state;
     slurm_settings settings = with_template("a {token} ${X} {url {program}}{idle_s}");
     settings.token_file = "/etc/it's";
     assert_script(&settings, "a --token-file '/etc/it'\"'\"'s' ${X} {url '/usr/bin/beltflow'}60");
@@ -135,7 +131,6 @@ static void test_a_bad_template_is_refused(void **state)
     bf_buffer script = { 0 };
     char large[SLURM_TEMPLATE_BYTES_MAX + 2];
 
-    (void)state;
     assert_int_equal(slurm_write_script(&settings, &script, NULL), BF_EINPUT);
     memset(large, '#', sizeof large);
     large[sizeof large - 1] = '\0';
@@ -151,7 +146,6 @@ static void test_a_bad_template_is_refused(void **state)
 
 static void test_times_of_the_queue_have_days_hours_minutes_and_seconds(void **state)
 {
-    (void)state;
     assert_int_equal(slurm__read_time("0:07"), 7);
     assert_int_equal(slurm__read_time("12:34"), 12 * 60 + 34);
     assert_int_equal(slurm__read_time("2:00:01"), 2 * 3600 + 1);
@@ -182,7 +176,6 @@ static void test_the_queue_has_our_tasks_among_others(void **state)
     };
     slurm__queue queue;
 
-    (void)state;
     assert_int_equal(slurm__read_queue(text, COMMENT, &queue, NULL), BF_OK);
     assert_int_equal(queue.n, sizeof expected / sizeof *expected);
     for (size_t k = 0; k < queue.n; k++) {
@@ -211,7 +204,6 @@ static void test_a_command_that_fails_says_why(void **state)
     bf_buffer out = { 0 };
     bf_error err = { 0 };
 
-    (void)state;
     assert_int_equal(run_shell("echo one; echo two >&2", false, &out, NULL), BF_OK);
     assert_string_equal(out.bytes, "one\ntwo\n");
     assert_int_equal(run_shell("echo first; echo last >&2; exit 3", false, &out, &err), BF_ESYSTEM);
@@ -229,7 +221,6 @@ static void test_a_command_has_limits(void **state)
     const int64_t begin_ms = clock_monotonic_ms();
     bf_buffer out = { 0 };
 
-    (void)state;
     assert_int_equal(run_shell("yes", false, &out, NULL), BF_ELIMIT);
     buffer_fini(&out);
     assert_int_equal(run_shell("exec sleep 60", true, &out, NULL), BF_ESYSTEM);

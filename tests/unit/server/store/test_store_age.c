@@ -7,6 +7,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/store/backup.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <dlfcn.h>
 #include <malloc.h>
@@ -16,8 +17,6 @@
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum {
     RUNS_PER_HOUR = 60,
@@ -76,8 +75,6 @@ static void open_keeping(helper_store *h, uint64_t n_runs)
 
 static bf_status count_event(void *context, const api_event *event, bf_error *err)
 {
-    (void)event;
-    (void)err;
     ++*(size_t *)context;
     return BF_OK;
 }

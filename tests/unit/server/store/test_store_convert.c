@@ -4,14 +4,13 @@
 
 #include "server/base/metrics.h"
 #include "server/store/backup.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum {
     RUNS = 6,

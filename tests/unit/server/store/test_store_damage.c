@@ -98,7 +98,6 @@ static void tell_results(store *s, const char *id, telling *t)
 
 static bf_status take_event(void *context, const api_event *event, bf_error *err)
 {
-    (void)err;
     assert_int_equal(buffer_printf(context, "%llu %d %llu ", (unsigned long long)event->id,
                                    event->type, (unsigned long long)event->snapshot),
                      BF_OK);

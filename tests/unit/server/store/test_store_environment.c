@@ -7,6 +7,7 @@
 
 #include "server/base/log.h"
 #include "server/store/backup.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <errno.h>
 #include <sqlite3.h>
@@ -15,8 +16,6 @@
 #include <string.h>
 #include <sys/types.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 // ------------------------------------------------------------------------ what fails
 
@@ -131,7 +130,6 @@ static int take_over(void **state)
 {
     sqlite3_mem_methods methods;
 
-    (void)state;
     assert_int_equal(sqlite3_config(SQLITE_CONFIG_GETMALLOC, &memory), SQLITE_OK);
     methods = memory;
     methods.xMalloc = allocate;
@@ -245,8 +243,6 @@ static bool finish(store *s, const char *id)
 
 static bf_status skip_event(void *context, const api_event *event, bf_error *err)
 {
-    (void)event;
-    (void)err;
     ++*(size_t *)context;
     return BF_OK;
 }
@@ -335,7 +331,6 @@ static void end_life(store *s, const life *l)
 
 static void take_finding(void *context, const char *name, const char *claim, const char *finding)
 {
-    (void)context;
     if (finding != NULL)
         fail_msg("%s, %s: %s", name, claim, finding);
 }

@@ -19,7 +19,6 @@ static bf_status try_submit(store *s, const char *id, bf_error *err)
 {
     api_submission submission = { .model = RUN_MACRO };
     api_acceptance accepted = { .revision = 77 };
-    (void)id;
 
     bf_status status = store_submit(s, &submission, &accepted, err);
     assert_true(status == BF_OK || (accepted.revision == 77 && accepted.answer.bytes == NULL));
@@ -30,7 +29,6 @@ static bf_status try_submit(store *s, const char *id, bf_error *err)
 static bf_status try_claim(store *s, const char *id, bf_error *err)
 {
     store_job job = { .step = 77 };
-    (void)id;
 
     bf_status status = store_claim(s, true, &job, err);
     if (status == BF_OK)
@@ -73,7 +71,6 @@ static bf_status try_list(store *s, const char *id, bf_error *err)
 {
     static api_run_list list;
     api_list_query query = { .state = -1, .model = -1, .limit = 10 };
-    (void)id;
 
     list.n = 77;
     bf_status status = store_list(s, &query, &list, err);
@@ -117,9 +114,6 @@ static bf_status try_read_snapshot(store *s, const char *id, bf_error *err)
 
 static bf_status skip_event(void *context, const api_event *event, bf_error *err)
 {
-    (void)context;
-    (void)event;
-    (void)err;
     return BF_OK;
 }
 

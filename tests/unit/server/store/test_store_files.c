@@ -10,6 +10,7 @@
 #include "server/cli/results_dir.h"
 #include "server/store/backup.h"
 #include "server/store/tokens.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -19,8 +20,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 // ------------------------------------------------------------------------ what fails
 

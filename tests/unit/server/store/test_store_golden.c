@@ -4,12 +4,11 @@
 #include "tests/unit/server/helper_golden.h"
 
 #include "server/store/backup.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <sodium.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { DIGEST_BYTES = 32, TEXT_SIZE = 2 * DIGEST_BYTES + 1 };
 
@@ -133,7 +132,6 @@ static bf_status take_event(void *context, const api_event *event, bf_error *err
 {
     digest *d = context;
 
-    (void)err;
     if (event->id <= d->last_event)
         take(d, event->data, event->n);
     return BF_OK;

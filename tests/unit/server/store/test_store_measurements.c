@@ -260,7 +260,6 @@ static bf_status attempt_list(store *s, const api_measurement *m, bf_error *err)
     static api_measurement_list list;
     api_measurement_query query = { .limit = 10 };
 
-    (void)m;
     list.n = 77;
     bf_status status = store_list_measurements(s, &query, &list, err);
     assert_true(status == BF_OK ? list.n >= 1 : list.n == 77);

@@ -100,7 +100,6 @@ static bf_status take_curve_event(void *context, const api_event *event, bf_erro
 {
     bf_buffer *curves = context;
 
-    (void)err;
     return event->type == API_EVENT_CURVE ? buffer_printf(curves, "%s\n", event->data) : BF_OK;
 }
 

@@ -139,7 +139,6 @@ static bf_status collect(void *context, const api_event *event, bf_error *err)
         event->type == API_EVENT_FIGURES && told->n > event->n &&
         strncmp(told->bytes + told->n - event->n - 1, event->data, event->n) == 0;
 
-    (void)err;
     if (is_shared && !is_repeated)
         assert_int_equal(
             buffer_printf(context, "%s %s\n", api_event_word(event->type), event->data), BF_OK);

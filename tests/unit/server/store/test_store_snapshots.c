@@ -143,8 +143,6 @@ static void nothing_is_left_of_what_did_not_come_whole(void **state)
 
 static bool goes_on(void *context, const store_running *running)
 {
-    (void)context;
-    (void)running;
     return true;
 }
 

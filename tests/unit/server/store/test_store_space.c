@@ -172,7 +172,6 @@ static bool has_namespace; // mounts of ours are not seen by others
 // Before the first thread is started.
 static int enter_namespace(void **state)
 {
-    (void)state;
     has_namespace = (unshare(CLONE_NEWNS) == 0 || unshare(CLONE_NEWUSER | CLONE_NEWNS) == 0) &&
                     mount("none", "/", NULL, MS_REC | MS_PRIVATE, NULL) == 0;
     return 0;

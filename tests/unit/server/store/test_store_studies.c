@@ -137,7 +137,6 @@ static bf_status take(void *context, const api_trial *trial, bf_error *err)
 {
     reading *r = context;
 
-    (void)err;
     r->trials[r->n++] = *trial;
     return BF_OK;
 }

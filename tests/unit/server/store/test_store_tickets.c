@@ -2,13 +2,8 @@
 
 #include "server/base/clock.h"
 #include "server/store/tickets.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 enum { NOW_MS = 5000 };
@@ -36,7 +31,6 @@ static void a_ticket_counts_until_its_end(void **state)
     int64_t before_ms = clock_unix_ms();
     api_ticket ticket;
 
-    (void)state;
     tickets_make(&t, 7, NOW_MS, &ticket);
     assert_int_equal(strlen(ticket.text), API_TICKET_SIZE - 1);
     assert_int_equal(strspn(ticket.text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
@@ -54,7 +48,6 @@ static void every_other_byte_makes_it_a_forged_one(void **state)
     const tickets t = drawn();
     api_ticket ticket;
 
-    (void)state;
     tickets_make(&t, 7, NOW_MS, &ticket);
     for (size_t i = 0; i < API_TICKET_SIZE - 1; i++) {
         for (size_t k = 0; k < sizeof others; k++) { // its terminator, too
@@ -74,7 +67,6 @@ static void texts_of_other_lengths_are_none(void **state)
     api_ticket ticket;
     char longer[API_TICKET_SIZE + 1];
 
-    (void)state;
     tickets_make(&t, 7, NOW_MS, &ticket);
     memcpy(longer, ticket.text, sizeof ticket.text);
     longer[API_TICKET_SIZE - 1] = 'A';
@@ -88,7 +80,6 @@ static void tickets_of_another_process_are_forged(void **state)
     const tickets t = drawn(), other = drawn();
     api_ticket ticket;
 
-    (void)state;
     assert_memory_not_equal(t.key, other.key, sizeof t.key);
     tickets_make(&other, 7, NOW_MS, &ticket);
     assert_int_equal(read_at(&t, ticket.text, NOW_MS), API_CREDENTIAL_UNKNOWN);

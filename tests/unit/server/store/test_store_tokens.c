@@ -16,14 +16,12 @@ static char directory[64];
 
 static int set_up(void **state)
 {
-    (void)state;
     (void)snprintf(directory, sizeof directory, "/tmp/beltflow-tokens-XXXXXX");
     return mkdtemp(directory) == NULL;
 }
 
 static int tear_down(void **state)
 {
-    (void)state;
     helper_store_remove_directory(directory);
     return 0;
 }
@@ -75,7 +73,6 @@ static void without_tokens_nobody_needs_one(void **state)
     tokens *t = open_tokens();
     api_identity who = { .token = 7 };
 
-    (void)state;
     assert_false(tokens_exist(t));
     assert_int_equal(tokens_identify(t, NULL, &who), API_CREDENTIAL_UNUSED);
     assert_int_equal(tokens_identify(t, "bft_x", &who), API_CREDENTIAL_UNUSED);
@@ -89,7 +86,6 @@ static void a_token_tells_who_has_it(void **state)
     char first[API_TOKEN_SIZE], second[API_TOKEN_SIZE], other[API_TOKEN_SIZE];
     api_identity who = { 0 };
 
-    (void)state;
     (void)add("alice", API_SCOPE_READ | API_SCOPE_SUBMIT, 0, first);
     (void)add("bob", API_SCOPE_ADMIN, 0, second);
     assert_int_equal(strlen(first), API_TOKEN_SIZE - 1);
@@ -121,7 +117,6 @@ static void the_file_has_no_token_and_is_for_its_owner_alone(void **state)
     char text[API_TOKEN_SIZE], path[80], bytes[65536];
     struct stat info;
 
-    (void)state;
     (void)add("alice", API_SCOPE_READ, 0, text);
     (void)snprintf(path, sizeof path, "%s/access.db", directory);
     assert_int_equal(stat(path, &info), 0);
@@ -141,7 +136,6 @@ static void what_is_expired_or_revoked_does_not_count(void **state)
     int64_t now_ms = clock_unix_ms();
     api_identity who = { 0 };
 
-    (void)state;
     (void)add("old", API_SCOPE_READ, now_ms - 1, old);
     (void)add("later", API_SCOPE_READ, now_ms + 3600000, later);
     const tokens_record gone = add("gone", API_SCOPE_READ, 0, revoked);
@@ -173,7 +167,6 @@ static void a_daemon_sees_what_is_changed_beside_it(void **state)
     char text[API_TOKEN_SIZE];
     tokens *t = open_tokens();
 
-    (void)state;
     const tokens_record token = add("alice", API_SCOPE_READ, 0, text);
     await(t, text, API_CREDENTIAL_VALID);
     assert_int_equal(tokens_revoke(directory, token.id, NULL), BF_OK);
@@ -196,7 +189,6 @@ static void the_last_use_is_written_down_later(void **state)
     tokens_record before = { .id = 0 }, after = { .id = 0 };
     api_identity who;
 
-    (void)state;
     (void)add("alice", API_SCOPE_READ, 0, text);
     tokens *t = open_tokens();
     int64_t used_ms = clock_unix_ms();
@@ -241,7 +233,6 @@ static void a_rotated_token_counts_until_its_overlap_is_over(void **state)
     api_identity who = { 0 };
     tokens_record made;
 
-    (void)state;
     const int64_t before_ms = clock_unix_ms();
     const tokens_record first = add("alice", API_SCOPE_READ, 0, old);
     tokens *t = open_tokens();
@@ -272,7 +263,6 @@ static void a_rotation_prolongs_no_token_and_gives_a_whole_life(void **state)
     api_identity who = { 0 };
     tokens_record made;
 
-    (void)state;
     const tokens_record first = add("alice", API_SCOPE_READ, clock_unix_ms() + HOUR_MS, old);
     assert_int_equal(tokens_rotate(directory, first.id, 24 * HOUR_MS, &made, young, NULL), BF_OK);
     assert_int_equal(find(first.id).expires_ms, first.expires_ms);
@@ -290,7 +280,6 @@ static void a_scope_of_a_later_version_allows_nothing(void **state)
     char text[API_TOKEN_SIZE];
     api_identity who;
 
-    (void)state;
     (void)add("alice", API_SCOPE_ADMIN, 0, text);
     run_sql("UPDATE tokens SET scopes = 'read,fly'");
     tokens *t = open_tokens();
@@ -321,7 +310,6 @@ static void a_grant_names_what_it_reads(void **state)
     api_identity who;
     uint64_t id = 0;
 
-    (void)state;
     assert_true(strlen(path) < API_RESOURCE_SIZE);
     assert_int_equal(add_grant("alice", path, INT64_MAX, text, &id), BF_OK);
     tokens *t = open_tokens();
@@ -340,7 +328,6 @@ static void grants_have_limits_and_leave_room_for_tokens(void **state)
     char text[API_TOKEN_SIZE];
     uint64_t id = 0;
 
-    (void)state;
     (void)add("first", API_SCOPE_READ, 0, text);
     for (int i = 0; i < API_GRANTS_MAX; i++)
         assert_int_equal(add_grant("alice", "/v1/runs/1", INT64_MAX, text, &id), BF_OK);
@@ -362,7 +349,6 @@ static void a_file_without_grants_gets_their_column(void **state)
     api_identity who;
     uint64_t id = 0;
 
-    (void)state;
     (void)add("alice", API_SCOPE_READ, 0, text);
     run_sql("ALTER TABLE tokens DROP COLUMN resource");
     tokens *t = open_tokens();
@@ -380,7 +366,6 @@ static void a_row_without_a_hash_is_no_token(void **state)
     char text[API_TOKEN_SIZE];
     tokens *t = NULL;
 
-    (void)state;
     (void)add("alice", API_SCOPE_READ, 0, text);
     run_sql("PRAGMA ignore_check_constraints = ON; UPDATE tokens SET hash = x'00'");
     assert_int_equal(tokens_open(directory, &t, NULL), BF_ESYSTEM);
@@ -392,7 +377,6 @@ static void names_and_their_number_have_limits(void **state)
     char text[API_TOKEN_SIZE];
     bf_error err = { 0 };
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         tokens_record token = { .name = "x", .scopes = API_SCOPE_READ };
         (void)snprintf(token.owner, sizeof token.owner, "%s", bad[i]);
@@ -418,7 +402,6 @@ static void damage_is_no_open_door(void **state)
     tokens *t = NULL;
     bf_error err = { 0 };
 
-    (void)state;
     (void)add("alice", API_SCOPE_READ, 0, text);
     (void)snprintf(path, sizeof path, "%s/access.db", directory);
     FILE *file = fopen(path, "r+b");

@@ -36,7 +36,6 @@ typedef struct world {
 
 static void note_queued(void *context)
 {
-    (void)context;
 }
 
 static void (*when_queued)(void *context) = note_queued; // on the thread of the studies
@@ -196,7 +195,6 @@ static bf_status take(void *context, const api_trial *trial, bf_error *err)
 {
     reading *r = context;
 
-    (void)err;
     r->trials[r->n++] = *trial;
     return BF_OK;
 }
