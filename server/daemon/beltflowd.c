@@ -203,10 +203,22 @@ static store_quotas quotas_of(const config *c)
                            .n_studies = c->owner_studies };
 }
 
-static bf_status start_store(parts *p, bf_error *err)
+static void take_queued(void *context)
+{
+    supervisor_wake(((parts *)context)->service.supervisor);
+}
+
+// Each part needs those before it. Where one fails, stop() stops those.
+static bf_status start(parts *p, bf_error *err)
 {
     const config *c = &p->settings;
-    const store_options options = { .directory = c->data,
+    service *s = &p->service;
+
+    bf_status status = executors_create(&p->executors, c, err);
+    if (status == BF_OK && p->executors.kind != CONFIG_LOCAL)
+        s->leases = &p->executors.leases;
+
+    const store_options storing = { .directory = c->data,
                                     .queue_limit = c->queue_limit,
                                     .client_quota = c->queue_share,
                                     .quotas = quotas_of(c),
@@ -217,79 +229,45 @@ static bf_status start_store(parts *p, bf_error *err)
                                     .attempts_max = c->run_attempts,
                                     .idempotency_ms = (int64_t)c->idempotency_hours * HOUR_MS,
                                     .retention = retention_of(c) };
-    return store_open(&options, &p->service.store, err);
-}
-
-static bf_status start_supervisor(parts *p, bf_error *err)
-{
-    const supervisor_options options = options_of_supervisor(p);
-
-    bf_status status = supervisor_start(&options, &p->service.supervisor, err);
     if (status == BF_OK)
-        set_commit_listener(p, p->service.supervisor, NULL);
-    return status;
-}
-
-static void take_queued(void *context)
-{
-    supervisor_wake(((parts *)context)->service.supervisor);
-}
-
-static bf_status start_studies(parts *p, bf_error *err)
-{
-    const studies_options options = { .store = p->service.store,
-                                      .n_workers = executors_count_workers(&p->settings),
-                                      .age_ms = retention_of(&p->settings).age_ms,
-                                      .queued = take_queued,
-                                      .context = p };
-
-    bf_status status = studies_start(&options, &p->service.studies, err);
-    if (status == BF_OK)
-        set_commit_listener(p, p->service.supervisor, NULL);
-    return status;
-}
-
-static bf_status start_http(parts *p, bf_error *err)
-{
-    const api_services services = service_table(&p->service);
-    http_options options = options_of_http(&p->settings);
-
-    options.services = &services;
-    options.has_tokens = tokens_exist(p->service.tokens);
-    bf_status status = http_start(&options, &p->http, err);
-    if (status == BF_OK)
-        set_commit_listener(p, p->service.supervisor, p->http);
-    return status;
-}
-
-static bf_status start(parts *p, bf_error *err)
-{
-    service *s = &p->service;
-
-    bf_status status = executors_create(&p->executors, &p->settings, err);
-    if (status == BF_OK && p->executors.kind != CONFIG_LOCAL)
-        s->leases = &p->executors.leases;
-    if (status == BF_OK)
-        status = start_store(p, err);
+        status = store_open(&storing, &s->store, err);
     if (status == BF_OK)
         status = tickets_draw(&s->tickets, err);
     if (status == BF_OK)
-        status = tokens_open(p->settings.data, &s->tokens, err);
+        status = tokens_open(c->data, &s->tokens, err);
     if (status == BF_OK)
-        status = admission_check(&p->settings, s->store, s->tokens, err);
+        status = admission_check(c, s->store, s->tokens, err);
     if (status == BF_OK)
         status = predictor_start(s->store, &s->predictor, err);
     if (status == BF_OK)
         executors_set_predictor(&p->executors, s->predictor);
+
+    const supervisor_options supervising = options_of_supervisor(p);
     if (status == BF_OK)
-        status = start_supervisor(p, err);
+        status = supervisor_start(&supervising, &s->supervisor, err);
     if (status == BF_OK)
-        status = start_studies(p, err);
+        set_commit_listener(p, s->supervisor, NULL);
+
+    const studies_options studying = { .store = s->store,
+                                       .n_workers = supervising.n_workers,
+                                       .age_ms = retention_of(c).age_ms,
+                                       .queued = take_queued,
+                                       .context = p };
     if (status == BF_OK)
-        status = start_http(p, err);
+        status = studies_start(&studying, &s->studies, err);
     if (status == BF_OK)
-        status = executors_start(&p->executors, &p->settings, p->service.store, err);
-    return status;
+        set_commit_listener(p, s->supervisor, NULL);
+
+    const api_services services = service_table(s);
+    http_options serving = options_of_http(c);
+    if (status == BF_OK) {
+        serving.services = &services;
+        serving.has_tokens = tokens_exist(s->tokens);
+        status = http_start(&serving, &p->http, err);
+    }
+    if (status == BF_OK)
+        set_commit_listener(p, s->supervisor, p->http);
+    return status == BF_OK ? executors_start(&p->executors, c, s->store, err) : status;
 }
 
 static void stop(parts *p)
