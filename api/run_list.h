@@ -11,6 +11,8 @@
 enum {
     API_LIST_NEWEST =
         50000, ///< runs that a search, another order or a count looks at, the newest of the list
+    API_LIST_DOCUMENTS =
+        10000, ///< runs whose scenarios a search by conditions reads, the newest of the list
     API_LIST_LOOKS =
         20000, ///< runs that a page in the order of creation looks at to find those that were asked for
     API_SORT_KEY_SIZE = 81, ///< bytes of the text of a run's key with its terminator
@@ -40,6 +42,30 @@ typedef struct api_sort {
     char figure[API_SORT_FIGURE_SIZE]; ///< of API_SORT_FIGURE: its name
 } api_sort;
 
+enum {
+    API_CONDITIONS_MAX = 4,       ///< conditions of a search
+    API_CONDITION_NAME_SIZE = 64, ///< bytes of a name with its terminator
+};
+
+/// How the number in the document is to that of the condition.
+typedef enum api_relation {
+    API_LESS,     ///< <
+    API_AT_MOST,  ///< <=
+    API_EQUAL,    ///< = to six significant digits
+    API_AT_LEAST, ///< >=
+    API_GREATER,  ///< >
+} api_relation;
+
+/// Conditions on numbers of a scenario or on key figures (api/scenario/condition.h); all of them have to hold.
+typedef struct api_conditions {
+    size_t n; ///< 0: anything will do
+    struct {
+        char name[API_CONDITION_NAME_SIZE]; ///< of a member, or the end of its pointer
+        api_relation relation;              ///< how the document's number is
+        double number;                      ///< to this one; in the document's unit
+    } items[API_CONDITIONS_MAX];            ///< in the order of the text
+} api_conditions;
+
 /// Which runs.
 typedef struct api_list_query {
     int state;                  ///< run_state, or -1: any
@@ -53,7 +79,9 @@ typedef struct api_list_query {
     int64_t from_ms;      ///< accepted at this Unix time or later
     int64_t before_ms;    ///< accepted before it; 0: at any time
     bool is_starred;      ///< only starred ones
-    api_sort sort;        ///< the order
+    api_conditions
+        conditions; ///< only runs of whose scenario or key figures they hold; not of trials
+    api_sort sort;  ///< the order
     char before[API_ID_SIZE]; ///< only runs behind the one with this id; "": from the first
     char before_key[API_SORT_KEY_SIZE]; ///< its key, "" if it had none; none of API_SORT_CREATED
     size_t limit;                       ///< 1 .. API_LIST_MAX

@@ -8,6 +8,7 @@
 #include "api/json/text.h"
 #include "api/results/annotations_json.h"
 #include "api/results/run_json.h"
+#include "api/scenario/condition.h"
 #include "api/scenario/submission.h"
 #include "api/study/study_replications.h"
 #include "api/study/study_submission.h"
@@ -143,6 +144,7 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     const char *sort = exchange__text(x, "sort");
     const char *search = exchange__text(x, "search");
     const char *line = exchange__text(x, "line");
+    const char *where = exchange__text(x, "where");
     api_list_query list = {
         .state = -1,
         .model = -1,
@@ -163,6 +165,8 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     if (sort != NULL)
         (void)run_sort_read(sort, &list.sort);
     snprintf(list.study, sizeof list.study, "%s", parent != NULL ? parent : "");
+    if (where != NULL && condition_list_read(where, &list.conditions, NULL) != BF_OK)
+        list.conditions.n = 0; // routes__run_where has read it
     if (state != NULL)
         list.state = (int)run_state_find(state);
     if (model != NULL)
@@ -181,6 +185,10 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
     if (page.cursor[0] != '\0' && !run_sort_read_cursor(page.cursor, &list_query))
         return exchange__refuse(x, 400, "", err,
                                 "query parameter 'cursor' is of a list in another order");
+    if (list_query.conditions.n > 0 && list_query.study[0] != '\0')
+        return exchange__refuse(x, 400, "", err,
+                                "query parameter 'where' is of runs that are nobody's trials: the "
+                                "table of a study's trials has their parameters");
     api_run_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail_memory(err);

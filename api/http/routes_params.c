@@ -7,6 +7,7 @@
 #include "api/json/text.h"
 #include "api/results/colormap.h"
 #include "api/results/picture.h"
+#include "api/scenario/condition.h"
 #include "api/scenario/submission.h"
 
 #define TEXT_OF(macro)   TEXT_OF_IT(macro)
@@ -133,6 +134,33 @@ const param routes__run_created_before =
 
 const param routes__run_starred =
     QUERY("starred", flag, .default_text = "0", .most = 1, .help = "1: only starred runs");
+
+static bf_status read_where(const param *row, const char *text, param_value *ret_value,
+                            bf_error *err)
+{
+    api_conditions conditions;
+    bf_error fault;
+
+    (void)ret_value;
+    if (condition_list_read(text, &conditions, &fault) == BF_OK)
+        return BF_OK;
+    return bf_fail(err, BF_EINPUT, "", "query parameter '%s': %s", row->name, fault.text);
+}
+
+static const param_kind kind_where = { "string", read_where, NULL };
+
+const param routes__run_where = {
+    .name = "where",
+    .in = "query",
+    .kind = &kind_where,
+    .limits = "\"examples\":[\"angle_deg>50\",\"cargo/mass_kg<=2,throughput_per_h>20000\"]",
+    .help = "Only runs in whose scenario or key figures numbers are so: at most 4 conditions with "
+            "commas between, a name, "
+            "<, <=, =, >= or >, and a number. The name is a member's, or the end of its JSON "
+            "pointer; any member of this "
+            "name will do. `angle_deg` is also of a straight plate that is written by its ends, "
+            "`speed_m_s` the speed of a belt",
+};
 
 const param routes__run_count = QUERY("count", flag, .default_text = "0", .most = 1,
                                       .help = "1: the answer has the `total` of all pages");

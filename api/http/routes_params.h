@@ -34,6 +34,7 @@ extern const param routes__run_sort;
 extern const param routes__run_created_from;
 extern const param routes__run_created_before;
 extern const param routes__run_starred;
+extern const param routes__run_where;
 extern const param routes__run_count;
 extern const param routes__run_cursor;
 extern const param routes__run_study;

@@ -76,15 +76,17 @@ static const route table[] = {
                        "Location ETag Cache-Control Preference-Applied Idempotent-Replayed",
                        "The run was accepted, or the study of its replications" } }),
     READS("/v1/runs", handlers_runs_list, "Runs", "listRuns", .formats = "json",
-          .params = PARAMS(&routes__run_status, &routes__run_model_word, &routes__run_label,
-                           &routes__of_line, &routes__of_owner, &routes__run_study,
-                           &routes__run_search, &routes__run_sort, &routes__run_created_from,
-                           &routes__run_created_before, &routes__run_starred, &routes__run_count,
-                           &routes__page_limit, &routes__run_cursor, CONDITIONS),
+          .params =
+              PARAMS(&routes__run_status, &routes__run_model_word, &routes__run_label,
+                     &routes__of_line, &routes__of_owner, &routes__run_study, &routes__run_search,
+                     &routes__run_sort, &routes__run_created_from, &routes__run_created_before,
+                     &routes__run_starred, &routes__run_where, &routes__run_count,
+                     &routes__page_limit, &routes__run_cursor, CONDITIONS),
           .summary = "List runs, newest first or in another order",
           .help = "Filters narrow the list; the `next` link, where there is one, leads to the next "
                   "page. `search`, `line`, `starred`, another `sort` and `count` look at the "
-                  "newest 50,000 runs of the list. Trials of a study are listed with `study` only.",
+                  "newest 50,000 runs of the list, `where` at the newest 10,000. Trials of a study "
+                  "are listed with `study` only.",
           .refusals = "404",
           .answers = { { 200, "RunList", CACHED " Link", "A page of runs" }, UNCHANGED }),
     READS("/v1/runs/{id}", handlers_runs_show, "Runs", "getRun", .formats = "json",

@@ -7,6 +7,7 @@
 
 #include "server/store/connection.h"
 
+#include "server/store/conditions.h"
 #include "server/store/page_sums.h"
 
 #include "api/measurements.h"
@@ -120,6 +121,8 @@ bf_status store__connect(const char *path, store__access access, store__connecti
         code = sqlite3_busy_timeout(db, STORE__BUSY_MS);
     if (code == SQLITE_OK)
         code = sqlite3_exec(db, settings[access], NULL, NULL, NULL);
+    if (code == SQLITE_OK)
+        code = store__add_conditions(db);
     if (code != SQLITE_OK) {
         status = store__fail(db, code, err);
         sqlite3_close(db);

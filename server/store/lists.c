@@ -29,7 +29,8 @@ static list_way choose_list(const api_list_query *query)
     if (is_sorted(query))
         return (list_way){ query->sort.is_rising ? STORE__SQL_LIST_RISING : STORE__SQL_LIST_FALLING,
                            STORE__SQL_COUNT, false };
-    if (query->search[0] != '\0' || query->line[0] != '\0' || query->is_starred)
+    if (query->search[0] != '\0' || query->line[0] != '\0' || query->is_starred ||
+        query->conditions.n > 0)
         return (list_way){ STORE__SQL_LIST_FOUND, STORE__SQL_COUNT, false };
     if (has_state && query->state < RUN_SUCCEEDED) // these are few
         return (list_way){ STORE__SQL_LIST_OPEN, STORE__SQL_COUNT, false };
@@ -81,12 +82,15 @@ static void bind_filters(store__query *q, const api_list_query *query, const id_
 
 static void bind_search(store__query *q, const api_list_query *query, const id_bounds *bounds)
 {
+    const bool has_conditions = query->conditions.n > 0;
+
     store__bind(q, TEXT(query->search));
-    store__bind(q, INTEGER(API_LIST_NEWEST - 1));
+    store__bind(q, INTEGER((has_conditions ? API_LIST_DOCUMENTS : API_LIST_NEWEST) - 1));
     store__bind(q, TEXT(bounds->from));
     store__bind(q, TEXT(bounds->before));
     store__bind(q, INTEGER(query->is_starred));
     store__bind(q, TEXT(query->line));
+    store__bind(q, BLOB(&query->conditions, has_conditions ? sizeof query->conditions : 0));
 }
 
 // The key of the present row, as text.
@@ -194,7 +198,7 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
     const bool is_whole = query->state < 0 && query->model < 0 && query->label[0] == '\0' &&
                           query->owner[0] == '\0' && query->search[0] == '\0' &&
                           query->line[0] == '\0' && query->from_ms == 0 && query->before_ms == 0 &&
-                          !query->is_starred;
+                          !query->is_starred && query->conditions.n == 0;
     const id_bounds bounds = bounds_of(query);
 
     store__query q =

@@ -23,7 +23,7 @@
 
 /// Which runs a search, another order or a count takes, by ?3 to ?7 as above and ?8, what name, label or line contains, or '': of
 /// the newest ones up to that with ?9 newer ones, so that it takes a bounded time; ?10 and ?11 not older than, older than,
-/// ?12 1: only starred ones, ?13 line or ''.
+/// ?12 1: only starred ones, ?13 line or '', ?14 an api_conditions or an empty blob, which are tried last.
 #define STORE__FOUND                                                                               \
     "runs INDEXED BY runs_by_parent WHERE parent = ?7 AND (?3 < 0 OR model = ?3) "                 \
     "AND (?4 < 0 OR state = ?4) AND (?5 = '' OR label = ?5) AND (?6 = '' OR owner = ?6) "          \
@@ -31,19 +31,21 @@
     "OR instr(lower(line), ?8) > 0) "                                                              \
     "AND id >= coalesce((SELECT id FROM runs WHERE parent = ?7 ORDER BY id DESC LIMIT 1 "          \
     "OFFSET ?9), '') AND id >= ?10 AND id < ?11 AND starred >= ?12 "                               \
-    "AND (?13 = '' OR line = ?13) "
+    "AND (?13 = '' OR line = ?13) "                                                                \
+    "AND (length(?14) = 0 OR (SELECT conditions_hold(?14, data, figures) FROM texts "              \
+    "WHERE texts.run = runs.number AND texts.kind = 0)) "
 
-/// A page of them by their keys; ?14 an api_sort_by, ?15 the path of its figure, ?16 the key of the run before the page,
+/// A page of them by their keys; ?15 an api_sort_by, ?16 the path of its figure, ?17 the key of the run before the page,
 /// which may be NULL. `than` parts keys behind it from those before it.
 #define STORE__SORTED(direction, than)                                                             \
     "SELECT " STORE__RUN_COLUMNS ", sort_key FROM (SELECT number AS found, id AS found_id, "       \
-    "CASE ?14 WHEN 0 THEN id WHEN 1 THEN nullif(finished_ms, 0) "                                  \
+    "CASE ?15 WHEN 0 THEN id WHEN 1 THEN nullif(finished_ms, 0) "                                  \
     "WHEN 2 THEN substr(CAST(nullif(lower(name), '') AS BLOB), 1, 80) "                            \
     "WHEN 3 THEN substr(CAST(nullif(lower(label), '') AS BLOB), 1, 80) "                           \
     "WHEN 4 THEN model WHEN 5 THEN state "                                                         \
-    "ELSE json_extract(nullif(figures, ''), ?15) END AS sort_key "                                 \
-    "FROM " STORE__FOUND "AND (?1 = '~' OR (sort_key IS ?16 AND id < ?1) "                         \
-    "OR (?16 IS NOT NULL AND (sort_key " than " ?16 OR sort_key IS NULL))) "                       \
+    "ELSE json_extract(nullif(figures, ''), ?16) END AS sort_key "                                 \
+    "FROM " STORE__FOUND "AND (?1 = '~' OR (sort_key IS ?17 AND id < ?1) "                         \
+    "OR (?17 IS NOT NULL AND (sort_key " than " ?17 OR sort_key IS NULL))) "                       \
     "ORDER BY sort_key " direction " NULLS LAST, id DESC LIMIT ?2) "                               \
     "JOIN runs ON number = found ORDER BY sort_key " direction " NULLS LAST, found_id DESC"
 

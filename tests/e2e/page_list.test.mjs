@@ -147,7 +147,7 @@ test("the line as it was before is found among its versions, changed and run as 
 
 test("filters stand in the address, and pages follow the cursor there and back", async (t) => {
   const d = await daemon(t);
-  for (let k = 0; k < 60; k++) await d.submit(tiny({ name: `run ${k}` }), { label: k % 20 === 0 ? "marked" : "" });
+  for (let k = 0; k < 60; k++) await d.submit(tiny({ name: `run ${k}`, duration_s: k % 30 === 0 ? 0.2 : 0.1 }), { label: k % 20 === 0 ? "marked" : "" });
   const page = await openPage(t, d);
   await visit(page, "#/");
   await rowOf(page, "run 59").waitFor();
@@ -160,6 +160,11 @@ test("filters stand in the address, and pages follow the cursor there and back",
   await rowOf(page, "run 59").waitFor();
 
   await page.locator(".total", { hasText: "60" }).waitFor();
+  await page.getByLabel("Search").fill("duration > 0,15 s; cell = 0.01"); // numbers of the scenario
+  await page.locator(".total", { hasText: /^2$/ }).waitFor();
+  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 2);
+  await page.getByLabel("Search").fill("duration > long");
+  await page.getByText('What "duration" is compared with must be a number').waitFor();
   await page.getByLabel("Search").fill("MARK"); // a part of labels
   await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 3);
   await page.locator(".total", { hasText: "3" }).waitFor();

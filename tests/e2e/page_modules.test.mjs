@@ -17,6 +17,7 @@ import { bodyOf } from "../../web/src/plate.js";
 import { marksOf, readNumber, writeNumber } from "../../web/src/numbers.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
+import { searchOf } from "../../web/src/search_words.js";
 import { columnsOf, contentOf, differenceOf, distanceOf, fallsOf, fittedShift, flowOf, rateOf, shifted, valueAt } from "../../web/src/series.js";
 import { intervalOf, pointsOf } from "../../web/src/study_points.js";
 import { daemon } from "./daemon.mjs";
@@ -358,6 +359,18 @@ test("the trials of a point have a mean and its 95 % interval by Student's distr
   const trial = (point, model, values) => ({ point, model, parameters: { "/a": point }, values });
   const points = pointsOf([trial(0, "macro", { f: 1 }), trial(0, "micro", { f: 3 }), trial(0, "macro", { f: 3 }), trial(1, "macro", {})], "f");
   assert.deepEqual(points.map(({ point, model, n, mean: m }) => [point, model, n, m]), [[0, "macro", 2, 2], [0, "micro", 1, 3]]);
+});
+
+test("a search is a text, or conditions on numbers in a planner's words or the members' names", () => {
+  const where = (text) => searchOf(text).where;
+  assert.deepEqual(searchOf("hall 1"), { search: "hall 1", where: "", fault: "" });
+  assert.deepEqual(searchOf('"mu=0.3"'), { search: "mu=0.3", where: "", fault: "" });
+  assert.equal(where("angle > 50"), "angle_deg>50");
+  assert.equal(where("Angle ≥ 62,5°; belt speed<0.4 m/s and throughput > 20000/h"), "angle_deg>=62.5,speed_m_s<0.4,throughput_per_h>20000");
+  assert.equal(where("friction between parts = 0.15"), "/contacts/cargo_cargo/friction=0.15");
+  assert.equal(where("cargo/mass_kg<=2"), "cargo/mass_kg<=2");
+  assert.equal(where("wall friction=1e-3"), "wall_friction=0.001");
+  assert.match(searchOf("angle > steep").fault, /What "angle" is compared with must be a number/);
 });
 
 test("numbers are read by the decimal mark that they make sense with, and those of two meanings are not taken", () => {

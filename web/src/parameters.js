@@ -15,6 +15,9 @@ const SAID = {
   "/contacts/wall_friction": "friction at walls", "/contacts/conveyor_cargo/friction": "friction on the belt", "/contacts/cargo_cargo/friction": "friction between parts",
 };
 
+// The pointers of members that have words of their own, by these words.
+export const pointersOfLabels = Object.fromEntries(Object.entries(SAID).map(([pointer, label]) => [label, pointer]));
+
 // "75°", "0.5 m/s", "yes", "0.75, 0.5 m"; null: the list is too long to be said.
 export function valueText(value, unit = "") {
   if (value === undefined) return "none";

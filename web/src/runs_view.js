@@ -12,12 +12,14 @@ import { byVersion, grouped, MoreRow, StudyRow, VersionRow } from "./runs_groups
 import { parameterOf, RunsHead, sortedBy } from "./runs_head.js";
 import { RunRow, states } from "./runs_table.js";
 import { Tray } from "./runs_tray.js";
+import { searchOf } from "./search_words.js";
 import { selected } from "./selection.js";
 import { nameOfStudy } from "./study_words.js";
 import { tellFault } from "./toast.js";
 import { Variants } from "./variants.js";
 
 const PERIOD_MS = 2000;
+const WHERE_PERIOD_MS = 10000; // the daemon reads the scenarios of many runs for it
 const LIMIT = 50;
 const FILTERS = ["study", "status", "model", "label", "line", "owner", "starred", "from", "to"]; // of the address, but for the search
 
@@ -76,17 +78,18 @@ export class RunsView {
   filters() {
     const plain = (values) => values.map((value) => [value, value]);
     let timer = 0;
-    this.searchBox = h("input", { type: "search", placeholder: "name, label or line", autocomplete: "off", spellcheck: "false", maxlength: "100",
+    this.searchBox = h("input", { type: "search", placeholder: "name, label, line, or angle > 50", autocomplete: "off", spellcheck: "false", maxlength: "100",
       on: { input: () => {
         clearTimeout(timer);
         timer = setTimeout(() => this.filter({ search: this.searchBox.value.trim() }, true), 300);
       } } });
     this.searchBox.value = this.query.get("search") ?? "";
+    this.searchFault = h("span", { class: "fault", role: "status" });
     this.studies = h("span", { class: "row" });
     this.offerStudies().catch(() => {}); // without them there is one choice less
     return h("form", { class: "filters", role: "search", "aria-label": "Filter runs",
       on: { submit: (event) => event.preventDefault() } },
-    h("label", { class: "field inline" }, h("span", {}, "Search"), this.searchBox),
+    h("label", { class: "field inline" }, h("span", {}, "Search"), this.searchBox), this.searchFault,
     this.folded(this.choice("status", "State", plain(states)), this.choice("model", "Model", plain(["macro", "micro"])),
     this.choice("starred", "Show", [["1", "starred"]]), this.day("from", "From"), this.day("to", "to"), this.sorting(), this.studies));
   }
@@ -192,16 +195,20 @@ export class RunsView {
       if (error.name === "AbortError" || this.isGone) return;
       this.explain(error);
     }
-    if (!document.hidden) this.timer = setTimeout(() => this.refresh(), PERIOD_MS);
+    const period = searchOf(this.query.get("search") ?? "").where ? WHERE_PERIOD_MS : PERIOD_MS;
+    if (!document.hidden) this.timer = setTimeout(() => this.refresh(), period);
   }
 
   // A page of the list. Studies stand between the newest runs; other orders and filters are of single runs.
   async load(options) {
-    const { open = "", search = "", sort = "", cursor = "", from = "", to = "", ...rest } = Object.fromEntries(this.query);
+    const { open = "", search: typed = "", sort = "", cursor = "", from = "", to = "", ...rest } = Object.fromEntries(this.query);
+    const { search, where, fault } = searchOf(typed);
+    setText(this.searchFault, fault);
+    if (fault) return { entries: [], cursor: null };
     const query = { ...rest, created_from: midnight(from), created_before: midnight(to, 1) };
     const order = parameterOf(sort) === null ? sort : "";
-    const page = await listRuns({ limit: LIMIT, count: 1, ...query, search, sort: order, cursor }, options);
-    const isGrouped = ![...FILTERS, "sort"].some((name) => this.query.get(name));
+    const page = await listRuns({ limit: LIMIT, count: 1, ...query, search, where, sort: order, cursor }, options);
+    const isGrouped = !where && ![...FILTERS, "sort"].some((name) => this.query.get(name));
     if (rest.line && !sort) return { ...page, entries: await byVersion(page.runs, { line: rest.line, owner: rest.owner ?? "", after: cursor, open: open.split(",") }, options) };
     const entries = isGrouped ? await grouped(page, { after: cursor, open: open.split(","), search }, options)
       : page.runs.map((run) => ({ run }));

@@ -2,6 +2,8 @@
 
 #include "tests/unit/server/helper_store.h"
 
+#include "api/scenario/condition.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -206,6 +208,56 @@ static void only_the_newest_runs_are_looked_at(void **state)
     assert_order(h->store, (api_list_query){ .search = "old" }, 2, "1");
 }
 
+// Scenarios as texts of the runs of the test: duration_s is the index.
+static void add_scenarios(helper_store *h)
+{
+    helper_store_close(h);
+    helper_store_sql(h, "INSERT INTO texts (run, kind, data) SELECT number, 0, "
+                        "printf('{\"duration_s\":%d}', number - 1) FROM runs");
+    helper_store_open(h);
+}
+
+static api_list_query where(const char *text)
+{
+    api_list_query query = { 0 };
+
+    assert_int_equal(condition_list_read(text, &query.conditions, NULL), BF_OK);
+    return query;
+}
+
+static void conditions_find_scenarios_and_key_figures(void **state)
+{
+    helper_store *h = *state;
+    api_list_query failed = where("duration_s>0"), by_name = where("duration_s>=1");
+
+    fill(h);
+    assert_order(h->store, where("duration_s>0"), 2, ""); // these have no scenario
+    add_scenarios(h);
+    assert_order(h->store, where("duration_s>1"), 2, "432");
+    assert_order(h->store, where("throughput_per_h>200"), 1, "40");
+    assert_order(h->store, where("residence_s/p95=2.5,duration_s<2"), 2, "1");
+    assert_int_equal(count(h->store, where("duration_s<=3")), 4);
+    failed.state = RUN_FAILED;
+    assert_order(h->store, failed, 2, "3");
+    by_name.sort = (api_sort){ .by = API_SORT_NAME, .is_rising = true };
+    assert_order(h->store, by_name, 2, "3142");
+}
+
+static void only_the_newest_scenarios_are_read(void **state)
+{
+    helper_store *h = *state;
+
+    helper_store_close(h);
+    helper_store_sql(h, "WITH RECURSIVE number (i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM number "
+                        "WHERE i < 10000) INSERT INTO runs (id, state, model, priority, label, "
+                        "name, created_ms) SELECT printf('%036d', i), 2, 0, 0, '', '', i "
+                        "FROM number");
+    helper_store_open(h);
+    add_scenarios(h);
+    assert_int_equal(count(h->store, where("duration_s>=0")), API_LIST_DOCUMENTS);
+    assert_order(h->store, where("duration_s<2"), 2, "1");
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -219,6 +271,8 @@ int main(void)
         STORE_TEST(a_search_finds_names_and_labels),
         STORE_TEST(totals_count_all_pages),
         STORE_TEST(only_the_newest_runs_are_looked_at),
+        STORE_TEST(conditions_find_scenarios_and_key_figures),
+        STORE_TEST(only_the_newest_scenarios_are_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
