@@ -20,6 +20,15 @@ enum {
     API_MEASUREMENT_SAMPLES_MAX = 100000, ///< samples of one
 };
 
+/// Who submits a run or a study, and what must be the same where it is submitted again.
+typedef struct api_sender {
+    char owner[API_OWNER_SIZE];   ///< whose it will be, "" if nobody's
+    char client[API_CLIENT_SIZE]; ///< the address, "" if no limit holds for it
+    char key[API_KEY_SIZE];       ///< the client's idempotency key, one of its owner's; "" if none
+    const char *body;             ///< of a request with a key, n_body bytes; borrowed
+    size_t n_body;                ///< bytes
+} api_sender;
+
 /// What a measurement is. The values stand in the store: never renumber.
 typedef enum api_measured {
     API_MEASURED_CURVE,    ///< samples of a curve, to compare with

@@ -45,14 +45,10 @@ typedef struct api_submission {
     char closure[API_CLOSURE_SIZE]; ///< see api_run
     bf_buffer scenario;             ///< the resolved document
     bf_buffer columns;              ///< of the curve, from scenario_columns()
-    char owner[API_OWNER_SIZE];     ///< whose it will be, "" if nobody's
-    char client[API_CLIENT_SIZE];   ///< who submits it, "" if no limit holds for them
     bool is_fresh;                  ///< to be solved even if the results are known
     uint64_t replications;          ///< above 1: runs at other substreams, which are a study
     bf_buffer identity;             ///< the resolved document without its name; "": never cached
-    char key[API_KEY_SIZE]; ///< the client's idempotency key, one of its owner's; "" if none
-    const char *body;       ///< with a key: what else must be the same, n_body bytes; borrowed
-    size_t n_body;          ///< bytes
+    api_sender sender;              ///< whose it will be
 } api_submission;
 
 /// What became of a submission. Zero-initialise; free with buffer_fini(&answer).

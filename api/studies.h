@@ -99,13 +99,9 @@ typedef struct api_study_submission {
     run_model model;                ///< of the document
     int priority;                   ///< see api_submission
     uint64_t trials_max;            ///< of the document
-    bf_buffer document;         ///< what study_document_read() reads, without names of measurements
-    bf_buffer columns;          ///< of its trials, from study_columns_write()
-    char owner[API_OWNER_SIZE]; ///< whose it will be, "" if nobody's
-    char client[API_CLIENT_SIZE]; ///< who submits it, "" if no limit holds for them
-    char key[API_KEY_SIZE];       ///< the client's idempotency key, one of its owner's; "" if none
-    const char *body;             ///< with a key: what else must be the same; borrowed
-    size_t n_body;                ///< bytes
+    bf_buffer document; ///< what study_document_read() reads, without names of measurements
+    bf_buffer columns;  ///< of its trials, from study_columns_write()
+    api_sender sender;  ///< whose it will be
 } api_study_submission;
 
 /// Which studies a list shows; newest first.

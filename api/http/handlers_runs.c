@@ -89,10 +89,7 @@ static bf_status submit(exchange *x, const api_submission *submission, bf_error 
 bf_status handlers__submit_run(exchange *x, api_submission *submission, const char *body, size_t n,
                                bf_error *err)
 {
-    submission->body = body;
-    submission->n_body = n;
-    handlers__read_sender(x, submission->owner, submission->client);
-    const bf_status status = handlers__read_key(x, submission->key, err);
+    const bf_status status = handlers__read_sender(x, body, n, &submission->sender, err);
     return status == BF_OK ? submit(x, submission, err) : status;
 }
 

@@ -44,10 +44,8 @@ static bf_status submit(exchange *x, const api_study_submission *submission, bf_
 
 bf_status handlers__submit_study(exchange *x, api_study_submission *submission, bf_error *err)
 {
-    submission->body = x->request->body;
-    submission->n_body = x->request->n_body;
-    handlers__read_sender(x, submission->owner, submission->client);
-    const bf_status status = handlers__read_key(x, submission->key, err);
+    const bf_status status =
+        handlers__read_sender(x, x->request->body, x->request->n_body, &submission->sender, err);
     return status == BF_OK ? submit(x, submission, err) : status;
 }
 

@@ -57,16 +57,16 @@ json_in_texts handlers__texts(const exchange *x, size_t n)
     return (json_in_texts){ .context = x, .read = read_text, .n_left = n };
 }
 
-bf_status handlers__read_key(const exchange *x, char *ret_key, bf_error *err)
+bf_status handlers__read_sender(const exchange *x, const char *body, size_t n,
+                                api_sender *ret_sender, bf_error *err)
 {
-    return negotiation_read_key(exchange__header(x, "Idempotency-Key"), ret_key, err);
-}
+    api_sender sender = { .body = body, .n_body = n };
 
-void handlers__read_sender(const exchange *x, char *ret_owner, char *ret_client)
-{
-    memcpy(ret_owner, x->who.owner, API_OWNER_SIZE);
+    memcpy(sender.owner, x->who.owner, sizeof sender.owner);
     if (x->request->client != NULL)
-        snprintf(ret_client, API_CLIENT_SIZE, "%s", x->request->client);
+        snprintf(sender.client, sizeof sender.client, "%s", x->request->client);
+    *ret_sender = sender;
+    return negotiation_read_key(exchange__header(x, "Idempotency-Key"), ret_sender->key, err);
 }
 
 void handlers__note_refusal(exchange *x, bf_status status, const api_acceptance *accepted)

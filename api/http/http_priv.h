@@ -157,10 +157,10 @@ route_handler_fn handlers_runs_show;
 route_handler_fn handlers_runs_annotate;
 route_handler_fn handlers_runs_cancel;
 route_handler_fn handlers_runs_remove;
-/// What becomes of submissions: the key, the owner and the client of a request for one; the status of a refusal, and when
-/// another try can help; and the head of the answer, for what was created below a path such as "/v1/runs".
-BF_MUST_CHECK bf_status handlers__read_key(const exchange *x, char *ret_key, bf_error *err);
-void handlers__read_sender(const exchange *x, char *ret_owner, char *ret_client);
+/// What becomes of submissions: who sends one, with the n bytes of body that must come again with its key; the status of a
+/// refusal, and when another try can help; and the head of the answer, for what was created below a path such as "/v1/runs".
+BF_MUST_CHECK bf_status handlers__read_sender(const exchange *x, const char *body, size_t n,
+                                              api_sender *ret_sender, bf_error *err);
 void handlers__note_refusal(exchange *x, bf_status status, const api_acceptance *accepted);
 void handlers__answer_head(exchange *x, const char *path, const char *id, uint64_t revision);
 

@@ -22,12 +22,14 @@ struct store__key {
 // BF_ECONFLICT: another request uses it at the moment.
 static bf_status use_key(store *s, store__key *key, const store__request *request, bf_error *err)
 {
-    key->text = request->key;
+    const api_sender *sender = request->sender;
+
+    key->text = sender->key;
     if (key->text[0] == '\0')
         return BF_OK;
     (void)snprintf(key->route, sizeof key->route, "%s%s%s", request->route,
-                   request->owner[0] == '\0' ? "" : " ", request->owner);
-    (void)crypto_hash_sha256(key->digest, request->body, request->n_body);
+                   sender->owner[0] == '\0' ? "" : " ", sender->owner);
+    (void)crypto_hash_sha256(key->digest, (const unsigned char *)sender->body, sender->n_body);
     lock_acquire(&s->lock);
     const store__key *used = s->keys;
     while (used != NULL &&

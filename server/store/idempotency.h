@@ -10,12 +10,9 @@
 /// A request for something new, which may have a key.
 typedef struct store__request {
     const char *route; ///< "POST /v1/runs"; keys of different routes and owners are different keys
-    const char *owner; ///< whose they are; "": nobody's
-    const char *key;   ///< "": none
-    const void *body;  ///< what must be the same when the key comes again
-    size_t n_body;     ///< bytes
-    const char *id;    ///< of what is new
-    int64_t now_ms;    ///< when
+    const api_sender *sender; ///< of the request
+    const char *id;           ///< of what is new
+    int64_t now_ms;           ///< when
 } store__request;
 
 /// Insert what a request asks for, and set revision and answer of *accepted; of BF_ELIMIT, retry_after_s.

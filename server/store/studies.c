@@ -157,8 +157,8 @@ static void fill_row(const api_study_submission *submission, store__study *row)
 {
     api_study *about = &row->study;
 
-    snprintf(row->client, sizeof row->client, "%s", submission->client);
-    snprintf(about->owner, sizeof about->owner, "%s", submission->owner);
+    snprintf(row->client, sizeof row->client, "%s", submission->sender.client);
+    snprintf(about->owner, sizeof about->owner, "%s", submission->sender.owner);
     snprintf(about->name, sizeof about->name, "%s", submission->name);
     snprintf(about->line, sizeof about->line, "%s", submission->line);
     about->method = submission->method;
@@ -180,10 +180,7 @@ bf_status store_submit_study(store *s, const api_study_submission *submission,
         return status;
     fill_row(submission, &context.row);
     const store__request request = { .route = "POST /v1/studies",
-                                     .owner = submission->owner,
-                                     .key = submission->key,
-                                     .body = submission->body,
-                                     .n_body = submission->n_body,
+                                     .sender = &submission->sender,
                                      .id = about->id,
                                      .now_ms = about->created_ms };
     return store__accept(s, &request, accept, &context, ret_acceptance, err);

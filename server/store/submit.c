@@ -190,8 +190,8 @@ static void fill_row(const api_submission *submission, store__row *row)
 {
     api_run *record = &row->run;
 
-    snprintf(row->client, sizeof row->client, "%s", submission->client);
-    snprintf(record->owner, sizeof record->owner, "%s", submission->owner);
+    snprintf(row->client, sizeof row->client, "%s", submission->sender.client);
+    snprintf(record->owner, sizeof record->owner, "%s", submission->sender.owner);
     record->model = submission->model;
     record->priority = submission->priority;
     snprintf(record->label, sizeof record->label, "%s", submission->label);
@@ -214,10 +214,7 @@ bf_status store_submit(store *s, const api_submission *submission, api_acceptanc
     fill_row(submission, &context.row);
     digest_work(submission, false, context.digest);
     const store__request request = { .route = "POST /v1/runs",
-                                     .owner = submission->owner,
-                                     .key = submission->key,
-                                     .body = submission->body,
-                                     .n_body = submission->n_body,
+                                     .sender = &submission->sender,
                                      .id = record->id,
                                      .now_ms = record->created_ms };
     return store__accept(s, &request, accept, &context, ret_acceptance, err);

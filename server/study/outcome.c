@@ -41,7 +41,7 @@ bf_status study__submission(study__task *t, const api_study *about, const api_tr
     if (status != BF_OK)
         return status;
     ret_submission->priority = about->priority;
-    snprintf(ret_submission->owner, sizeof ret_submission->owner, "%s", about->owner);
+    snprintf(ret_submission->sender.owner, sizeof ret_submission->sender.owner, "%s", about->owner);
     return BF_OK;
 }
 

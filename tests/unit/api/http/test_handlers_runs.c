@@ -99,11 +99,11 @@ static void a_full_disk_asks_to_come_back(void **state)
 static void a_key_comes_to_the_daemon_with_the_body(void **state)
 {
     ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: \"one \\\"key\\\"\"\n", BODY, 201);
-    assert_string_equal(ask_daemon.submitted.key, "one \"key\"");
-    assert_int_equal(ask_daemon.submitted.n_body, strlen(BODY));
+    assert_string_equal(ask_daemon.submitted.sender.key, "one \"key\"");
+    assert_int_equal(ask_daemon.submitted.sender.n_body, strlen(BODY));
     assert_null(helper_header(&ask_response, "Idempotent-Replayed"));
     ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 201);
-    assert_string_equal(ask_daemon.submitted.key, "");
+    assert_string_equal(ask_daemon.submitted.sender.key, "");
 }
 
 static void an_answer_that_is_given_again_says_so(void **state)

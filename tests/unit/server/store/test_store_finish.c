@@ -131,7 +131,7 @@ static void a_claim_with_an_end_sees_what_that_has_used(void **state)
     const store_options options = { .directory = h->directory,
                                     .queue_limit = 10,
                                     .quotas = { .cpu_s = 60 } };
-    api_submission submission = { .model = RUN_MACRO, .owner = "alice" };
+    api_submission submission = { .model = RUN_MACRO, .sender.owner = "alice" };
     store_next next = { .status = BF_OK };
     api_run after;
 

@@ -15,9 +15,11 @@ enum { N_THREADS = 8, N_TRIES = 40 };
 // A submission of nothing but a key and a body. The caller's buffers are none.
 static api_submission with_key(const char *key, const char *body)
 {
-    api_submission submission = { .model = RUN_MACRO, .body = body, .n_body = strlen(body) };
+    api_submission submission = { .model = RUN_MACRO,
+                                  .sender.body = body,
+                                  .sender.n_body = strlen(body) };
 
-    snprintf(submission.key, sizeof submission.key, "%s", key);
+    snprintf(submission.sender.key, sizeof submission.sender.key, "%s", key);
     return submission;
 }
 
@@ -41,7 +43,7 @@ static void a_key_is_its_owners(void **state)
     static const char *const owners[] = { "alice", "bob", "alice", "" };
 
     for (size_t i = 0; i < 4; i++) {
-        snprintf(submission.owner, sizeof submission.owner, "%s", owners[i]);
+        snprintf(submission.sender.owner, sizeof submission.sender.owner, "%s", owners[i]);
         assert_int_equal(store_submit(h->store, &submission, &accepted[i], NULL), BF_OK);
         assert_int_equal(accepted[i].is_replay, i == 2);
         assert_string_equal(helper_find(h->store, accepted[i].id).owner, owners[i]);

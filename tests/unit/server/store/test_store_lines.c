@@ -26,7 +26,7 @@ static api_run submit(store *s, const char *owner, const char *line, const char 
     int n = snprintf(json, sizeof json, body, name, duration_s, model, line);
     if (submission_read(json, (size_t)n, NULL, &submission, &faults, &err) != BF_OK)
         fail_msg("%s", err.text);
-    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
+    snprintf(submission.sender.owner, sizeof submission.sender.owner, "%s", owner);
     const api_run record = helper_accept(s, &submission);
     submission_fini(&submission);
     return record;

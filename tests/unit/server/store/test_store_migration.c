@@ -318,12 +318,12 @@ static void check_part(store *s)
 
 static void check_replay(store *s)
 {
-    api_submission submission = { .model = RUN_MACRO, .key = "fixture" };
+    api_submission submission = { .model = RUN_MACRO, .sender.key = "fixture" };
     api_acceptance accepted = { .revision = 0 };
 
     // The body is not known here; another one is refused because the key is.
-    submission.body = "{}";
-    submission.n_body = 2;
+    submission.sender.body = "{}";
+    submission.sender.n_body = 2;
     assert_int_equal(store_submit(s, &submission, &accepted, NULL), BF_EINPUT);
 }
 

@@ -15,7 +15,7 @@ static bf_status try_submit(store *s, const char *owner, int priority, api_accep
 {
     api_submission submission = { .model = RUN_MACRO, .priority = priority };
 
-    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
+    snprintf(submission.sender.owner, sizeof submission.sender.owner, "%s", owner);
     assert_int_equal(buffer_append(&submission.columns, "upstream,left_domain", 20), BF_OK);
     *ret_accepted = (api_acceptance){ .revision = 0 };
     bf_status status = store_submit(s, &submission, ret_accepted, err);
@@ -286,7 +286,7 @@ static bf_status try_named(store *s, const char *owner, api_run *ret_run)
     api_submission submission = { .model = RUN_MACRO };
     api_acceptance accepted = { .revision = 0 };
 
-    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
+    snprintf(submission.sender.owner, sizeof submission.sender.owner, "%s", owner);
     assert_int_equal(buffer_append(&submission.identity, "same", 4), BF_OK);
     assert_int_equal(buffer_append(&submission.columns, "upstream,left_domain", 20), BF_OK);
     bf_status status = store_submit(s, &submission, &accepted, NULL);

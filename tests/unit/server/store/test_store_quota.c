@@ -24,11 +24,11 @@ static int set_up(void **state)
 
 static bf_status submit(store *s, const char *client, const char *key, bf_error *err)
 {
-    api_submission submission = { .model = RUN_MACRO, .body = "", .n_body = 0 };
+    api_submission submission = { .model = RUN_MACRO, .sender.body = "", .sender.n_body = 0 };
     api_acceptance accepted = { .revision = 0 };
 
-    snprintf(submission.client, sizeof submission.client, "%s", client);
-    snprintf(submission.key, sizeof submission.key, "%s", key);
+    snprintf(submission.sender.client, sizeof submission.sender.client, "%s", client);
+    snprintf(submission.sender.key, sizeof submission.sender.key, "%s", key);
     bf_status status = store_submit(s, &submission, &accepted, err);
     buffer_fini(&accepted.answer);
     return status;

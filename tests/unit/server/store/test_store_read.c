@@ -85,7 +85,7 @@ static void submit_for(store *s, const char *owner, const char *label)
 {
     api_submission submission = { .model = RUN_MACRO };
 
-    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
+    snprintf(submission.sender.owner, sizeof submission.sender.owner, "%s", owner);
     snprintf(submission.label, sizeof submission.label, "%s", label);
     assert_string_equal(helper_accept(s, &submission).owner, owner);
 }

@@ -95,7 +95,7 @@ static api_run add_of(store *s, const char *owner, bool is_fresh, size_t n_snaps
     assert_int_equal(buffer_printf(&submission.scenario, "{}"), BF_OK);
     assert_int_equal(buffer_printf(&submission.columns, "upstream,left_domain"), BF_OK);
     assert_int_equal(buffer_printf(&submission.identity, "a"), BF_OK);
-    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
+    snprintf(submission.sender.owner, sizeof submission.sender.owner, "%s", owner);
     api_run record = helper_accept(s, &submission);
     if (record.state == RUN_QUEUED) {
         (void)helper_claim(s);

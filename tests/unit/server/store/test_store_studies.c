@@ -24,12 +24,12 @@ static bf_status try_submit(store *s, const char *owner, int priority, const cha
                                         .model = RUN_MACRO,
                                         .priority = priority,
                                         .trials_max = 9,
-                                        .body = body };
+                                        .sender.body = body };
 
     snprintf(submission.name, sizeof submission.name, "which angle");
-    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
-    snprintf(submission.key, sizeof submission.key, "%s", key);
-    submission.n_body = strlen(body);
+    snprintf(submission.sender.owner, sizeof submission.sender.owner, "%s", owner);
+    snprintf(submission.sender.key, sizeof submission.sender.key, "%s", key);
+    submission.sender.n_body = strlen(body);
     fill(&submission.document, "{\"base\":{}}");
     fill(&submission.columns, "[]");
     *ret_accepted = (api_acceptance){ .revision = 0 };
@@ -81,7 +81,7 @@ static bf_status begin_scenarios(store *s, const api_study *of, uint64_t from, s
         fill(&submissions[k].scenario, texts[k]);
         fill(&submissions[k].identity, texts[k]);
         fill(&submissions[k].columns, "upstream,left_domain");
-        snprintf(submissions[k].owner, sizeof submissions[k].owner, "%s", of->owner);
+        snprintf(submissions[k].sender.owner, sizeof submissions[k].sender.owner, "%s", of->owner);
         begins[k] = (store_trial_begin){ .trial = { .number = from + k,
                                                     .point = from + k,
                                                     .model = RUN_MACRO,
@@ -196,7 +196,9 @@ static void a_key_makes_one_study(void **state)
         store_list_studies(s, &(api_study_query){ .state = -1, .limit = 9 }, &list, NULL), BF_OK);
     assert_int_equal(list.n, 1);
     // A run may have the same key: it is another route's.
-    api_submission submission = { .model = RUN_MACRO, .key = "k", .body = "one", .n_body = 3 };
+    api_submission submission = {
+        .model = RUN_MACRO, .sender.key = "k", .sender.body = "one", .sender.n_body = 3
+    };
     fill(&submission.columns, "upstream,left_domain");
     helper_accept(s, &submission);
     buffer_fini(&submission.columns);

@@ -97,7 +97,7 @@ static api_study submit_of(world *w, const char *owner, const char *text)
     assert_int_equal(study_columns_write(columns, &submission.columns, NULL), BF_OK);
     submission.document = document;
     submission.method = d.method.type;
-    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
+    snprintf(submission.sender.owner, sizeof submission.sender.owner, "%s", owner);
     assert_int_equal(store_submit_study(w->h->store, &submission, &accepted, NULL), BF_OK);
     studies_wake(w->studies);
     assert_int_equal(store_find_study(w->h->store, accepted.id, &found, NULL), BF_OK);
