@@ -21,10 +21,12 @@ enum {
 typedef struct micro_common {
     uint8_t *
         presence; ///< by handle: MICRO_HERE etc.; micro.c frees those of parts that have left, then forget_gone()
-    surroundings around;   ///< a copy: belts and edges
-    const bf_world *world; ///< borrowed; that of the definition, or one in which nothing moves
-    uint64_t steps;        ///< made since t = 0
-    double recent_overlap; ///< largest overlap_share (micro_totals) since micro.c set it to 0
+    surroundings around;    ///< a copy: belts and edges
+    const bf_world *world;  ///< borrowed; that of the definition, or one in which nothing moves
+    uint64_t steps;         ///< made since t = 0
+    double largest_overlap; ///< of any contact since the start, m
+    double overlap_share;   ///< see micro_totals
+    double recent_overlap;  ///< the largest of these since micro.c set it to 0
 } micro_common;
 
 /// The functions of a path; state is what create() made. Meanings as in micro.h.
@@ -56,12 +58,21 @@ typedef struct micro_backend {
     void (*harden)(void *state, double reduction);
     /// What parts do to an obstacle that moves now, by the springs of their contacts
     plate_load (*load_on)(void *state, size_t obstacle);
-    /// Write the state as the payload of a checkpoint.
+    /// Write the state but for what micro_common counts.
     void (*save)(const void *state, checkpoint_writer *w);
-    /// Take a state with n handles that save() wrote, to the payload's end, before the first step; else as micro_load().
+    /// Take a state with n handles that save() wrote, to the payload's end, after micro_common and before the first step;
+    /// else as micro_load().
     bf_status (*load)(void *state, size_t n, checkpoint_reader *r, bf_error *err);
     checkpoint_kind kind; ///< of its checkpoints
 } micro_backend;
+
+/// Take over the largest overlap of some steps, m, and the largest overlap_share.
+static inline void micro__take_overlaps(micro_common *c, double overlap, double relative)
+{
+    c->largest_overlap = overlap > c->largest_overlap ? overlap : c->largest_overlap;
+    c->overlap_share = relative > c->overlap_share ? relative : c->overlap_share;
+    c->recent_overlap = relative > c->recent_overlap ? relative : c->recent_overlap;
+}
 
 /// Whether an overlap since the start was beyond overlap_limit.
 static inline bool micro__is_pressed(double overlap_share, const micro_def *def)
@@ -71,6 +82,11 @@ static inline bool micro__is_pressed(double overlap_share, const micro_def *def)
 
 /// The fastest speed of any point of a plate, m/s, and whose it is.
 double micro__plate_speed(const micro_def *def, size_t *ret_obstacle);
+
+/// The velocity with which a part of the definition starts whose centre is there and that bridges gaps by its radius, m, and
+/// its spin: those of the belt under it.
+vec2 micro__start_velocity(const micro_def *def, const micro_common *of, vec2 at, double radius,
+                           double *ret_spin);
 
 /// The definition's world, or one in which nothing moves.
 bf_world *micro__world(const micro_def *def);

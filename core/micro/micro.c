@@ -52,9 +52,12 @@ struct micro_solver {
 typedef struct saved_header {
     uint64_t n;
     uint64_t next_id;
-    double reduction;
-    double recent_overlap;
     uint64_t n_reported_fallen;
+    double reduction;
+    uint64_t steps; // these of micro_common
+    double largest_overlap;
+    double overlap_share;
+    double recent_overlap;
 } saved_header;
 
 micro_def micro_def_default(void)
@@ -183,6 +186,19 @@ static bf_status check_plates(const micro_def *def, bf_error *err)
         "moves at up to %.6g m/s: too fast for steps of %.9g s; the largest stable one is "
         "%.9g s",
         speed, def->dt, stable);
+}
+
+vec2 micro__start_velocity(const micro_def *def, const micro_common *of, vec2 at, double radius,
+                           double *ret_spin)
+{
+    const size_t belt = surroundings_belt_under(&of->around, at, radius);
+
+    *ret_spin = 0.0;
+    if (belt == def->n_belts)
+        return def->start_velocity;
+    const double factor = belt_speeds_at(&of->world->belts, belt, 0.0);
+    *ret_spin = factor * def->belts[belt].turn;
+    return vec2_scale(belt_velocity(&def->belts[belt], at), factor);
 }
 
 bf_world *micro__world(const micro_def *def)
@@ -532,9 +548,16 @@ uint64_t micro_digest(const micro_solver *s)
 bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
 {
     checkpoint_writer w;
-
-    const saved_header header = { s->n, s->next_id, s->reduction, s->state->recent_overlap,
-                                  s->n_reported_fallen };
+    const saved_header header = {
+        s->n,
+        s->next_id,
+        s->n_reported_fallen,
+        s->reduction,
+        s->state->steps,
+        s->state->largest_overlap,
+        s->state->overlap_share,
+        s->state->recent_overlap,
+    };
 
     checkpoint_begin(&w, out, s->backend->kind, 0);
     checkpoint_write(&w, &header, sizeof header);
@@ -599,11 +622,14 @@ bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err
     s->next_id = header.next_id;
     s->first_free = 0;
     s->n_reported_fallen = header.n_reported_fallen;
+    s->state->steps = header.steps;
+    s->state->largest_overlap = header.largest_overlap;
+    s->state->overlap_share = header.overlap_share;
+    s->state->recent_overlap = header.recent_overlap;
     if ((status = check_ids(s, err)) == BF_OK)
         status = s->backend->load(s->state, s->n, &r, err);
     if (status != BF_OK)
         return status;
-    s->state->recent_overlap = header.recent_overlap;
     set_reduction(s, header.reduction);
     return BF_OK;
 }

@@ -166,20 +166,14 @@ static bf_status create(const micro_def *def, micro_common **ret_state, bf_error
         (status = body__belt_init(s, def, err)) == BF_OK) {
         // Place the parts of the definition; those on a belt start with its velocity.
         for (size_t k = 0; k < s->n; k++) {
-            const micro_arrival arrival = { def->part_kinds != NULL ? def->part_kinds[k] : 0,
-                                            def->poses[k], def->start_velocity };
+            const micro_arrival arrival = { .kind =
+                                                def->part_kinds != NULL ? def->part_kinds[k] : 0,
+                                            .pose = def->poses[k] };
             body_body *body = &s->bodies[k];
             body__place_part(s, k, &arrival);
-            const size_t belt =
-                surroundings_belt_under(&s->common.around, (vec2){ body->x.x, body->x.y },
-                                        s->kinds[body->kind].inner_radius);
-            if (belt == def->n_belts)
-                continue;
-            const double factor = belt_speeds_at(&s->common.world->belts, belt, 0.0);
-            const vec2 v = vec2_scale(
-                belt_velocity(&def->belts[belt], (vec2){ body->x.x, body->x.y }), factor);
+            const vec2 v = micro__start_velocity(def, &s->common, (vec2){ body->x.x, body->x.y },
+                                                 s->kinds[body->kind].inner_radius, &body->w.z);
             body->v = (vec3){ v.x, v.y, 0.0 };
-            body->w.z = factor * def->belts[belt].turn;
         }
         // The extremes of all parts that there may be, and lengths that follow.
         s->bounding_radius_min = s->n > 0 || s->def.n_parts_expected > 0 ? DBL_MAX : 1.0;

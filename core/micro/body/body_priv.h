@@ -127,8 +127,6 @@ struct body_state {
     body_belt *belts;           ///< each belt, and what is off every belt, in this step
     size_t n_blocks;            ///< of parts
     body_report *reports;       ///< one a block
-    double largest_overlap;     ///< since the start, m
-    double overlap_share;       ///< see micro_totals
     size_t n_contacts;          ///< see micro_totals
     struct implicit_solver *implicit; ///< of MICRO_IMPLICIT, else NULL
 };

@@ -232,9 +232,7 @@ bf_status body__advance(void *state, uint64_t n, bf_error *err)
         s->n_contacts = 0;
     for (size_t block = 0; block < s->n_blocks; block++) {
         const body_report *report = &s->reports[block];
-        s->largest_overlap = fmax(s->largest_overlap, report->overlap);
-        s->overlap_share = fmax(s->overlap_share, report->overlap_share);
-        s->common.recent_overlap = fmax(s->common.recent_overlap, report->overlap_share);
+        micro__take_overlaps(&s->common, report->overlap, report->overlap_share);
         s->n_contacts += report->n_contacts;
     }
     return status;

@@ -10,22 +10,19 @@
 #include <string.h>
 
 /// The start of a saved state, followed by n saved_part, n_pairs saved_pair,
-/// n_plate_memories saved_plate_memory and n_warm_starts saved_warm_start (of MICRO_IMPLICIT).
+/// n_plate_memories saved_plate_memory and n_warm_starts saved_warm_start (of MICRO_IMPLICIT). None has padding.
 typedef struct saved_header {
-    uint64_t steps;
     uint64_t n_pairs;
     uint64_t n_plate_memories;
     uint64_t n_warm_starts;
     uint64_t n_contacts;
-    double largest_overlap;
-    double overlap_share;
 } saved_header;
 
 typedef struct saved_part {
-    double x[3];
-    double q[4];
-    double v[3];
-    double w[3];
+    vec3 x;
+    quat q;
+    vec3 v;
+    vec3 w;
     uint32_t presence;
     uint32_t kind;
 } saved_part;
@@ -33,15 +30,30 @@ typedef struct saved_part {
 typedef struct saved_pair {
     uint32_t a;
     uint32_t b;
-    double axis[3];
+    vec3 axis;
     double gap;
-    uint16_t feature[4]; // kind, of_a, of_b, 0
+    manifold_feature feature;
+    uint16_t zero;
 } saved_pair;
 
 typedef struct saved_plate_memory {
     saved_pair pair; // a: the part, b: the plate
     uint64_t slot;   // among those of the part
 } saved_plate_memory;
+
+/// A warm start; those of pairs come first, in the order of the pairs, then those with boundaries and belts.
+typedef struct saved_warm_start {
+    uint32_t a;
+    uint32_t b;   // BODY_STATIC: a boundary or the belt
+    uint32_t key; // > 0
+    uint32_t zero;
+    vec3 impulse;
+    vec3 angular_impulse;
+} saved_warm_start;
+
+_Static_assert(sizeof(saved_part) == 13 * sizeof(double) + 8 && sizeof(saved_pair) == 48 &&
+                   sizeof(saved_warm_start) == 64,
+               "no padding");
 
 micro_part body__part(const void *state, size_t k)
 {
@@ -119,8 +131,8 @@ micro_totals body__measure(const void *state)
 {
     const body_state *s = state;
     micro_totals totals = { .n_contacts = s->n_contacts,
-                            .largest_overlap = s->largest_overlap,
-                            .overlap_share = s->overlap_share };
+                            .largest_overlap = s->common.largest_overlap,
+                            .overlap_share = s->common.overlap_share };
 
     for (size_t k = 0; k < s->n; k++) {
         if (s->common.presence[k])
@@ -131,28 +143,13 @@ micro_totals body__measure(const void *state)
     return totals;
 }
 
-/// A warm start; those of pairs come first, in the order of the pairs, then those with boundaries and belts.
-typedef struct saved_warm_start {
-    uint32_t a;
-    uint32_t b;   // BODY_STATIC: a boundary or the belt
-    uint32_t key; // > 0
-    uint32_t zero;
-    double impulse[3];
-    double angular_impulse[3];
-} saved_warm_start;
-
 /// Returns how many it wrote.
 static uint64_t save_warm_start(uint32_t a, uint32_t b, const body_warm_start *warm_start,
                                 checkpoint_writer *w)
 {
-    const saved_warm_start saved = { a,
-                                     b,
-                                     warm_start->key,
-                                     0,
-                                     { warm_start->impulse.x, warm_start->impulse.y,
-                                       warm_start->impulse.z },
-                                     { warm_start->angular_impulse.x, warm_start->angular_impulse.y,
-                                       warm_start->angular_impulse.z } };
+    const saved_warm_start saved = {
+        a, b, warm_start->key, 0, warm_start->impulse, warm_start->angular_impulse
+    };
 
     if (warm_start->key == 0)
         return 0;
@@ -160,44 +157,30 @@ static uint64_t save_warm_start(uint32_t a, uint32_t b, const body_warm_start *w
     return 1;
 }
 
-static bool is_empty(const body_memory *memory)
+static saved_pair save_memory(size_t a, size_t b, const body_memory *m)
 {
-    return memory->feature.kind == MANIFOLD_NONE && vec3_dot(memory->axis, memory->axis) == 0.0;
-}
-
-static saved_pair save_memory(size_t a, size_t b, const body_memory *memory)
-{
-    return (saved_pair){ (uint32_t)a,
-                         (uint32_t)b,
-                         { memory->axis.x, memory->axis.y, memory->axis.z },
-                         memory->gap,
-                         { memory->feature.kind, memory->feature.of_a, memory->feature.of_b, 0 } };
+    return (saved_pair){ (uint32_t)a, (uint32_t)b, m->axis, m->gap, m->feature, 0 };
 }
 
 void body__save(const void *state, checkpoint_writer *w)
 {
     const body_state *s = state;
     const size_t start = checkpoint_at(w);
-    saved_header header = { .steps = s->common.steps,
-                            .n_contacts = s->n_contacts,
-                            .largest_overlap = s->largest_overlap,
-                            .overlap_share = s->overlap_share };
+    saved_header header = { .n_contacts = s->n_contacts };
 
     checkpoint_write(w, &header, sizeof header);
     for (size_t k = 0; k < s->n; k++) {
         const body_body *body = &s->bodies[k];
-        const saved_part part = { { body->x.x, body->x.y, body->x.z },
-                                  { body->q.w, body->q.v.x, body->q.v.y, body->q.v.z },
-                                  { body->v.x, body->v.y, body->v.z },
-                                  { body->w.x, body->w.y, body->w.z },
-                                  s->common.presence[k],
+        const saved_part part = { body->x,   body->q, body->v, body->w, s->common.presence[k],
                                   body->kind };
         checkpoint_write(w, &part, sizeof part);
     }
     for (size_t k = 0; k < s->n_pairs; k++) {
         const body_pair *pair = &s->pairs[k];
-        const saved_pair saved = save_memory(pair->a, pair->b, &pair->memory);
-        if (is_empty(&pair->memory) && pair->warm_start.key == 0)
+        const body_memory *memory = &pair->memory;
+        const saved_pair saved = save_memory(pair->a, pair->b, memory);
+        if (memory->feature.kind == MANIFOLD_NONE && vec3_dot(memory->axis, memory->axis) == 0.0 &&
+            pair->warm_start.key == 0)
             continue;
         header.n_pairs++;
         checkpoint_write(w, &saved, sizeof saved);
@@ -232,10 +215,9 @@ typedef struct sizes {
 
 static bool load_memory(const saved_pair *saved, sizes n, body_memory *ret_memory)
 {
-    const manifold_feature f = { saved->feature[0], saved->feature[1], saved->feature[2] };
+    const manifold_feature f = saved->feature;
 
-    *ret_memory =
-        (body_memory){ { saved->axis[0], saved->axis[1], saved->axis[2] }, f, saved->gap };
+    *ret_memory = (body_memory){ saved->axis, f, saved->gap };
     switch (f.kind) {
     case MANIFOLD_NONE:
         return true;
@@ -263,13 +245,8 @@ static bool load_parts(body_state *s, checkpoint_reader *r)
         if (!checkpoint_read(r, &saved, sizeof saved) || saved.presence >= MICRO_PRESENCE_COUNT ||
             saved.kind >= s->n_kinds)
             return false;
-        body_body body = { .x = { saved.x[0], saved.x[1], saved.x[2] },
-                           .q = { saved.q[0], { saved.q[1], saved.q[2], saved.q[3] } },
-                           .v = { saved.v[0], saved.v[1], saved.v[2] },
-                           .w = { saved.w[0], saved.w[1], saved.w[2] },
-                           .kind = saved.kind };
-        body.r = mat3_of_quat(body.q);
-        s->bodies[k] = body;
+        s->bodies[k] =
+            (body_body){ saved.x, saved.q, saved.v, saved.w, mat3_of_quat(saved.q), saved.kind };
         s->common.presence[k] = (uint8_t)saved.presence;
         s->belt_cache[k].clearance = -1.0;
         s->bounding_radius[k] = s->kinds[saved.kind].shape.radius;
@@ -348,10 +325,7 @@ static bool load_warm_starts(const body_state *s, uint64_t n_warm_starts, checkp
         body_warm_start *warm_start = locate(s, &saved, &cursor);
         if (warm_start == NULL)
             return false;
-        *warm_start = (body_warm_start){ saved.key,
-                                         { saved.impulse[0], saved.impulse[1], saved.impulse[2] },
-                                         { saved.angular_impulse[0], saved.angular_impulse[1],
-                                           saved.angular_impulse[2] } };
+        *warm_start = (body_warm_start){ saved.key, saved.impulse, saved.angular_impulse };
     }
     return true;
 }
@@ -373,10 +347,7 @@ bf_status body__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
         !load_plate_memories(s, header.n_plate_memories, r) ||
         (s->implicit != NULL && !load_warm_starts(s, header.n_warm_starts, r)) || r->n_left != 0)
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
-    s->common.steps = header.steps;
     s->n_contacts = header.n_contacts;
-    s->largest_overlap = header.largest_overlap;
-    s->overlap_share = header.overlap_share;
     body__pose_plates(s, s->common.steps);
     return BF_OK;
 }

@@ -175,15 +175,10 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
     disk__fill_slots(s);
     for (size_t k = 0; k < s->n; k++) {
         const scene_pose *pose = &def->poses[k];
-        vec2 v = def->start_velocity;
+        const vec2 v = micro__start_velocity(def, &s->common, (vec2){ pose->x, pose->y },
+                                             s->now[k].radius, &s->now[k].spin);
         s->now[k].x = pose->x;
         s->now[k].y = pose->y;
-        const size_t belt = disk__belt_under(s, &s->now[k]);
-        if (belt < def->n_belts) {
-            const double factor = belt_speeds_at(&s->common.world->belts, belt, 0.0);
-            v = vec2_scale(belt_velocity(&def->belts[belt], (vec2){ pose->x, pose->y }), factor);
-            s->now[k].spin = factor * def->belts[belt].turn;
-        }
         s->now[k].vx = v.x;
         s->now[k].vy = v.y;
         s->heading[k] = pose->heading;

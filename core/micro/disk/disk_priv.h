@@ -153,8 +153,6 @@ struct disk_state {
     const explicit_kernels *kernels;                ///< of explicit steps
     disk_extremes_line *extremes; ///< scratch: of two explicit steps, DISK_PARTITIONS_MAX each
     disk_tiling tiling;           ///< of explicit steps
-    double largest_overlap;       ///< m, of any contact since the start
-    double overlap_share;         ///< see micro_totals
     uint64_t n_builds;            ///< how often the list was made
     void *implicit;               ///< an implicit_state; NULL at first
 };
@@ -206,9 +204,6 @@ static inline uint32_t disk__neighbour(const disk_state *s, size_t slot, size_t 
     size_t at = (s->list.first[slot / DISK_GROUP] + row) * DISK_GROUP + slot % DISK_GROUP;
     return s->list.neighbour[at] / DISK_DOUBLES;
 }
-
-/// Count a contact, m, of a part with a radius, m, if it is an overlap.
-void disk__count_contact(micro_totals *totals, double overlap, double radius);
 
 /// `next` becomes `now`.
 static inline void disk__swap(disk_state *s)

@@ -151,8 +151,7 @@ static void end(void *state, uint64_t n, driver_outcome outcome, const driver_pr
     disk__pose_plates(s, s->common.steps);
     s->displacement_bound = progress->displacement_bound;
     s->last_bound = progress->last_bound;
-    s->largest_overlap = fmax(s->largest_overlap, progress->largest.overlap);
-    s->overlap_share = fmax(s->overlap_share, progress->largest.overlap_share);
+    micro__take_overlaps(&s->common, progress->largest.overlap, progress->largest.overlap_share);
 }
 
 // Groups that make a step together, and where their candidates and border parts begin; all end where those of
@@ -440,7 +439,7 @@ bf_status disk__check(const void *state, bf_error *err)
         if (sqrt(part->vx * part->vx + part->vy * part->vy) * s->def.dt > 0.5 * s->radius_min)
             return fail(s, (uint32_t)k, "moved by more than half a radius", err);
     }
-    return micro__is_pressed(s->overlap_share, &s->def)
+    return micro__is_pressed(s->common.overlap_share, &s->def)
                ? bf_fail(err, BF_ENUMERIC, "", "parts overlap by more than overlap_limit")
                : BF_OK;
 }

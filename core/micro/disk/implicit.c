@@ -310,9 +310,7 @@ static void end(void *state, uint64_t n, driver_outcome outcome, const driver_pr
     s->displacement_bound = progress->displacement_bound;
     z->displacement_bound = progress->pair_bound;
     z->last_bound = progress->last_bound;
-    s->largest_overlap = fmax(s->largest_overlap, progress->largest.overlap);
-    s->overlap_share = fmax(s->overlap_share, progress->largest.overlap_share);
-    s->common.recent_overlap = fmax(s->common.recent_overlap, progress->largest.overlap_share);
+    micro__take_overlaps(&s->common, progress->largest.overlap, progress->largest.overlap_share);
 }
 
 bf_status disk__advance_implicit(disk_state *s, uint64_t n, bf_error *err)

@@ -15,7 +15,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/simd_rows.h"
-#include "core/micro/disk/disk_priv.h"
+#include "core/micro/disk/parts.h"
 
 enum {
     IMPLICIT_BOUNDARY = 4, ///< groups 0 .. 3: contacts with the boundary
@@ -146,9 +146,9 @@ void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t
 /// One iteration over the contacts of a piece, with an over-relaxation of 1 + excess.
 void disk_implicit__solve(implicit_state *z, size_t piece, double excess);
 
-/// Add the contacts of all pairs of parts to *totals, and take the largest overlap of them and *press.
-void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_totals *totals,
-                            micro_press *press);
+/// Count the contacts of all pairs of parts.
+void disk_implicit__count_contacts(const disk_state *s, const implicit_state *z,
+                                   disk_contacts *all);
 
 /// Write what MICRO_IMPLICIT needs beyond parts, headings and steps: the impulses of the last step, and which
 /// pairs are selected; nothing if s->implicit is NULL.

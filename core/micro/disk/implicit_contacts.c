@@ -328,8 +328,7 @@ void disk_implicit__solve(implicit_state *z, size_t piece, double excess)
     work_on(z, &z->pieces[piece], excess, z->kernels->solve);
 }
 
-void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_totals *totals,
-                            micro_press *press)
+void disk_implicit__count_contacts(const disk_state *s, const implicit_state *z, disk_contacts *all)
 {
     for (size_t piece = 0; piece < z->group_piece[IMPLICIT_GROUPS]; piece++) {
         const implicit_piece *p = &z->pieces[piece];
@@ -339,11 +338,8 @@ void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_
             const size_t a = implicit_body(block, 0, lane), b = implicit_body(block, 1, lane);
             contact_geometry m;
             if (a < s->n_live && b < s->n_live &&
-                find_contact_of_parts(&s->now[a], &s->now[b], s->radius_min, &m)) {
-                const double small = fmin(m.radius[0], m.radius[1]);
-                disk__count_contact(totals, -m.gap, small);
-                disk__take_press(s, a, s->id_of[b], -m.gap / small, press);
-            }
+                find_contact_of_parts(&s->now[a], &s->now[b], s->radius_min, &m))
+                disk__count_contact(s, a, s->id_of[b], -m.gap, fmin(m.radius[0], m.radius[1]), all);
         }
     }
 }

@@ -27,7 +27,13 @@ micro_totals disk__measure(const void *state);
 void disk__save(const void *state, checkpoint_writer *w);
 bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err);
 
-/// Take an overlap of the part in a slot with another one, UINT64_MAX for the boundary, relative to the smaller radius,
-/// if it is larger than that of *press.
-void disk__take_press(const disk_state *s, size_t slot, uint64_t other, double overlap,
-                      micro_press *press);
+/// What is counted of contacts.
+typedef struct disk_contacts {
+    micro_totals totals; ///< their number, and the largest overlaps
+    micro_press press;   ///< the largest overlap_share
+} disk_contacts;
+
+/// Count a contact of the part in a slot with another one, by its id, UINT64_MAX for the boundary, if it overlaps, m; radius is
+/// the smaller one, m.
+void disk__count_contact(const disk_state *s, size_t slot, uint64_t other, double overlap,
+                         double radius, disk_contacts *all);

@@ -6,18 +6,11 @@
 #include <math.h>
 #include <string.h>
 
-// A part as it is saved.
+// A part as it is saved. After the parts the data of the integrator follow.
 typedef struct saved_part {
     double x, y, vx, vy, spin, heading;
     uint32_t presence, kind;
 } saved_part;
-
-// The header of a saved state. The parts follow, then the data of the integrator.
-typedef struct saved_header {
-    uint64_t steps;
-    double largest_overlap;
-    double overlap_share;
-} saved_header;
 
 disk_border_part *disk__find_left(const disk_state *s, uint32_t slot)
 {
@@ -77,104 +70,80 @@ micro_part disk__part(const void *state, size_t k)
                          .has_fallen = p.presence == MICRO_FELL };
 }
 
-void disk__count_contact(micro_totals *totals, double overlap, double radius)
+void disk__count_contact(const disk_state *s, size_t slot, uint64_t other, double overlap,
+                         double radius, disk_contacts *all)
 {
+    const double relative = overlap / radius;
+
     if (overlap <= 0.0)
         return;
-    totals->n_contacts++;
-    totals->largest_overlap = fmax(totals->largest_overlap, overlap);
-    totals->overlap_share = fmax(totals->overlap_share, overlap / radius);
+    all->totals.n_contacts++;
+    all->totals.largest_overlap = fmax(all->totals.largest_overlap, overlap);
+    all->totals.overlap_share = fmax(all->totals.overlap_share, relative);
+    if (relative > all->press.overlap)
+        all->press = (micro_press){ .overlap = relative,
+                                    .part = s->id_of[slot],
+                                    .other = other,
+                                    .at = { s->now[slot].x, s->now[slot].y } };
+}
+
+// Counts the contacts there are now.
+static void count_contacts(const disk_state *s, disk_contacts *all)
+{
+    const implicit_state *pairs = s->implicit;
+
+    if (pairs != NULL && pairs->is_current)
+        disk_implicit__count_contacts(s, pairs, all);
+    else
+        for (size_t slot = 0; slot < s->n_live; slot++) {
+            const disk *part = &s->now[slot];
+            for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
+                const uint32_t other = disk__neighbour(s, slot, row);
+                const disk *with = &s->now[other];
+                const double dx = with->x - part->x, dy = with->y - part->y;
+                if (other > slot && other < s->n_live)
+                    disk__count_contact(s, slot, s->id_of[other],
+                                        part->radius + with->radius - sqrt(dx * dx + dy * dy),
+                                        fmin(part->radius, with->radius), all);
+            }
+        }
+    for (size_t k = 0; k < s->n_candidates; k++) {
+        const size_t slot = s->candidates[k].slot;
+        const disk *part = &s->now[slot];
+        bool counts;
+        const double overlap = disk__overlap(s, part, s->candidates[k].feature, &counts);
+        if (counts)
+            disk__count_contact(s, slot, UINT64_MAX, overlap, part->radius, all);
+    }
 }
 
 micro_totals disk__measure(const void *state)
 {
     const disk_state *s = state;
-    const implicit_state *pairs = s->implicit;
-    micro_totals totals = { .largest_overlap = s->largest_overlap,
-                            .overlap_share = s->overlap_share };
-    micro_press unused = { .other = UINT64_MAX };
+    disk_contacts all = { .totals = { .largest_overlap = s->common.largest_overlap,
+                                      .overlap_share = s->common.overlap_share } };
 
+    // Without a list, as after an allocation that failed, the contacts are not known.
+    if (s->displacement_bound != INFINITY)
+        count_contacts(s, &all);
     for (size_t k = 0; k < s->n; k++) {
         const disk *part = &s->now[s->slot_of[k]];
         if (s->common.presence[k] != MICRO_HERE)
             continue;
         double mass = 1.0 / part->inv_mass, inertia = 0.5 * mass * part->radius * part->radius;
-        totals.n_parts++;
-        totals.kinetic_energy += 0.5 * mass * (part->vx * part->vx + part->vy * part->vy) +
-                                 0.5 * inertia * part->spin * part->spin;
+        all.totals.n_parts++;
+        all.totals.kinetic_energy += 0.5 * mass * (part->vx * part->vx + part->vy * part->vy) +
+                                     0.5 * inertia * part->spin * part->spin;
     }
-    if (s->displacement_bound == INFINITY)
-        return totals;
-    if (pairs != NULL && pairs->is_current)
-        disk_implicit__measure(s, pairs, &totals, &unused);
-    else
-        for (size_t slot = 0; slot < s->n_live; slot++) {
-            const disk *part = &s->now[slot];
-            for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
-                uint32_t other = disk__neighbour(s, slot, row);
-                const disk *with = &s->now[other];
-                double dx = with->x - part->x, dy = with->y - part->y;
-                if (other > slot && other < s->n_live)
-                    disk__count_contact(&totals,
-                                        part->radius + with->radius - sqrt(dx * dx + dy * dy),
-                                        fmin(part->radius, with->radius));
-            }
-        }
-    for (size_t k = 0; k < s->n_candidates; k++) {
-        const disk *part = &s->now[s->candidates[k].slot];
-        bool counts;
-        double overlap = disk__overlap(s, part, s->candidates[k].feature, &counts);
-        if (counts)
-            disk__count_contact(&totals, overlap, part->radius);
-    }
-    return totals;
-}
-
-void disk__take_press(const disk_state *s, size_t slot, uint64_t other, double overlap,
-                      micro_press *press)
-{
-    if (overlap <= press->overlap)
-        return;
-    *press = (micro_press){ .overlap = overlap,
-                            .part = s->id_of[slot],
-                            .other = other,
-                            .at = { s->now[slot].x, s->now[slot].y } };
-}
-
-// The same for the neighbours of a part, which MICRO_IMPLICIT does not keep.
-static void take_press_of(const disk_state *s, size_t slot, micro_press *press)
-{
-    const disk *part = &s->now[slot];
-
-    for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
-        const uint32_t other = disk__neighbour(s, slot, row);
-        const disk *with = &s->now[other];
-        const double gap =
-            hypot(with->x - part->x, with->y - part->y) - part->radius - with->radius;
-        if (other > slot && other < s->n_live)
-            disk__take_press(s, slot, s->id_of[other], -gap / fmin(part->radius, with->radius),
-                             press);
-    }
+    return all.totals;
 }
 
 void disk__press(const void *state, micro_press *ret_press)
 {
-    const disk_state *s = state;
-    const implicit_state *pairs = s->implicit;
-    micro_totals unused = { 0 };
+    disk_contacts all = { .press = { .other = UINT64_MAX } };
 
-    *ret_press = (micro_press){ .other = UINT64_MAX };
-    if (pairs != NULL && pairs->is_current)
-        disk_implicit__measure(s, pairs, &unused, ret_press);
-    for (size_t slot = 0; pairs == NULL && slot < s->n_live; slot++)
-        take_press_of(s, slot, ret_press);
-    for (size_t k = 0; k < s->n_candidates; k++) {
-        const size_t slot = s->candidates[k].slot;
-        bool counts;
-        const double overlap = disk__overlap(s, &s->now[slot], s->candidates[k].feature, &counts);
-        if (counts)
-            disk__take_press(s, slot, UINT64_MAX, overlap / s->now[slot].radius, ret_press);
-    }
+    count_contacts(state, &all);
+    *ret_press = all.press;
 }
 
 // The header of the pairs.
@@ -297,9 +266,7 @@ bf_status disk_implicit__load(disk_state *s, checkpoint_reader *r, bf_error *err
 void disk__save(const void *state, checkpoint_writer *w)
 {
     const disk_state *s = state;
-    const saved_header header = { s->common.steps, s->largest_overlap, s->overlap_share };
 
-    checkpoint_write(w, &header, sizeof header);
     for (size_t k = 0; k < s->n; k++) {
         const saved_part part = read_part(s, k);
         checkpoint_write(w, &part, sizeof part);
@@ -337,20 +304,14 @@ static bool take_parts(disk_state *s, const char *parts, size_t n)
 bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
 {
     disk_state *s = state;
-    saved_header header;
-    const char *parts = NULL;
+    const char *parts = checkpoint_read_items(r, n, sizeof(saved_part));
 
-    if (checkpoint_read(r, &header, sizeof header))
-        parts = checkpoint_read_items(r, n, sizeof(saved_part));
     if (parts == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
     if (n > s->capacity && disk__resize(s, n) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
     if (!take_parts(s, parts, n))
         return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
-    s->common.steps = header.steps;
-    s->largest_overlap = header.largest_overlap;
-    s->overlap_share = header.overlap_share;
     disk__pose_plates(s, s->common.steps);
     const bf_status status = disk_implicit__load(s, r, err);
     return status == BF_OK ? disk__rebuild(s, err) : status;

@@ -79,8 +79,8 @@ static void compare_tiles_with_single_steps(bool changes)
             assert_int_equal(tiled->common.steps, 803);
             assert_true(tiled->tiling.n_made > 20);
             assert_int_equal(digest_of(tiled), digest_of(single));
-            assert_true(tiled->largest_overlap == single->largest_overlap);
-            assert_true(tiled->overlap_share == single->overlap_share);
+            assert_true(tiled->common.largest_overlap == single->common.largest_overlap);
+            assert_true(tiled->common.overlap_share == single->common.overlap_share);
             helper_disk_state_end(tiled);
         }
         helper_disk_state_end(single);

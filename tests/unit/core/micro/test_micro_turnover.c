@@ -323,7 +323,7 @@ static void without_memory_nobody_enters_and_nothing_is_lost(void **state)
     }
 }
 
-enum { ENVELOPE = 40, IDS = 40, OWN_IDS = 2 }; // bytes before the payload, before the ids; parts
+enum { ENVELOPE = 40, IDS = 64, OWN_IDS = 2 }; // bytes before the payload, before the ids; parts
 
 // Writes a number into the payload of a checkpoint, and seals it again.
 static bf_buffer forge(const bf_buffer *saved, size_t at, uint64_t value)
@@ -355,8 +355,8 @@ static void forged_handles_and_ids_are_refused(void **state)
         { 0, UINT64_MAX, BF_ECORRUPT },   // so many
         { 8, OWN_IDS - 1, BF_ECORRUPT },  // next id: below one that is in use
         { 8, UINT64_MAX, BF_OK },         // after many
-        { 32, 1, BF_OK },                 // one that fell and was told
-        { 32, OWN_IDS + 1, BF_ECORRUPT }, // more than there ever were
+        { 16, 1, BF_OK },                 // one that fell and was told
+        { 16, OWN_IDS + 1, BF_ECORRUPT }, // more than there ever were
         { IDS, 1, BF_ECORRUPT },          // an id twice
         { IDS + 8, OWN_IDS, BF_ECORRUPT } // an id that comes next
     };
