@@ -6,6 +6,7 @@
 #include "core/scene/belt.h"
 
 #include <math.h>
+#include <string.h>
 
 /// What the velocities of an arc, or of another belt with lanes, follow from.
 typedef struct arc_grid {
@@ -127,9 +128,16 @@ static bf_status init_corners(arc_corners *c, const scene_belt *belt, const bf_g
     }
     find_range(low.x, high.x, g->lower1, g->d1, g->n1, &c->i_first, &c->n1);
     find_range(low.y, high.y, g->lower2, g->d2, g->n2, &c->j_first, &c->n2);
+    // The polygon of an arc lies within it.
+    const double beyond1 = 2.0 * g->d1 + 1e-3 * belt->arc.outer_radius;
+    const double beyond2 = 2.0 * g->d2 + 1e-3 * belt->arc.outer_radius;
+    c->box = (scene_rect){ low.x - beyond1, high.x + beyond1, low.y - beyond2, high.y + beyond2 };
     c->lane = memory_alloc(c->n1 * c->n2, sizeof *c->lane);
+    c->own = memory_alloc(c->n1 * c->n2, sizeof *c->own);
     c->line = memory_alloc(c->n1 * c->n2, sizeof *c->line);
-    return c->lane != NULL && c->line != NULL ? BF_OK : BF_ENOMEM;
+    c->before = memory_alloc(c->n1 * c->n2, sizeof *c->before);
+    return c->lane != NULL && c->own != NULL && c->line != NULL && c->before != NULL ? BF_OK
+                                                                                     : BF_ENOMEM;
 }
 
 bf_status arc_faces_init(arc_faces *ret_faces, const scene *s, const bf_grid *g)
@@ -153,7 +161,9 @@ void arc_faces_fini(arc_faces *faces)
 {
     for (size_t k = 0; k < faces->n; k++) {
         memory_free(faces->arcs[k].lane);
+        memory_free(faces->arcs[k].own);
         memory_free(faces->arcs[k].line);
+        memory_free(faces->arcs[k].before);
     }
     memory_free(faces->arcs);
     *faces = (arc_faces){ .n = 0 };
@@ -196,23 +206,82 @@ static void spread_all(arc_corners *c, const arc_grid *a, double sign)
         }
 }
 
-void arc_faces_update(arc_faces *faces, const velocity_field *f, const scene *s,
-                      const surroundings *around)
+/// The corners low <= k < high along an axis that lie from first to last, m; the arc's begin with `at` and are n.
+static void find_corners(double first, double last, double lower, double edge, size_t at, size_t n,
+                         size_t ret_range[2])
 {
+    const double low = floor((first - lower) / edge) - (double)at;
+    const double high = ceil((last - lower) / edge) + 1.0 - (double)at;
+
+    ret_range[0] = (size_t)fmin(fmax(low, 0.0), (double)n);
+    ret_range[1] = (size_t)fmin(fmax(high, 0.0), (double)n);
+}
+
+/// Bring the own q of the corners within a rectangle, and which of them have that of a line, to the closed faces. True if one has
+/// changed.
+static bool find_lines(arc_corners *c, const arc_grid *a, const scene_rect *within)
+{
+    const bf_grid *g = &a->f->grid;
+    size_t columns[2], rows[2];
+    bool has_changed = false;
+
+    find_corners(within->x_min, within->x_max, g->lower1, g->d1, c->i_first, c->n1, columns);
+    find_corners(within->y_min, within->y_max, g->lower2, g->d2, c->j_first, c->n2, rows);
+    for (size_t n = rows[0]; n < rows[1]; n++)
+        for (size_t m = columns[0]; m < columns[1]; m++) {
+            const size_t at = n * c->n1 + m, i = c->i_first + m, j = c->j_first + n;
+            const double q = line_lane(a, i, j);
+            const bool is_line = !isnan(q);
+            const double own = is_line ? q : own_lane(a, i, j);
+            has_changed = has_changed || c->line[at] != is_line || c->own[at] != own;
+            c->line[at] = is_line;
+            c->own[at] = own;
+        }
+    return has_changed;
+}
+
+/// A rectangle that holds the faces beside the corners whose q' differs from that before. False: there is none.
+static bool find_moved(const arc_corners *c, const bf_grid *g, scene_rect *ret_moved)
+{
+    size_t m_low = c->n1, m_high = 0, n_low = c->n2, n_high = 0;
+
+    for (size_t n = 0; n < c->n2; n++)
+        for (size_t m = 0; m < c->n1; m++) {
+            if (c->lane[n * c->n1 + m] == c->before[n * c->n1 + m])
+                continue;
+            m_low = m < m_low ? m : m_low;
+            m_high = m > m_high ? m : m_high;
+            n_low = n < n_low ? n : n_low;
+            n_high = n;
+        }
+    const vec2 low = place_of(g, c->i_first + m_low, c->j_first + n_low, -1.0, -1.0);
+    const vec2 high = place_of(g, c->i_first + m_high, c->j_first + n_high, 1.0, 1.0);
+    *ret_moved = (scene_rect){ low.x, high.x, low.y, high.y };
+    return n_low < c->n2;
+}
+
+size_t arc_faces_update(arc_faces *faces, const velocity_field *f, const scene *s,
+                        const surroundings *around, size_t n, const scene_rect *changed,
+                        scene_rect *ret_due)
+{
+    size_t n_due = 0;
+
     for (size_t k = 0; k < faces->n; k++) {
         arc_corners *c = &faces->arcs[k];
         const arc_grid a = { f, s, around, &around->belts[c->arc], fmax(f->grid.d1, f->grid.d2) };
-        for (size_t n = 0; n < c->n2; n++)
-            for (size_t m = 0; m < c->n1; m++) {
-                const size_t at = n * c->n1 + m, i = c->i_first + m, j = c->j_first + n;
-                const double q = line_lane(&a, i, j);
-                const bool is_line = !isnan(q);
-                c->line[at] = is_line;
-                c->lane[at] = is_line ? q : own_lane(&a, i, j);
-            }
+        const size_t n_bytes = c->n1 * c->n2 * sizeof *c->lane;
+        bool has_changed = false;
+        for (size_t m = 0; m < n; m++)
+            has_changed = find_lines(c, &a, &changed[m]) || has_changed;
+        if (!has_changed)
+            continue;
+        memcpy(c->before, c->lane, n_bytes);
+        memcpy(c->lane, c->own, n_bytes);
         spread_all(c, &a, 1.0);
         spread_all(c, &a, -1.0);
+        n_due += find_moved(c, &f->grid, &ret_due[n_due]);
     }
+    return n_due;
 }
 
 bool arc_faces_is_held(const velocity_field *f, const scene *s, const surroundings *around,

@@ -31,7 +31,10 @@ typedef struct arc_corners {
     size_t n1;      ///< columns
     size_t n2;      ///< rows
     double *lane;   ///< n2 rows of q', m
+    double *own;    ///< of each corner q of its border or guide, else its own, m
     uint8_t *line;  ///< nonzero: the corner has the q of a border or guide
+    double *before; ///< scratch: q' before an update
+    scene_rect box; ///< that holds the arc and two cells around it, m
 } arc_corners;
 
 /// The arcs of a scene; zero-initialise.
@@ -46,9 +49,12 @@ BF_MUST_CHECK bf_status arc_faces_init(arc_faces *ret_faces, const scene *s, con
 /// Free what *faces owns and zero it.
 void arc_faces_fini(arc_faces *faces);
 
-/// Bring the radii of all corners to the closed faces of *f. Never allocates.
-void arc_faces_update(arc_faces *faces, const velocity_field *f, const scene *s,
-                      const surroundings *around);
+/// Bring q' of all corners to the closed faces of *f, which differ from those of the last time within these n rectangles, m, alone.
+/// Writes rectangles that hold all faces whose velocities change by that, at most one for each arc, and returns how
+/// many. Never allocates.
+size_t arc_faces_update(arc_faces *faces, const velocity_field *f, const scene *s,
+                        const surroundings *around, size_t n, const scene_rect *changed,
+                        scene_rect *ret_due);
 
 /// True if x1-face (axis 0) or x2-face (axis 1) i, j lies on a curved border of an arc that a guide holds.
 bool arc_faces_is_held(const velocity_field *f, const scene *s, const surroundings *around,

@@ -28,6 +28,7 @@ typedef struct plate {
     size_t n_lines;     // 0: it closes nothing
     closed_line *lines; // as in the document
     vec2 *path;         // at its place
+    scene_rect around;  // holds its path
 } plate;
 
 struct moving_field {
@@ -44,8 +45,9 @@ struct moving_field {
     plate *plates;             // one for each obstacle of the scene
     velocity_field *field;
     swept_cells *swept;
-    place *before; // scratch: where the field had each obstacle
-    place *after;  // scratch: where it has to have it
+    scene_rect *changed; // scratch: what holds an obstacle where it was and where it is
+    place *before;       // scratch: where the field had each obstacle
+    place *after;        // scratch: where it has to have it
 };
 
 static bool add_line(void *context, const closed_line *l)
@@ -84,23 +86,45 @@ static void find_places(const moving_field *p, double t, place *ret_places)
                                  plate_motion_is_present(p->motion, k, t) ? 1.0 : 0.0 };
 }
 
-// Makes `now` the scene with these places, and the field that of `now`.
-static void set_places(moving_field *p, const place *places)
+static scene_rect box_of(const vec2 *path, size_t n)
+{
+    scene_rect box = { path[0].x, path[0].x, path[0].y, path[0].y };
+
+    for (size_t k = 1; k < n; k++)
+        box = (scene_rect){ fmin(box.x_min, path[k].x), fmax(box.x_max, path[k].x),
+                            fmin(box.y_min, path[k].y), fmax(box.y_max, path[k].y) };
+    return box;
+}
+
+// Makes `now` the scene with these places, and the field that of `now`; all of it, or what has changed.
+static void set_places(moving_field *p, const place *places, bool is_all)
 {
     const scene *s = p->scene;
+    size_t n_changed = 0;
 
     p->now.n_obstacles = 0;
     for (size_t k = 0; k < s->n_obstacles; k++) {
+        plate *of = &p->plates[k];
         const plate_motion_pose pose = plate_motion_pose_at(p->motion, k, places[k].at);
-        p->plates[k].place = places[k];
-        if (places[k].presence == 0.0)
-            continue;
+        const place before = of->place;
+        const scene_rect was = of->around;
+        of->place = places[k];
         for (size_t m = 0; m < s->obstacles[k].n_points; m++)
-            p->plates[k].path[m] = plate_motion_move(&pose, s->obstacles[k].path[m]);
-        p->obstacles[p->now.n_obstacles] = s->obstacles[k];
-        p->obstacles[p->now.n_obstacles++].path = p->plates[k].path;
+            of->path[m] = plate_motion_move(&pose, s->obstacles[k].path[m]);
+        of->around = box_of(of->path, s->obstacles[k].n_points);
+        if (places[k].presence == 1.0) {
+            p->obstacles[p->now.n_obstacles] = s->obstacles[k];
+            p->obstacles[p->now.n_obstacles++].path = of->path;
+        }
+        if ((places[k].presence == 1.0 || before.presence == 1.0) &&
+            (places[k].presence != before.presence ||
+             !plate_motion_is_same(places[k].at, before.at)))
+            p->changed[n_changed++] =
+                (scene_rect){ fmin(was.x_min, of->around.x_min), fmax(was.x_max, of->around.x_max),
+                              fmin(was.y_min, of->around.y_min),
+                              fmax(was.y_max, of->around.y_max) };
     }
-    velocity_field_update(p->field, &p->now);
+    velocity_field_update(p->field, &p->now, n_changed, is_all ? NULL : p->changed);
 }
 
 // Lets the belts of `now` have their directions.
@@ -155,9 +179,11 @@ static bf_status init_arrays(moving_field *p, bf_error *err)
 
     p->obstacles = memory_alloc(s->n_obstacles, sizeof *p->obstacles);
     p->plates = memory_alloc(s->n_obstacles, sizeof *p->plates);
+    p->changed = memory_alloc(s->n_obstacles, sizeof *p->changed);
     p->before = memory_alloc(s->n_obstacles, sizeof *p->before);
     p->after = memory_alloc(s->n_obstacles, sizeof *p->after);
-    if (p->obstacles == NULL || p->plates == NULL || p->before == NULL || p->after == NULL)
+    if (p->obstacles == NULL || p->plates == NULL || p->changed == NULL || p->before == NULL ||
+        p->after == NULL)
         status = BF_ENOMEM;
     for (size_t k = 0; status == BF_OK && k < s->n_obstacles; k++)
         status = init_plate(s, &s->obstacles[k], &p->plates[k]);
@@ -194,7 +220,7 @@ bf_status moving_field_create(const scene *s, bf_world *w, moving_field **ret_fi
     }
     find_places(p, 0.0, p->after);
     (void)find_directions(p, 0);
-    set_places(p, p->after);
+    set_places(p, p->after, true);
     *ret_field = p;
     return BF_OK;
 }
@@ -209,6 +235,7 @@ moving_field *moving_field_destroy(moving_field *p)
     }
     memory_free(p->plates);
     memory_free(p->obstacles);
+    memory_free(p->changed);
     memory_free(p->before);
     memory_free(p->after);
     memory_free(p->belts);
@@ -321,7 +348,7 @@ void moving_field_update(moving_field *p, macro_solver *s)
     find_places(p, macro_time(s), p->after);
     if (!is_due(p, macro_time(s))) {
         if (reverses) {
-            velocity_field_update(p->field, &p->now);
+            velocity_field_update(p->field, &p->now, 0, NULL);
             macro_set_field(s, p->field, p->belts);
         }
         return;
@@ -329,7 +356,7 @@ void moving_field_update(moving_field *p, macro_solver *s)
     for (size_t k = 0; k < of->n_obstacles; k++)
         p->before[k] = p->plates[k].place;
     swept_cells_begin(p->swept, p->field);
-    set_places(p, p->after);
+    set_places(p, p->after, reverses);
     for (size_t k = 0; k < of->n_obstacles; k++)
         if (find_sweep(p, k, &sweep))
             swept_cells_mark(p->swept, &sweep);
@@ -362,7 +389,7 @@ bool moving_field_load(moving_field *p, macro_solver *s, checkpoint_reader *r)
             return false;
     if (p->directions != NULL)
         set_directions(p);
-    set_places(p, p->after);
+    set_places(p, p->after, true);
     macro_set_field(s, p->field, p->belts);
     return true;
 }

@@ -42,11 +42,10 @@ static regions_region find_region(const regions_segment *g, vec2 upstream, vec2 
     return d < g->level[1] - SCENE_TOLERANCE ? REGIONS_OUTWARD : REGIONS_SLIDE;
 }
 
-regions_velocity regions_begin(const surroundings *around, vec2 at)
+regions_velocity regions_begin(const surroundings *around, size_t belt, vec2 at)
 {
-    regions_velocity v = { .region = REGIONS_FREE };
+    regions_velocity v = { .region = REGIONS_FREE, .belt_index = belt };
 
-    v.belt_index = surroundings_belt_at(around, at);
     v.belt = surroundings_velocity_at(around, v.belt_index, at);
     v.under = v.belt_index < around->n_belts ? &around->belts[v.belt_index] : NULL;
     v.velocity = v.belt;

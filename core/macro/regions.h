@@ -40,8 +40,8 @@ regions_segment regions_segment_of(const scene *s, const surroundings *around,
 /// How far a segment's regions reach from its line, m.
 double regions_extent(const regions_segment *g);
 
-/// v_stat without any obstacle.
-regions_velocity regions_begin(const surroundings *around, vec2 at);
+/// v_stat without any obstacle where this belt is, n_belts of the surroundings: off every one (surroundings_belt_at()).
+regions_velocity regions_begin(const surroundings *around, size_t belt, vec2 at);
 
 /// Consider one more segment; earlier ones take precedence within a region. Its upstream side follows from the
 /// belt under the point.

@@ -2,7 +2,12 @@
 //
 // The velocity is constant between the borders of belts and bands. Row by row, the rules are
 // evaluated at each face next to a border and, of every run of faces between borders, at one; the rest
-// are copies of it. So the cost is little more than that of writing the result.
+// are copies of it. So the cost is little more than that of writing the result. No two faces of an arc need have the same velocity.
+//
+// Where obstacles move, only faces within reach of them are evaluated again. Their rectangles are grown by the widest band and the
+// cells over which a line closes faces and gives corners of arcs its q; where that moves the q' of other corners, the
+// faces between these are evaluated, too. Lines, apertures and what closed faces stop are made anew for all: that is cheap, and an
+// aperture depends on what is opposite, however far.
 
 #include "core/macro/velocity_field.h"
 
@@ -22,6 +27,11 @@
 #define MARGIN (4.0 * SCENE_TOLERANCE)
 
 enum { BORDERS_PER_SEGMENT = 8 };
+
+/// Where the rules are evaluated for a face: at its centre, just before and behind it, in the centres of the cells beside it.
+enum { AT_FACE, BEFORE_FACE, BEHIND_FACE, CELL_BEFORE, CELL_BEHIND, FACE_POINTS };
+
+#define NOT_KNOWN UINT16_MAX ///< of a belt
 
 static bool is_congested(const scene *s)
 {
@@ -48,7 +58,9 @@ typedef struct velocity_field_sampler {
     surroundings around;
     size_t n_segments;
     regions_segment *segments;
-    size_t n_near; ///< segments whose bands may touch the row
+    regions_segment *standing; ///< those of obstacles that never move, in their order; *
+    uint8_t *closed[2];        ///< faces closed by the lines of these and by edges; *
+    size_t n_near;             ///< segments whose bands may touch the row
     const regions_segment **near;
     size_t n_borders;
     border *borders; ///< sorted by low.y
@@ -56,9 +68,16 @@ typedef struct velocity_field_sampler {
     size_t n_active; ///< those of them that do not end below it
     border **active;
     double margin;  ///< faces as near as this to a border are evaluated one by one, m
+    double widest;  ///< regions_extent() of any segment so far, m
     bool may_drop;  ///< there are places off every belt
-    arc_faces arcs; ///< where a belt is an arc no two faces need have the same velocity
-    uint8_t *marks; ///< of the faces of a row: nonzero, the face is near a border
+    arc_faces arcs; ///< of the belts that are arcs
+    uint8_t *marks; ///< of the faces of a row: nonzero, the face is near a border or an arc
+    size_t n_due;
+    scene_rect *due; ///< where faces are evaluated in this update
+    double *v[2]; ///< velocities of x1- and x2-faces if none were closed; else those of the field
+    uint16_t *under[2]; ///< FACE_POINTS belts of each face or NOT_KNOWN; *
+    uint8_t *held[2];   ///< nonzero: arc_faces_is_held(); NULL without arcs
+    bool is_made_again; ///< obstacles or belts may change; else what has a * is NULL
 } sampler;
 
 /// The places of one kind of faces: face (i, j) lies offset1 + i, offset2 + j cells from the corner.
@@ -114,18 +133,27 @@ static void sampler_destroy(sampler *k)
     if (k == NULL)
         return;
     memory_free(k->segments);
+    memory_free(k->standing);
     memory_free(k->near);
     memory_free(k->borders);
     memory_free(k->active);
     memory_free(k->marks);
+    memory_free(k->due);
+    for (int axis = 0; axis < 2; axis++) {
+        memory_free(k->is_made_again ? k->v[axis] : NULL);
+        memory_free(k->closed[axis]);
+        memory_free(k->under[axis]);
+        memory_free(k->held[axis]);
+    }
     arc_faces_fini(&k->arcs);
     memory_free(k);
 }
 
-/// NULL: no memory.
-static sampler *sampler_alloc(const scene *s)
+/// For a field that has its velocities. NULL: no memory.
+static sampler *sampler_alloc(const scene *s, const velocity_field *f)
 {
-    const bf_grid grid = scene_grid(s);
+    const bf_grid grid = f->grid;
+    const size_t n_faces[2] = { (grid.n1 + 1) * grid.n2, grid.n1 * (grid.n2 + 1) };
     sampler *k = memory_alloc(1, sizeof *k);
     size_t n_segments = 0, n_borders = 0;
 
@@ -141,16 +169,41 @@ static sampler *sampler_alloc(const scene *s)
     k->borders = memory_alloc(n_borders, sizeof *k->borders);
     k->active = memory_alloc(n_borders, sizeof(border *));
     k->marks = memory_alloc(grid.n1 + 1, sizeof *k->marks);
-    if (k->segments && k->near && k->borders && k->active && k->marks &&
-        arc_faces_init(&k->arcs, s, &grid) == BF_OK)
+    k->due = memory_alloc(s->n_obstacles + s->n_sections + 1, sizeof *k->due);
+    k->is_made_again =
+        scene_has_moving_obstacles(s) || belt_speeds_may_reverse_any(s->n_sections, s->belts);
+    bool is_whole = k->segments && k->near && k->borders && k->active && k->marks && k->due &&
+                    arc_faces_init(&k->arcs, s, &grid) == BF_OK;
+    if (k->is_made_again)
+        k->standing = memory_alloc(n_segments, sizeof *k->standing);
+    is_whole = is_whole && (!k->is_made_again || k->standing != NULL);
+    for (int axis = 0; axis < 2 && is_whole; axis++) {
+        const size_t n = n_faces[axis];
+        if (k->arcs.n > 0)
+            k->held[axis] = memory_alloc(n, sizeof *k->held[axis]);
+        is_whole = k->arcs.n == 0 || k->held[axis] != NULL;
+        if (!k->is_made_again) {
+            k->v[axis] = axis == 0 ? f->v1 : f->v2;
+            continue;
+        }
+        k->v[axis] = memory_alloc(n, sizeof *k->v[axis]);
+        k->closed[axis] = memory_alloc(n, sizeof *k->closed[axis]);
+        k->under[axis] = memory_alloc(FACE_POINTS * n, sizeof *k->under[axis]);
+        is_whole = is_whole && k->v[axis] && k->closed[axis] && k->under[axis];
+        for (size_t m = 0; is_whole && m < FACE_POINTS * n; m++)
+            k->under[axis][m] = NOT_KNOWN;
+    }
+    if (is_whole)
         return k;
     sampler_destroy(k);
     return NULL;
 }
 
-static void sampler_prepare(sampler *k, const scene *s)
+/// is_all: obstacles that never move, too, may differ from those of the last time, as belts do.
+static void sampler_prepare(sampler *k, const scene *s, bool is_all)
 {
     const bf_grid grid = scene_grid(s);
+    size_t n_standing = 0;
 
     k->around = surroundings_of(s);
     k->may_drop = s->may_drop;
@@ -164,21 +217,45 @@ static void sampler_prepare(sampler *k, const scene *s)
     }
     for (size_t o = 0; o < s->n_obstacles; o++) {
         for (size_t m = 0; m + 1 < s->obstacles[o].n_points; m++) {
-            k->segments[k->n_segments] = regions_segment_of(s, &k->around, &s->obstacles[o], m);
-            add_band_borders(k, &k->segments[k->n_segments++]);
+            const bool stands = k->standing != NULL && !scene_obstacle_moves(&s->obstacles[o]);
+            const regions_segment g = stands && !is_all
+                                          ? k->standing[n_standing]
+                                          : regions_segment_of(s, &k->around, &s->obstacles[o], m);
+            if (stands)
+                k->standing[n_standing++] = g;
+            add_band_borders(k, &g);
+            k->widest = fmax(k->widest, regions_extent(&g));
+            k->segments[k->n_segments++] = g;
         }
     }
     qsort(k->borders, k->n_borders, sizeof *k->borders, compare_borders);
 }
 
-/// Mark the faces of the row at y that are near a border. Rows come upwards.
+/// The faces of a row from x = low to x = high, m, and one more on either side.
+static void find_columns(const lattice *l, double low, double high, size_t *ret_begin,
+                         size_t *ret_end)
+{
+    const double first = floor((low - l->grid->lower1) / l->grid->d1 - l->offset1);
+    const double last = ceil((high - l->grid->lower1) / l->grid->d1 - l->offset1);
+
+    *ret_begin = clamp_index(first, l->n_columns);
+    *ret_end = clamp_index(last + 1.0, l->n_columns);
+}
+
+/// Mark the faces of the row at y that are near a border or an arc. Rows come upwards.
 static void mark_row(sampler *k, const lattice *l, double y)
 {
-    memset(k->marks, k->arcs.n > 0, l->n_columns);
-    if (k->arcs.n > 0)
-        return;
     const double margin = k->margin;
+    size_t begin, end;
 
+    memset(k->marks, 0, l->n_columns);
+    for (size_t m = 0; m < k->arcs.n; m++) {
+        const scene_rect *box = &k->arcs.arcs[m].box;
+        if (y < box->y_min - margin || y > box->y_max + margin)
+            continue;
+        find_columns(l, box->x_min - margin, box->x_max + margin, &begin, &end);
+        memset(k->marks + begin, 1, end - begin);
+    }
     for (; k->n_begun < k->n_borders && k->borders[k->n_begun].low.y <= y + margin; k->n_begun++)
         k->active[k->n_active++] = &k->borders[k->n_begun];
     for (size_t m = k->n_active; m-- > 0;) {
@@ -190,16 +267,55 @@ static void mark_row(sampler *k, const lattice *l, double y)
         }
         if (!closed_lines_clip(b->low, b->high, y - margin, y + margin, &low, &high))
             continue;
-        low = floor((low - margin - l->grid->lower1) / l->grid->d1 - l->offset1);
-        high = ceil((high + margin - l->grid->lower1) / l->grid->d1 - l->offset1);
-        size_t begin = clamp_index(low, l->n_columns), end = clamp_index(high + 1.0, l->n_columns);
+        find_columns(l, low - margin, high + margin, &begin, &end);
         memset(k->marks + begin, 1, end - begin);
     }
 }
 
-static regions_velocity evaluate(const sampler *k, vec2 at)
+/// Choose the segments whose bands may touch the row at y, in their order.
+static void find_near(sampler *k, double y)
 {
-    regions_velocity e = regions_begin(&k->around, at);
+    k->n_near = 0;
+    for (size_t m = 0; m < k->n_segments; m++) {
+        const regions_segment *g = &k->segments[m];
+        const surroundings_piece *piece = &g->piece;
+        const double end = piece->start.y + piece->length * piece->along.y;
+        const double extent = regions_extent(g) + k->margin;
+        if (fmin(piece->start.y, end) - extent <= y && y <= fmax(piece->start.y, end) + extent)
+            k->near[k->n_near++] = g;
+    }
+}
+
+/// A face across a component.
+typedef struct face {
+    const bf_grid *grid;
+    int component;
+    vec2 at;         ///< its centre, m
+    uint16_t *under; ///< see sampler
+} face;
+
+static vec2 point_of(const face *f, int point)
+{
+    const double half = 0.5 * (f->component == 0 ? f->grid->d1 : f->grid->d2);
+    const double ways[FACE_POINTS] = { 0.0, -MARGIN, MARGIN, -half, half };
+
+    return f->component == 0 ? (vec2){ f->at.x + ways[point], f->at.y }
+                             : (vec2){ f->at.x, f->at.y + ways[point] };
+}
+
+static size_t belt_of(const sampler *k, const face *f, int point)
+{
+    if (f->under == NULL)
+        return surroundings_belt_at(&k->around, point_of(f, point));
+    if (f->under[point] == NOT_KNOWN)
+        f->under[point] = (uint16_t)surroundings_belt_at(&k->around, point_of(f, point));
+    return f->under[point];
+}
+
+static regions_velocity evaluate(const sampler *k, const face *f, int point)
+{
+    const vec2 at = point_of(f, point);
+    regions_velocity e = regions_begin(&k->around, belt_of(k, f, point), at);
 
     for (size_t m = 0; m < k->n_near; m++)
         regions_consider(&e, k->near[m], at);
@@ -211,18 +327,16 @@ static double component_of(const regions_velocity *e, int component)
     return component == 0 ? e->velocity.x : e->velocity.y;
 }
 
-/// v_stat at a face across a component. A belt that moves along its own border lets pass what another belt
-/// brings over that border: on such a face the other one counts.
-static regions_velocity evaluate_face(const sampler *k, vec2 at, int component)
+/// v_stat at a face. A belt that moves along its own border lets pass what another belt brings over that border: on such a
+/// face the other one counts.
+static regions_velocity evaluate_face(const sampler *k, const face *f)
 {
-    const double step = MARGIN;
-    const vec2 across = component == 0 ? (vec2){ step, 0.0 } : (vec2){ 0.0, step };
-    regions_velocity e = evaluate(k, at);
+    const int component = f->component;
+    regions_velocity e = evaluate(k, f, AT_FACE);
 
     if (e.region != REGIONS_FREE || component_of(&e, component) != 0.0)
         return e;
-    regions_velocity before = evaluate(k, vec2_sub(at, across)),
-                     after = evaluate(k, vec2_add(at, across));
+    regions_velocity before = evaluate(k, f, BEFORE_FACE), after = evaluate(k, f, BEHIND_FACE);
     bool is_border = before.region == REGIONS_FREE && after.region == REGIONS_FREE &&
                      before.belt_index != after.belt_index;
     bool comes = is_border && component_of(&before, component) > 0.0;
@@ -230,107 +344,108 @@ static regions_velocity evaluate_face(const sampler *k, vec2 at, int component)
     return comes == returns ? e : comes ? before : after;
 }
 
-/// The way from a face to the centre of the cell behind it.
-static vec2 half_cell(const bf_grid *grid, int component)
-{
-    return component == 0 ? (vec2){ 0.5 * grid->d1, 0.0 } : (vec2){ 0.0, 0.5 * grid->d2 };
-}
-
 static bool is_off(const sampler *k, const regions_velocity *e)
 {
     return surroundings_falls(&k->around, e->belt_index);
 }
 
-/// v_stat at a face off every belt: that of the cell beside it which moves over it.
-static regions_velocity evaluate_off(const sampler *k, const lattice *l, vec2 at, int component,
-                                     const regions_velocity *e)
+/// v_stat at a face; off every belt that of the cell beside it which moves over it.
+static regions_velocity evaluate_any(const sampler *k, const face *f, bool has_belts)
 {
-    const vec2 half = half_cell(l->grid, component);
-    const regions_velocity before = evaluate(k, vec2_sub(at, half)),
-                           after = evaluate(k, vec2_add(at, half));
-    const bool comes = !is_off(k, &before) && component_of(&before, component) > 0.0;
-    const bool returns = !is_off(k, &after) && component_of(&after, component) < 0.0;
+    const regions_velocity e = has_belts ? evaluate_face(k, f) : evaluate(k, f, AT_FACE);
 
-    return comes == returns ? *e : comes ? before : after;
+    if (!k->may_drop || !is_off(k, &e))
+        return e;
+    const regions_velocity before = evaluate(k, f, CELL_BEFORE),
+                           after = evaluate(k, f, CELL_BEHIND);
+    const bool comes = !is_off(k, &before) && component_of(&before, f->component) > 0.0;
+    const bool returns = !is_off(k, &after) && component_of(&after, f->component) < 0.0;
+
+    return comes == returns ? e : comes ? before : after;
 }
 
-static regions_velocity evaluate_any(const sampler *k, const lattice *l, vec2 at, int component,
-                                     bool has_belts)
-{
-    const regions_velocity e = has_belts ? evaluate_face(k, at, component) : evaluate(k, at);
-
-    return k->may_drop && is_off(k, &e) ? evaluate_off(k, l, at, component, &e) : e;
-}
-
-/// The arc whose velocity a face of row j has: where the face is off every belt, that of a cell beside it; n_belts: it has none.
-static size_t arc_of(const sampler *k, const lattice *l, vec2 at, int component,
-                     const regions_velocity *e)
+/// The arc whose velocity a face has: where the face is off every belt, that of a cell beside it; n_belts: it has none.
+static size_t arc_of(const sampler *k, const face *f, const regions_velocity *e)
 {
     const surroundings *around = &k->around;
-    const vec2 half = half_cell(l->grid, component);
     size_t belt = e->region == REGIONS_FREE ? e->belt_index : around->n_belts;
 
     if (is_off(k, e))
-        belt = surroundings_belt_at(around, vec2_sub(at, half));
+        belt = belt_of(k, f, CELL_BEFORE);
     if (is_off(k, e) && belt == around->n_belts)
-        belt = surroundings_belt_at(around, vec2_add(at, half));
+        belt = belt_of(k, f, CELL_BEHIND);
     return belt < around->n_belts && belt_has_lanes(&around->belts[belt]) ? belt : around->n_belts;
 }
 
 /// What is filled in for the faces of a lattice; see velocity_field.h.
 typedef struct face_arrays {
     double *v;
+    uint8_t *held;  ///< NULL: there is no arc
     uint16_t *belt; ///< NULL: none, and so for those below
     double *transverse;
     double *loose;
 } face_arrays;
 
-/// Fill a component of the velocity on all faces of a lattice and what else there is of them. Closed faces are known but for
-/// those of arcs.
+/// Fill a component of the velocity, if no face were closed, and what else there is on the marked faces first <= i < last of row j.
+static void fill_columns(const velocity_field *f, const scene *s, const lattice *l, int component,
+                         size_t j, size_t first, size_t last, const face_arrays *ret)
+{
+    const sampler *k = f->sampler;
+    const size_t base = j * l->n_columns;
+    const double y = l->grid->lower2 + ((double)j + l->offset2) * l->grid->d2;
+
+    for (size_t i = first; i < last;) {
+        const face here = { l->grid,
+                            component,
+                            { l->grid->lower1 + ((double)i + l->offset1) * l->grid->d1, y },
+                            k->under[component] == NULL
+                                ? NULL
+                                : k->under[component] + FACE_POINTS * (base + i) };
+        const regions_velocity e = evaluate_any(k, &here, ret->belt != NULL);
+        const size_t arc = k->arcs.n > 0 ? arc_of(k, &here, &e) : s->n_sections;
+        const bool is_arc = arc < s->n_sections;
+        const double v =
+            is_arc ? arc_faces_velocity(&k->arcs, l->grid, k->around.belts, arc, component, i, j)
+                   : component_of(&e, component);
+        const uint8_t *next = k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, last - i);
+        const size_t end = next != NULL ? (size_t)(next - k->marks) : last;
+        const uint8_t held = is_arc && arc_faces_is_held(f, s, &k->around, arc, component, i, j);
+        for (size_t m = i; ret->held != NULL && m < end; m++)
+            ret->held[base + m] = held;
+        for (size_t m = i; ret->belt != NULL && m < end; m++)
+            ret->belt[base + m] = (uint16_t)(is_arc ? arc : e.belt_index);
+        for (size_t m = i; ret->transverse != NULL && m < end; m++)
+            ret->transverse[base + m] = component == 0 ? e.velocity.y : e.velocity.x;
+        const double loose = e.region == REGIONS_SLIDE ? component == 0 ? e.belt.x : e.belt.y : v;
+        for (size_t m = i; ret->loose != NULL && m < end; m++)
+            ret->loose[base + m] = loose;
+        for (; i < end; i++)
+            ret->v[base + i] = v;
+    }
+}
+
+/// Fill what there is on the faces of a lattice that are due.
 static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int component,
                        const face_arrays *ret)
 {
     sampler *k = f->sampler;
-    uint8_t *closed = component == 0 ? f->closed1 : f->closed2;
 
     k->n_begun = k->n_active = 0;
     for (size_t j = 0; j < l->n_rows; j++) {
-        const size_t base = j * l->n_columns;
-        double y = l->grid->lower2 + ((double)j + l->offset2) * l->grid->d2;
-        // Choose the segments whose bands may touch the row at y, in their order.
-        k->n_near = 0;
-        for (size_t m = 0; m < k->n_segments; m++) {
-            const regions_segment *g = &k->segments[m];
-            const surroundings_piece *piece = &g->piece;
-            double end = piece->start.y + piece->length * piece->along.y;
-            double extent = regions_extent(g) + k->margin;
-            if (fmin(piece->start.y, end) - extent <= y && y <= fmax(piece->start.y, end) + extent)
-                k->near[k->n_near++] = g;
-        }
-        mark_row(k, l, y);
-        for (size_t i = 0; i < l->n_columns;) {
-            const vec2 at = { l->grid->lower1 + ((double)i + l->offset1) * l->grid->d1, y };
-            const regions_velocity e = evaluate_any(k, l, at, component, ret->belt != NULL);
-            const size_t arc = k->arcs.n > 0 ? arc_of(k, l, at, component, &e) : s->n_sections;
-            const bool is_arc = arc < s->n_sections;
-            const double v = is_arc ? arc_faces_velocity(&k->arcs, l->grid, k->around.belts, arc,
-                                                         component, i, j)
-                                    : component_of(&e, component);
-            if (is_arc && arc_faces_is_held(f, s, &k->around, arc, component, i, j))
-                closed[base + i] = 1;
-            const uint8_t *next =
-                k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, l->n_columns - i);
-            size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;
-            for (size_t m = i; ret->belt != NULL && m < end; m++)
-                ret->belt[base + m] = (uint16_t)(is_arc ? arc : e.belt_index);
-            for (size_t m = i; ret->transverse != NULL && m < end; m++)
-                ret->transverse[base + m] = component == 0 ? e.velocity.y : e.velocity.x;
-            const double loose =
-                e.region == REGIONS_SLIDE ? component == 0 ? e.belt.x : e.belt.y : v;
-            for (size_t m = i; ret->loose != NULL && m < end; m++)
-                ret->loose[base + m] = loose;
-            for (; i < end; i++)
-                ret->v[base + i] = v;
+        const double y = l->grid->lower2 + ((double)j + l->offset2) * l->grid->d2;
+        bool is_ready = false;
+        for (size_t d = 0; d < k->n_due; d++) {
+            const scene_rect *due = &k->due[d];
+            size_t first, last;
+            if (y < due->y_min || y > due->y_max)
+                continue;
+            if (!is_ready) {
+                find_near(k, y);
+                mark_row(k, l, y);
+            }
+            is_ready = true;
+            find_columns(l, due->x_min, due->x_max, &first, &last);
+            fill_columns(f, s, l, component, j, first, last, ret);
         }
     }
 }
@@ -349,6 +464,12 @@ static bool is_behind_gap(const surroundings *around, vec2 centre, vec2 to_face)
     const bool reverses = belt < around->n_belts && belt_speeds_may_reverse(&around->belts[belt]);
 
     return (goes < 0.0 || (goes > 0.0 && reverses)) && is_off_at(around, vec2_add(centre, to_face));
+}
+
+/// The way from a face to the centre of the cell behind it.
+static vec2 half_cell(const bf_grid *grid, int component)
+{
+    return component == 0 ? (vec2){ 0.5 * grid->d1, 0.0 } : (vec2){ 0.0, 0.5 * grid->d2 };
 }
 
 /// Find the cells that carry nothing.
@@ -432,26 +553,65 @@ static void close_edges(const scene *s, velocity_field *f)
     }
 }
 
+static void close_lines(velocity_field *f, const scene *s, bool of_moving)
+{
+    const surroundings *around = &f->sampler->around;
+
+    for (size_t o = 0; o < s->n_obstacles; o++)
+        if (scene_obstacle_moves(&s->obstacles[o]) == of_moving &&
+            closed_lines_has(s, &s->obstacles[o]))
+            (void)closed_lines_visit_one(around, &s->obstacles[o], close_line, f);
+}
+
+/// Close the faces that lines and edges close.
+static void close_faces(velocity_field *f, const scene *s, bool is_all)
+{
+    const size_t n_faces1 = (f->grid.n1 + 1) * f->grid.n2, n_faces2 = f->grid.n1 * (f->grid.n2 + 1);
+    sampler *k = f->sampler;
+
+    if (is_all) {
+        memset(f->closed1, 0, n_faces1);
+        memset(f->closed2, 0, n_faces2);
+        close_lines(f, s, false);
+        close_edges(s, f);
+    } else {
+        memcpy(f->closed1, k->closed[0], n_faces1);
+        memcpy(f->closed2, k->closed[1], n_faces2);
+    }
+    if (is_all && k->is_made_again) {
+        memcpy(k->closed[0], f->closed1, n_faces1);
+        memcpy(k->closed[1], f->closed2, n_faces2);
+    }
+    close_lines(f, s, true);
+}
+
 /// Close the faces beside cells off every belt over which no belt moves: dispersion is no force that could push cargo
 /// off a belt over its side.
 static void close_off_sides(velocity_field *f)
 {
     const size_t n1 = f->grid.n1, n2 = f->grid.n2;
+    double *const *v = f->sampler->v;
 
     for (size_t j = 0; j < n2; j++)
         for (size_t i = 1; i < n1; i++)
-            if (f->off[j * n1 + i - 1] != f->off[j * n1 + i] && f->v1[j * (n1 + 1) + i] == 0.0)
+            if (f->off[j * n1 + i - 1] != f->off[j * n1 + i] && v[0][j * (n1 + 1) + i] == 0.0)
                 f->closed1[j * (n1 + 1) + i] = 1;
     for (size_t j = 1; j < n2; j++)
         for (size_t i = 0; i < n1; i++)
-            if (f->off[(j - 1) * n1 + i] != f->off[j * n1 + i] && f->v2[j * n1 + i] == 0.0)
+            if (f->off[(j - 1) * n1 + i] != f->off[j * n1 + i] && v[1][j * n1 + i] == 0.0)
                 f->closed2[j * n1 + i] = 1;
 }
 
-static void stop_at_closed(double *v, const uint8_t *closed, size_t n)
+static void stop_at_closed(const double *v, const uint8_t *closed, size_t n, double *ret_v)
 {
     for (size_t k = 0; k < n; k++)
-        v[k] = closed[k] ? 0.0 : v[k];
+        ret_v[k] = closed[k] ? 0.0 : v[k];
+}
+
+static void close_held(const uint8_t *held, size_t n, uint8_t *closed)
+{
+    for (size_t k = 0; held != NULL && k < n; k++)
+        closed[k] |= held[k];
 }
 
 static void fill_ones(double *x, size_t n)
@@ -473,8 +633,9 @@ static velocity_field *field_alloc(const scene *s)
     f->v2 = memory_alloc(n_faces2, sizeof *f->v2);
     f->closed1 = memory_alloc(n_faces1, sizeof *f->closed1);
     f->closed2 = memory_alloc(n_faces2, sizeof *f->closed2);
-    f->sampler = sampler_alloc(s);
-    bool is_whole = f->v1 && f->v2 && f->closed1 && f->closed2 && f->sampler;
+    bool is_whole = f->v1 && f->v2 && f->closed1 && f->closed2;
+    f->sampler = is_whole ? sampler_alloc(s, f) : NULL;
+    is_whole = f->sampler != NULL;
     if (is_whole &&
         (is_congested(s) || has_arcs(s) || !belt_speeds_are_constant(s->n_sections, s->belts))) {
         f->belt1 = memory_alloc(n_faces1, sizeof *f->belt1);
@@ -494,21 +655,40 @@ static velocity_field *field_alloc(const scene *s)
     return is_whole ? f : velocity_field_destroy(f);
 }
 
-void velocity_field_update(velocity_field *f, const scene *s)
+/// Find where faces are evaluated: all, or those within reach of the changed obstacles.
+static void find_due(velocity_field *f, const scene *s, size_t n, const scene_rect *changed)
+{
+    static const scene_rect all = { -INFINITY, INFINITY, -INFINITY, INFINITY };
+    sampler *k = f->sampler;
+    const double edge = fmax(f->grid.d1, f->grid.d2);
+    const double reach = fmax(k->widest, edge) + 2.0 * edge + k->margin;
+
+    k->n_due = 0;
+    for (size_t m = 0; changed != NULL && m < n; m++)
+        k->due[k->n_due++] = (scene_rect){ changed[m].x_min - reach, changed[m].x_max + reach,
+                                           changed[m].y_min - reach, changed[m].y_max + reach };
+    if (changed == NULL)
+        k->due[k->n_due++] = all;
+    k->n_due += arc_faces_update(&k->arcs, f, s, &k->around, k->n_due, k->due, k->due + k->n_due);
+}
+
+void velocity_field_update(velocity_field *f, const scene *s, size_t n, const scene_rect *changed)
 {
     const size_t n1 = f->grid.n1, n2 = f->grid.n2, n_faces1 = (n1 + 1) * n2,
                  n_faces2 = n1 * (n2 + 1);
     const lattice faces1 = { &f->grid, n1 + 1, n2, 0.0, 0.5 };
     const lattice faces2 = { &f->grid, n1, n2 + 1, 0.5, 0.0 };
+    sampler *k = f->sampler;
 
-    sampler_prepare(f->sampler, s);
-    memset(f->closed1, 0, n_faces1);
-    memset(f->closed2, 0, n_faces2);
-    (void)closed_lines_visit(s, close_line, f);
-    close_edges(s, f);
-    arc_faces_update(&f->sampler->arcs, f, s, &f->sampler->around);
-    fill_faces(f, s, &faces1, 0, &(face_arrays){ f->v1, f->belt1, f->transverse1, f->loose1 });
-    fill_faces(f, s, &faces2, 1, &(face_arrays){ f->v2, f->belt2, f->transverse2, f->loose2 });
+    sampler_prepare(k, s, changed == NULL);
+    close_faces(f, s, changed == NULL);
+    find_due(f, s, n, changed);
+    fill_faces(f, s, &faces1, 0,
+               &(face_arrays){ k->v[0], k->held[0], f->belt1, f->transverse1, f->loose1 });
+    fill_faces(f, s, &faces2, 1,
+               &(face_arrays){ k->v[1], k->held[1], f->belt2, f->transverse2, f->loose2 });
+    close_held(k->held[0], n_faces1, f->closed1);
+    close_held(k->held[1], n_faces2, f->closed2);
     if (f->off != NULL && !is_congested(s))
         close_off_sides(f);
     if (is_congested(s)) {
@@ -516,8 +696,8 @@ void velocity_field_update(velocity_field *f, const scene *s)
         fill_ones(f->aperture2, n_faces2);
         aperture_apply(s, f);
     }
-    stop_at_closed(f->v1, f->closed1, n_faces1);
-    stop_at_closed(f->v2, f->closed2, n_faces2);
+    stop_at_closed(k->v[0], f->closed1, n_faces1, f->v1);
+    stop_at_closed(k->v[1], f->closed2, n_faces2, f->v2);
 }
 
 bf_status velocity_field_create(const scene *s, velocity_field **ret_field, bf_error *err)
@@ -528,7 +708,7 @@ bf_status velocity_field_create(const scene *s, velocity_field **ret_field, bf_e
         velocity_field_destroy(f);
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for the velocity field");
     }
-    velocity_field_update(f, s);
+    velocity_field_update(f, s, 0, NULL);
     *ret_field = f;
     return BF_OK;
 }

@@ -64,9 +64,11 @@ typedef struct velocity_field {
 BF_MUST_CHECK bf_status velocity_field_create(const scene *s, velocity_field **ret_field,
                                               bf_error *err);
 
-/// Make the field again where obstacles have moved: *s differs from the scene that it was created for in
-/// the paths of obstacles alone, or lacks some of them. Never allocates.
-void velocity_field_update(velocity_field *f, const scene *s);
+/// Make the field again where obstacles have moved: *s differs from the scene that it was created for, which has moving obstacles or
+/// belts that may run backwards, in the paths of obstacles and the directions of belts alone, or lacks some obstacles.
+/// What differs from the last time are the obstacles in these n rectangles, m, which hold each before and now; n is at most the
+/// number of obstacles of the scene. Only faces that they can touch are made. NULL: all are. The field is the same, bit by bit. Never allocates.
+void velocity_field_update(velocity_field *f, const scene *s, size_t n, const scene_rect *changed);
 
 /// Free a field; NULL is fine. Always returns NULL.
 velocity_field *velocity_field_destroy(velocity_field *f);

@@ -114,7 +114,7 @@ void helper_macro_copy(const macro_solver *solver, double *ret_rho)
 vec2 helper_macro_velocity_at(const scene *s, vec2 at)
 {
     const surroundings around = surroundings_of(s);
-    regions_velocity e = regions_begin(&around, at);
+    regions_velocity e = regions_begin(&around, surroundings_belt_at(&around, at), at);
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
@@ -189,4 +189,32 @@ void helper_macro_lack_memory(const scene *s)
         macro_destroy(solver);
         velocity_field_destroy(f);
     }
+}
+
+bool helper_macro_is_same_field(const velocity_field *a, const velocity_field *b)
+{
+    const size_t n1 = (a->grid.n1 + 1) * a->grid.n2, n2 = a->grid.n1 * (a->grid.n2 + 1);
+    const struct {
+        const void *a, *b;
+        size_t n_bytes;
+    } arrays[] = {
+        { a->v1, b->v1, n1 * sizeof *a->v1 },
+        { a->v2, b->v2, n2 * sizeof *a->v2 },
+        { a->closed1, b->closed1, n1 },
+        { a->closed2, b->closed2, n2 },
+        { a->belt1, b->belt1, n1 * sizeof *a->belt1 },
+        { a->belt2, b->belt2, n2 * sizeof *a->belt2 },
+        { a->aperture1, b->aperture1, n1 * sizeof *a->aperture1 },
+        { a->aperture2, b->aperture2, n2 * sizeof *a->aperture2 },
+        { a->transverse1, b->transverse1, n1 * sizeof *a->transverse1 },
+        { a->transverse2, b->transverse2, n2 * sizeof *a->transverse2 },
+        { a->loose1, b->loose1, n1 * sizeof *a->loose1 },
+        { a->loose2, b->loose2, n2 * sizeof *a->loose2 },
+    };
+    bool is_same = true;
+
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        is_same = is_same && (arrays[k].a == NULL) == (arrays[k].b == NULL) &&
+                  (arrays[k].a == NULL || memcmp(arrays[k].a, arrays[k].b, arrays[k].n_bytes) == 0);
+    return is_same;
 }

@@ -9,6 +9,9 @@
 /// The field of a resolved scene; velocity_field_destroy().
 velocity_field *helper_macro_field(const scene *s);
 
+/// True if the arrays of two fields of one grid are the same, bit by bit.
+bool helper_macro_is_same_field(const velocity_field *a, const velocity_field *b);
+
 /// The definition that a run makes of a resolved scene and its field, for one thread.
 macro_def helper_macro_def(const scene *s, const velocity_field *f);
 

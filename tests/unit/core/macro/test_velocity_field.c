@@ -375,6 +375,98 @@ static void the_field_on_a_grid_is_the_plain_rule_at_every_face(void **state)
     }
 }
 
+enum { RAIL_POINTS = 3 }; ///< of a rail along an arc, whose long chords spread q far
+
+/// A rectangle that holds a path.
+static scene_rect around_path(const vec2 *path, size_t n)
+{
+    scene_rect box = { path[0].x, path[0].x, path[0].y, path[0].y };
+
+    for (size_t k = 1; k < n; k++)
+        box = (scene_rect){ fmin(box.x_min, path[k].x), fmax(box.x_max, path[k].x),
+                            fmin(box.y_min, path[k].y), fmax(box.y_max, path[k].y) };
+    return box;
+}
+
+/// A random scene with moving obstacles. With an arc there are rails along it. Paths of as many points as these have are moved towards the origin,
+/// the centre of the arc, or away.
+static void draw_moving_scene(scene *s, bf_random *random, int round)
+{
+    draw_scene(s, random);
+    s->macro.closure = round % 2 == 0 ? SCENE_CONGESTED : SCENE_DISPERSIVE;
+    if (round % 3 != 0)
+        (void)helper_scene_add_arc(s, 0.4, 0.15, 0.42, 0.0, 0.5 * M_PI);
+    for (int k = 0; k < 2 && round % 3 != 0; k++) {
+        const double radius = k == 0 ? 0.3 : helper_scene_draw(random, 0.14, 0.43, s->macro.cell);
+        vec2 rail[RAIL_POINTS];
+        for (int m = 0; m < RAIL_POINTS; m++)
+            rail[m] = (vec2){ radius * cos(0.06 + 0.7 * m), radius * sin(0.06 + 0.7 * m) };
+        (void)helper_scene_add_obstacle(s, rail, RAIL_POINTS, SCENE_WALL);
+    }
+    // Beside the middle of the first rail's first chord, which gives fewer corners its q then.
+    const vec2 toward = { cos(0.41), sin(0.41) };
+    const vec2 stub[] = { vec2_scale(toward, 0.268), vec2_scale(toward, 0.278) };
+    (void)helper_scene_add_obstacle(s, stub, 2, SCENE_WALL);
+    helper_scene_resolve(s);
+    for (size_t k = 0; k < s->n_obstacles; k++)
+        s->obstacles[k].is_commanded = k + 1 == s->n_obstacles || random_bits(random) % 2 == 0;
+}
+
+/// Obstacles move by part of a cell or far, come and go; what is made of the field again and what stays is that of a new one.
+static void a_field_made_again_is_the_field_of_a_new_scene(void **state)
+{
+    bf_random random;
+
+    (void)state;
+    random_init(&random, 5);
+    for (int round = 0; round < HELPER_AMOUNT(60, 12); round++) {
+        scene s;
+        bool is_there[16], was_there[16];
+        scene_rect changed[16];
+        draw_moving_scene(&s, &random, round);
+        velocity_field *f = helper_macro_field(&s);
+        scene now = s;
+        now.obstacles = memory_alloc(s.n_obstacles, sizeof *now.obstacles);
+        for (size_t k = 0; k < s.n_obstacles; k++)
+            is_there[k] = was_there[k] = true;
+        for (int update = 0; update < 4; update++) {
+            size_t n_changed = 0;
+            now.n_obstacles = 0;
+            for (size_t k = 0; k < s.n_obstacles; k++) {
+                scene_obstacle *o = &s.obstacles[k];
+                const bool changes = o->is_commanded && random_bits(&random) % 3 != 0;
+                const double most = random_bits(&random) % 4 == 0 ? 0.3 : 0.5 * s.macro.cell;
+                scene_rect box = around_path(o->path, o->n_points);
+                if (changes && random_bits(&random) % 4 == 0)
+                    is_there[k] = !is_there[k];
+                const double wider = helper_scene_draw(&random, 0.85, 1.15, 1e-3);
+                for (size_t m = 0; changes && m < o->n_points; m++)
+                    o->path[m] =
+                        o->n_points == RAIL_POINTS
+                            ? vec2_scale(o->path[m], wider)
+                            : vec2_add(o->path[m],
+                                       (vec2){ helper_scene_draw(&random, -most, most, 1e-4),
+                                               helper_scene_draw(&random, -most, most, 1e-4) });
+                const scene_rect after = around_path(o->path, o->n_points);
+                box = (scene_rect){ fmin(box.x_min, after.x_min), fmax(box.x_max, after.x_max),
+                                    fmin(box.y_min, after.y_min), fmax(box.y_max, after.y_max) };
+                if (changes && (is_there[k] || was_there[k]))
+                    changed[n_changed++] = box;
+                was_there[k] = is_there[k];
+                if (is_there[k])
+                    now.obstacles[now.n_obstacles++] = *o;
+            }
+            velocity_field_update(f, &now, n_changed, changed);
+            velocity_field *fresh = helper_macro_field(&now);
+            assert_true(helper_macro_is_same_field(f, fresh));
+            velocity_field_destroy(fresh);
+        }
+        velocity_field_destroy(f);
+        memory_free(now.obstacles);
+        scene_fini(&s);
+    }
+}
+
 static void no_component_exceeds_the_speed_of_the_fastest_belt(void **state)
 {
     bf_random random;
@@ -459,6 +551,7 @@ int main(void)
         cmocka_unit_test(cargo_crosses_the_border_to_a_belt_that_runs_along_it),
         cmocka_unit_test(faces_know_their_belt_where_a_speed_changes),
         cmocka_unit_test(the_field_on_a_grid_is_the_plain_rule_at_every_face),
+        cmocka_unit_test(a_field_made_again_is_the_field_of_a_new_scene),
         cmocka_unit_test(no_component_exceeds_the_speed_of_the_fastest_belt),
         cmocka_unit_test(without_memory_no_field_is_given_or_lost),
         cmocka_unit_test(what_comes_over_a_gap_within_a_cell_falls_behind_it),
