@@ -115,6 +115,18 @@ test("several parameters are varied in the form, and two figures are weighed aga
   assert.ok(named > 95 && named <= 100, `${named} bytes`);
   while (await page.getByRole("group", { name: "Parameter 3" }).count() > 0) await page.getByRole("group", { name: "Parameter 3" }).getByRole("button").click();
 
+  // A grid of listed angles by heights in equal ratios.
+  await first.getByLabel("Spread").selectOption("as listed");
+  await first.locator("[name=values]").fill("60 62.5 75 90");
+  await second.getByLabel("Spread").selectOption("in equal ratios");
+  await page.getByText("At most 12 runs").waitFor();
+  const sent = page.waitForRequest((request) => request.url().endsWith("/v1/studies") && request.method() === "POST");
+  await page.route("**/v1/studies", (route) => route.abort(), { times: 1 });
+  await page.getByRole("button", { name: "Start the study" }).click();
+  assert.deepEqual((await sent).postDataJSON().parameters, [{ pointer: "/obstacles/0/angle_deg", values: [60, 62.5, 75, 90] },
+    { pointer: "/obstacles/0/end_m/1", range: [0.45, 0.55], scale: "log", steps: 3 }]);
+  await second.getByLabel("Spread").selectOption("evenly");
+
   await page.locator("[name=method]").selectOption("Listed values");
   await first.locator("[name=values]").fill("60 75 90");
   await second.locator("[name=values]").fill("0.45 0.5");

@@ -7,6 +7,9 @@ import { baseFor } from "./study_parameters.js";
 const MOST = 8;
 const STEPS = { first: 6, other: 3 };
 
+const STEPPED = ["grid", "screen"];
+const SPACINGS = [["even", "evenly"], ["log", "in equal ratios"], ["listed", "as listed"]];
+
 const numberIn = (box) => readNumber(box.value).value;
 
 class Row {
@@ -14,15 +17,17 @@ class Row {
     this.rows = rows;
     const box = (name, mode = "decimal") => h("input", { type: "text", inputmode: mode, autocomplete: "off", name, on: { input: () => rows.onChange() } });
     this.chosen = h("select", { name: "parameter", on: { change: () => this.choose() } });
+    this.spacing = h("select", { name: "spacing", on: { change: () => rows.respace() } }, SPACINGS.map(([value, text]) => h("option", { value }, text)));
     this.units = [0, 1, 2].map(() => h("span", { class: "unit" }));
     this.boxes = { from: box("from"), to: box("to"), steps: box("steps", "numeric"), values: box("values", "text") };
     const field = (label, input, unit, hint) => h("label", { class: "field" }, h("span", {}, label), h("span", { class: "with-unit" }, input, unit ?? null),
       hint ? h("small", { class: "hint" }, hint) : null);
     this.fields = {
+      spacing: field("Spread", this.spacing),
       from: field("From", this.boxes.from, this.units[0]),
       to: field("To", this.boxes.to, this.units[1]),
       steps: field("Values", this.boxes.steps, null, "how many, with both ends"),
-      values: field("Values", this.boxes.values, this.units[2], "with spaces between: 45 52.5 60"),
+      values: field("Values", this.boxes.values, this.units[2], "as 45 52.5 60"),
     };
     this.remove = iconButton("trash", "Do not vary this", () => rows.drop(this));
     this.element = h("div", { class: "fields vary", role: "group" }, field("Parameter", this.chosen), Object.values(this.fields), this.remove);
@@ -51,13 +56,27 @@ class Row {
     this.rows.onChange();
   }
 
+  get isListed() {
+    const { method } = this.rows;
+    return method === "list" || (STEPPED.includes(method) && this.spacing.value === "listed");
+  }
+
+  // Only grids take values of their own.
+  show(method) {
+    const isStepped = STEPPED.includes(method);
+    this.spacing.lastChild.hidden = !isStepped;
+    if (!isStepped && this.spacing.value === "listed") this.spacing.value = "even";
+    const shown = { spacing: method !== "list", from: !this.isListed, to: !this.isListed, steps: isStepped && !this.isListed, values: this.isListed };
+    for (const [name, isShown] of Object.entries(shown)) this.fields[name].hidden = !isShown;
+  }
+
   // The least and the largest number that is tried, or all of them.
   values() {
-    return this.rows.isListed ? readNumbers(this.boxes.values.value).values : [numberIn(this.boxes.from), numberIn(this.boxes.to)];
+    return this.isListed ? readNumbers(this.boxes.values.value).values : [numberIn(this.boxes.from), numberIn(this.boxes.to)];
   }
 
   steps() {
-    return Math.max(1, Math.round(numberIn(this.boxes.steps)) || 1);
+    return this.isListed ? this.values().length : Math.max(1, Math.round(numberIn(this.boxes.steps)) || 1);
   }
 
   faults() {
@@ -68,10 +87,16 @@ class Row {
     return read.filter(([, box, fault]) => fault !== "" && !box.closest("[hidden]")).map(([label, , fault]) => `${label}: ${fault}`);
   }
 
+  document(method) {
+    if (this.isListed) return { values: this.values() };
+    return { range: this.values(), ...(this.spacing.value === "log" ? { scale: "log" } : {}),
+      ...(STEPPED.includes(method) ? { steps: numberIn(this.boxes.steps) } : {}) };
+  }
+
   words() {
     const { label, unit } = this.parameter;
     const values = this.values();
-    const text = this.rows.isListed ? values.join(", ") : values.join(" to ");
+    const text = this.isListed ? values.join(", ") : values.join(" to ");
     return `${label} ${text}${unit === "°" ? "°" : unit ? ` ${unit}` : ""}`;
   }
 }
@@ -124,14 +149,16 @@ export class VaryRows {
     this.show();
   }
 
+  respace() {
+    this.show();
+    this.onChange();
+  }
+
   show() {
-    const isStepped = ["grid", "screen"].includes(this.method);
     for (const [k, row] of this.rows.entries()) {
       row.element.setAttribute("aria-label", `Parameter ${k + 1}`);
       row.remove.hidden = this.rows.length === 1;
-      for (const [name, isShown] of Object.entries({ from: !this.isListed, to: !this.isListed, steps: isStepped, values: this.isListed })) {
-        row.fields[name].hidden = !isShown;
-      }
+      row.show(this.method);
     }
     this.more.hidden = this.rows.length >= Math.min(MOST, this.parameters.length || 1);
   }
@@ -162,9 +189,7 @@ export class VaryRows {
 
   // As the document of a study has them.
   document() {
-    const isStepped = ["grid", "screen"].includes(this.method);
-    return this.rows.map((row) => ({ pointer: row.parameter.pointer,
-      ...(this.isListed ? { values: row.values() } : { range: row.values(), ...(isStepped ? { steps: numberIn(row.boxes.steps) } : {}) }) }));
+    return this.rows.map((row) => ({ pointer: row.parameter.pointer, ...row.document(this.method) }));
   }
 
   // The scenario as the study wants it.
