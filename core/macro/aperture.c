@@ -9,7 +9,7 @@
 
 // What a side of an outlet costs, in radii of a part, by the angle of the plate and by frictions, see aperture.h.
 typedef struct side_law {
-    double angle;    // times sin^2(theta)
+    double angle;    // times sin^2(theta), of an end opposite another one sin^4(theta)
     double cargo;    // times sqrt(mu_c) - sqrt(0.15)
     double handling; // times sqrt(mu_h) - sqrt(0.19)
 } side_law;
@@ -165,6 +165,8 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
     if (e->is_bend)
         radii = cost_of(&lane_law, sine, s, handling) +
                 (other.kind == OPPOSITE_WALL ? cost_of(&lane_law, 0.0, s, other.friction) : 0.0);
+    else if (other.kind == OPPOSITE_END)
+        radii = cost_of(&end_law, sine * sine, s, handling);
     else
         radii = cost_of(&end_law, sine, s, handling) +
                 (is_beside ? cost_of(&wall_law, sine, s, other.friction) : 0.0);

@@ -167,6 +167,8 @@ static void note_heap(findings *f, const layout *of)
         note(f, VALIDITY_PARTS, fmin(n_parts + f->n_fed, most), "/feeds");
     if (of->n_plates == 0)
         return;
+    if (f->s->n_feeds == 0 && f->s->warmup > 0.0)
+        note(f, VALIDITY_WARM_UP, f->s->warmup, "/warmup_s");
     if (isfinite(width))
         note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
              of->opening.index);

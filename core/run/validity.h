@@ -43,13 +43,14 @@ typedef enum validity_figure {
     VALIDITY_FREE_ENDS, ///< angle of a single plate with two free ends before which cargo queues, degrees (layout.h)
     VALIDITY_RUN_OUT, ///< belt behind a plate before which cargo queues, diameters (layout.h)
     VALIDITY_BRIDGES, ///< queues before the narrowest opening that stop for good within 1,000 parts, % (bridges.h)
-    VALIDITY_SWEPT, ///< the narrowest that plates come to where they move, diameters
-    VALIDITY_HEAP,  ///< parts at the start for each diameter of the narrowest opening
-    VALIDITY_LOAD,  ///< what feeds offer of what the narrowest opening passes when it is full, %
-    VALIDITY_QUEUE, ///< belt upstream of an opening that feeds may fill, diameters
-    VALIDITY_PARTS, ///< parts at the start and of feeds
-    VALIDITY_BATCH, ///< parts that arrive at once
-    VALIDITY_SPEED, ///< of a belt, m/s
+    VALIDITY_SWEPT,   ///< the narrowest that plates come to where they move, diameters
+    VALIDITY_HEAP,    ///< parts at the start for each diameter of the narrowest opening
+    VALIDITY_WARM_UP, ///< of a heap that no feed follows, s
+    VALIDITY_LOAD,    ///< what feeds offer of what the narrowest opening passes when it is full, %
+    VALIDITY_QUEUE,   ///< belt upstream of an opening that feeds may fill, diameters
+    VALIDITY_PARTS,   ///< parts at the start and of feeds
+    VALIDITY_BATCH,   ///< parts that arrive at once
+    VALIDITY_SPEED,   ///< of a belt, m/s
     VALIDITY_ACCELERATION, ///< v^2/(2 mu g): belt that the fastest one needs to bring a part to its speed, diameters
     VALIDITY_SCHEDULES, ///< belts whose speed changes in time
     VALIDITY_COMMANDS,  ///< actions of photo eyes

@@ -22,6 +22,10 @@
 #define STAGGERED                                                                                  \
     "Cargo has to cross the belt between them, which the density model lets it do too easily: it " \
     "let up to 54 % too much through."
+#define TAIL                                                                                       \
+    "The end of a heap is a few parts that slide along the deflectors: the density model let 12 "  \
+    "% "                                                                                           \
+    "too many of them through where the whole heap passed within 2 %."
 #define CORNER          "Cargo collects in the corner that the deflector closes, and stays there."
 #define AT_WALL         "Cargo collects at such a wall."
 #define TOO_MANY_PIECES "Angles and openings of so many were not measured."
@@ -139,6 +143,12 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                         { UP_TO(62.0, "So much cargo fills the opening, and the density model lets "
                                       "it pass too fast."),
                           ANY, ANY } },
+    [VALIDITY_WARM_UP] = { "s",
+                           "The figures leave out what a heap that no feed follows does for",
+                           " s",
+                           "",
+                           "heaps from their start on",
+                           { UP_TO(0.0, TAIL), UP_TO(0.0, TAIL), ANY } },
     [VALIDITY_LOAD] = { "%",
                         "Feeds offer",
                         " % of what the narrowest opening passes when it is full",
@@ -430,6 +440,7 @@ const char *const validity_words[] = {
     [VALIDITY_BRIDGES] = "bridges",
     [VALIDITY_SWEPT] = "swept_opening",
     [VALIDITY_HEAP] = "heap",
+    [VALIDITY_WARM_UP] = "heap_warmup",
     [VALIDITY_LOAD] = "load",
     [VALIDITY_QUEUE] = "queue",
     [VALIDITY_PARTS] = "parts",

@@ -73,7 +73,8 @@ static const frictions fitted = { 0.15, 0.19, 0.19, 1.0 }; // the defaults
 static double extension(double sine, opposite other, const frictions *mu, double belt, double way)
 {
     const double r = 0.012, a = sqrt(mu->cargo) - sqrt(0.15), square = sine * sine;
-    double lost = r * (1.2 * square + 2.0 * a + 0.4 * (sqrt(mu->handling) - sqrt(0.19)));
+    double lost = r * (1.2 * (other == END ? square * square : square) + 2.0 * a +
+                       0.4 * (sqrt(mu->handling) - sqrt(0.19)));
 
     if (other == SIDE)
         lost += r * (0.9 * square + 0.7 * a + 0.4 * (sqrt(mu->wall) - sqrt(0.19)));

@@ -64,6 +64,22 @@ static void the_papers_examples_were_compared(void **state)
     }
 }
 
+static void the_end_of_a_heap_alone_was_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.warmup = 2.0;
+    assert_only(&s, VALIDITY_WARM_UP, 2.0, "/warmup_s");
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.warmup = 2.0;
+    helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_POISSON, 5.0);
+    helper_scene_resolve(&s);
+    assert_true(validity_now(&s).is_compared);
+    scene_fini(&s);
+}
+
 static void shallow_and_leaning_plates_were_not_compared(void **state)
 {
     scene s;
@@ -603,6 +619,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_papers_examples_were_compared),
+        cmocka_unit_test(the_end_of_a_heap_alone_was_not_compared),
         cmocka_unit_test(shallow_and_leaning_plates_were_not_compared),
         cmocka_unit_test(narrow_openings_were_not_compared),
         cmocka_unit_test(queues_that_stop_are_told_where_they_may_be),
