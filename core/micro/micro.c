@@ -367,11 +367,6 @@ uint64_t micro_id_of(const micro_solver *s, size_t k)
     return s->ids[k];
 }
 
-uint32_t micro_kind_of(const micro_solver *s, size_t k)
-{
-    return s->backend->place(s->state, k).kind;
-}
-
 void micro_take_out(micro_solver *s, size_t k)
 {
     s->backend->take_out(s->state, k);

@@ -179,9 +179,8 @@ micro_part micro_part_of(const micro_solver *s, size_t k);
 /// True if part k has left the domain, or has fallen.
 bool micro_is_gone(const micro_solver *s, size_t k);
 
-/// Id of part k, and its kind.
+/// Id of part k.
 uint64_t micro_id_of(const micro_solver *s, size_t k);
-uint32_t micro_kind_of(const micro_solver *s, size_t k);
 
 /// Add a part; it moves from the next step on. It may overlap others: micro_is_free(). BF_EINPUT: a member is out of
 /// range, or n_parts_expected is 0; BF_ELIMIT: SCENE_PARTS_MAX are in the domain; BF_ENOMEM. On an error s is

@@ -10,6 +10,7 @@
 
 enum { DEPARTURES_AT_ONCE = 64 };
 
+_Static_assert(sizeof(micro_tag) == 40, "no padding");
 _Static_assert((int)SCENE_COUNTERS_MAX <= 32, "each counter has a bit of a tag");
 
 static bf_status reserve_tags(micro_feeds *f, size_t n, bf_error *err)
@@ -56,18 +57,15 @@ static void count_departure(micro_feeds *f, const micro_tag *tag, const micro_de
         return;
     add_left(f, tag->counters, 1.0);
     const size_t outlet = figure_outlet(f->scene, surroundings_belt_at(&f->around, at));
-    if (!micro_sinks_took(f->sinks, departure->part, departure->id) &&
-        outlet < f->n_flows - f->scene->n_counters)
+    if (!tag->is_taken && outlet < f->n_flows - f->scene->n_counters)
         f->flows[f->scene->n_counters + outlet] += 1.0;
 }
 
 bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
-                           const micro_sinks *sinks, const scene_placement *placement,
-                           bf_error *err)
+                           const scene_placement *placement, bf_error *err)
 {
     *f = (micro_feeds){ .scene = s,
                         .solver = solver,
-                        .sinks = sinks,
                         .around = surroundings_of(s),
                         .n_flows = s->n_counters + figure_items(s, FIGURE_OF_OUTLET) };
     f->flows = memory_alloc(f->n_flows, sizeof *f->flows);
@@ -77,6 +75,7 @@ bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
     for (size_t k = 0; k < placement->n && status == BF_OK; k++)
         f->tags[k] = (micro_tag){ .feed = (uint32_t)s->n_feeds,
                                   .kind = mix_kind(placement->kinds, k),
+                                  .sink = (uint32_t)s->n_sinks,
                                   .counters = counters_at(
                                       s, mix_kind(placement->kinds, k),
                                       (vec2){ placement->poses[k].x, placement->poses[k].y }) };
@@ -204,8 +203,11 @@ static bf_status admit(void *context, const feed_admission *part, bf_error *err)
         status = micro_admit(f->solver, &arrival, &handle, err);
     if (status != BF_OK)
         return status;
-    f->tags[handle] = (micro_tag){ time_now(f), (uint32_t)part->feed, part->kind,
-                                   counters_at(f->scene, part->kind, at), 0 };
+    f->tags[handle] = (micro_tag){ .entered = time_now(f),
+                                   .feed = (uint32_t)part->feed,
+                                   .kind = part->kind,
+                                   .counters = counters_at(f->scene, part->kind, at),
+                                   .sink = (uint32_t)f->scene->n_sinks };
     figures_wait(f->figures, part->feed, part->wait);
     return BF_OK;
 }
@@ -249,7 +251,8 @@ bf_status micro_feeds_save(const micro_feeds *f, checkpoint_writer *w, bf_error 
 {
     const uint64_t n = micro_parts(f->solver);
 
-    feed_parts_save(f->entry, w);
+    if (f->entry != NULL)
+        feed_parts_save(f->entry, w);
     checkpoint_write(w, &f->part_steps, sizeof f->part_steps);
     checkpoint_write(w, f->flows, f->n_flows * sizeof *f->flows);
     checkpoint_write(w, &n, sizeof n);
@@ -261,7 +264,7 @@ bf_status micro_feeds_load(micro_feeds *f, checkpoint_reader *r, bf_error *err)
 {
     uint64_t n = 0;
 
-    if (!feed_parts_load(f->entry, r) ||
+    if ((f->entry != NULL && !feed_parts_load(f->entry, r)) ||
         !checkpoint_read(r, &f->part_steps, sizeof f->part_steps) ||
         !checkpoint_read(r, f->flows, f->n_flows * sizeof *f->flows) ||
         !checkpoint_read(r, &n, sizeof n) || n > r->n_left / sizeof *f->tags)

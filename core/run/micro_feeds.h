@@ -7,7 +7,6 @@
 #include "core/base/checkpoint.h"
 #include "core/feed/parts_entry.h"
 #include "core/micro/micro.h"
-#include "core/run/micro_sinks.h"
 #include "core/run/run_priv.h"
 
 #include <stddef.h>
@@ -20,13 +19,15 @@ typedef struct micro_tag {
     uint32_t kind;     ///< index into scene.cargo
     uint32_t counters; ///< in which it was at the last tick, a bit each
     uint32_t left;     ///< that it has left since it was there, the same
+    double in_sink;    ///< the tick that found it in its sink, s
+    uint32_t sink;     ///< index into scene.sinks, in which it is; n_sinks: none
+    uint32_t is_taken; ///< by this sink
 } micro_tag;
 
 /// The parts. Zero-initialise; micro_feeds_init(), micro_feeds_fini().
 typedef struct micro_feeds {
     const scene *scene;        ///< must outlive it
     micro_solver *solver;      ///< same
-    const micro_sinks *sinks;  ///< same
     feed_parts *entry;         ///< NULL: there are no feeds
     micro_tag *tags;           ///< by handle
     size_t n_tags_max;         ///< handles that they have room for
@@ -45,8 +46,7 @@ vec2 micro_feeds_counted_place(const scene *s, vec2 at);
 
 /// Begin at t = 0 with the parts of a placement, whose kinds may be NULL. BF_ENOMEM: to be freed all the same.
 BF_MUST_CHECK bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
-                                         const micro_sinks *sinks, const scene_placement *placement,
-                                         bf_error *err);
+                                         const scene_placement *placement, bf_error *err);
 
 /// Free what *f owns.
 void micro_feeds_fini(micro_feeds *f);
@@ -65,6 +65,6 @@ double micro_feeds_age(const micro_feeds *f, size_t part);
 /// Parts that entered since t = 0.
 double micro_feeds_entered(const micro_feeds *f);
 
-/// run_backend.save and .load where there are feeds, with the solver's state.
+/// run_backend.save and .load where there are feeds or sinks, with the solver's state.
 BF_MUST_CHECK bf_status micro_feeds_save(const micro_feeds *f, checkpoint_writer *w, bf_error *err);
 BF_MUST_CHECK bf_status micro_feeds_load(micro_feeds *f, checkpoint_reader *r, bf_error *err);

@@ -105,8 +105,8 @@ static bf_status fill_run(const scene *s, const run__micro_setup *setup, micro_r
     if (status != BF_OK)
         return status;
     run->reduction_start = micro_reduction(run->solver);
-    micro_sinks_init(&run->sinks, s, run->solver);
-    return micro_feeds_init(&run->feeds, s, run->solver, &run->sinks, &setup->placement, err);
+    micro_sinks_init(&run->sinks, s);
+    return micro_feeds_init(&run->feeds, s, run->solver, &setup->placement, err);
 }
 
 // The smallest distance from the centre of a part of any kind to its border, seen from above.
@@ -383,25 +383,30 @@ static void fill_end(const void *solver, frame_end *end)
     }
 }
 
+// Whether what the run's parts did before is needed to go on.
+static bool has_tags(const micro_run *run)
+{
+    return run->scene->n_feeds > 0 || run->scene->n_sinks > 0;
+}
+
 static bf_status save_run(const void *solver, checkpoint_writer *w, bf_error *err)
 {
     const micro_run *run = solver;
 
     if (run->scene->n_sinks > 0)
         micro_sinks_save(&run->sinks, w);
-    return run->feeds.entry != NULL ? micro_feeds_save(&run->feeds, w, err)
-                                    : micro_save(run->solver, w->out, err);
+    return has_tags(run) ? micro_feeds_save(&run->feeds, w, err)
+                         : micro_save(run->solver, w->out, err);
 }
 
 static bf_status load_run(void *solver, checkpoint_reader *r, bf_error *err)
 {
     micro_run *run = solver;
 
-    bf_status status = run->scene->n_sinks > 0 ? micro_sinks_load(&run->sinks, r, err) : BF_OK;
-    if (status != BF_OK)
-        return status;
-    return run->feeds.entry != NULL ? micro_feeds_load(&run->feeds, r, err)
-                                    : micro_load(run->solver, r->at, r->n_left, err);
+    if (run->scene->n_sinks > 0 && !micro_sinks_load(&run->sinks, r))
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's sinks are damaged");
+    return has_tags(run) ? micro_feeds_load(&run->feeds, r, err)
+                         : micro_load(run->solver, r->at, r->n_left, err);
 }
 
 static void count_flows(void *solver, const double *contents, double left, double *ret_flows)
@@ -424,7 +429,7 @@ static bf_status take(void *solver, bf_error *err)
 {
     micro_run *run = solver;
 
-    return micro_sinks_take(&run->sinks, err);
+    return micro_sinks_take(&run->sinks, &run->feeds, err);
 }
 
 static bf_status depart(void *solver, run_departures *ret_departures, bf_error *err)
