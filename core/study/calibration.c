@@ -371,10 +371,19 @@ calibration_profile calibration_profile_of(const study *s, size_t parameter)
 {
     const double limit = statistics_normal(0.5 * (1.0 - s->definition.confidence));
     const double low = edge_of(s, parameter, 0, limit), high = edge_of(s, parameter, 1, limit);
+    const double near = near_cost(s);
+    calibration_profile profile = { .low = isnan(low) ? 0.0 : low,
+                                    .high = isnan(high) ? 1.0 : high };
 
-    return (calibration_profile){ .low = isnan(low) ? 0.0 : low,
-                                  .high = isnan(high) ? 1.0 : high,
-                                  .is_identifiable = !isnan(low) && !isnan(high) };
+    for (size_t point = 0; point < s->n_points; point++) {
+        const double at = s->at[point * s->definition.d + parameter];
+        if (isfinite(s->costs[point]) && distance_of(s, s->costs[point], near) <= limit) {
+            profile.low = fmin(profile.low, at);
+            profile.high = fmax(profile.high, at);
+        }
+    }
+    profile.is_identifiable = profile.low > 0.0 && profile.high < 1.0;
+    return profile;
 }
 
 size_t calibration_without(const study *s, size_t curve)

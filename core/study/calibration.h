@@ -19,7 +19,8 @@
 /// z being the normal quantile of the confidence and v the variance of rounding to whole parts. The near cost is the mean
 /// of those of the answer and of two points next to it along each parameter, CALIBRATION_NEAR of the range away: curves
 /// of models jump a little with their parameters, and the answer of a search is the luckiest of many points. Between the places the root
-/// of the left side is taken as linear. Where these values reach an end of the range the parameter is not identifiable.
+/// of the left side is taken as linear. Any other point that was tried and agrees lies within, too: where a model has chance in
+/// it, a place of the profile may be far off by chance while a point behind it is as near as the answer. Where these values reach an end of the range the parameter is not identifiable.
 /// Samples of a curve are not independent: n is to be much less than their number.
 ///
 /// Source   A. Raue et al.: Structural and practical identifiability analysis of partially observed dynamical models by

@@ -95,6 +95,12 @@ static double slope(double x)
     return 20.0 * (x - 0.5);
 }
 
+// As near at x = 0.4 and from 0.65 to 0.85.
+static double two_valleys(double x)
+{
+    return x > 0.65 && x < 0.85 ? 0.01 : 20.0 * (x - 0.4);
+}
+
 static double jumps(double x)
 {
     return 8.0 * sin(1e5 * x);
@@ -150,6 +156,17 @@ static void a_lucky_point_of_a_curve_that_jumps_is_not_identified(void **state)
     study_destroy(s);
 }
 
+// The first place of a profile is far off on either side of both valleys, and says nothing of the other one.
+static void what_was_tried_and_agrees_lies_in_the_interval(void **state)
+{
+    study *s = calibrate_one(8, 1e-6, 30, two_valleys);
+    const calibration_profile profile = calibration_profile_of(s, 0);
+    assert_true(profile.low <= 0.4 && profile.low > 0.3);
+    assert_true(profile.high >= 0.65 && profile.high < 0.9);
+    assert_true(profile.is_identifiable);
+    study_destroy(s);
+}
+
 static void a_calibration_short_of_trials_ends_and_claims_nothing(void **state)
 {
     static const double truth[2] = { 0.37, 0.62 };
@@ -167,6 +184,7 @@ int main(void)
         cmocka_unit_test(a_curve_that_is_left_out_shows_how_well_it_is_predicted),
         cmocka_unit_test(the_profile_of_one_parameter_is_the_one_derived_by_hand),
         cmocka_unit_test(a_lucky_point_of_a_curve_that_jumps_is_not_identified),
+        cmocka_unit_test(what_was_tried_and_agrees_lies_in_the_interval),
         cmocka_unit_test(a_calibration_short_of_trials_ends_and_claims_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
