@@ -116,7 +116,9 @@ export function removeRun(id) {
   return ask(paths.run(id), { method: "DELETE", keepalive: true });
 }
 
-export const ended = new Set(["succeeded", "failed", "cancelled"]);
+// The states of a run, in the order of its life; the last three are ends.
+export const states = ["queued", "running", "succeeded", "failed", "cancelled"];
+export const ended = new Set(states.slice(-3));
 
 export function isOver(run) {
   return ended.has(run.status);

@@ -2,9 +2,9 @@
 // changes, and by itself when the connection is lost, after the last event that was seen.
 
 import { onConnection, report, isDaemonAway } from "./connection.js";
-import { ended, ticketed } from "./api.js";
+import { ended, states, ticketed } from "./api.js";
 
-const KINDS = ["status", "progress", "curve", "snapshot", "figures", "action", "drive", "end", "gap"];
+const KINDS = ["status", "progress", "curve", "snapshot", "figures", "action", "drive", "end"];
 const RETRY_MS = 2000;
 const RUNS_MAX = 32; // that one stream follows
 
@@ -81,12 +81,10 @@ export function follow(ids, onEvent) {
   };
 }
 
-const order = ["queued", "running", "succeeded", "failed", "cancelled"];
-
 // Takes what an event says into the run's document. A stream begins with the past: what the document
 // already went beyond changes nothing.
 export function applyToRun(run, kind, event) {
-  const isPast = (status) => order.indexOf(status) < order.indexOf(run.status);
+  const isPast = (status) => states.indexOf(status) < states.indexOf(run.status);
   if (kind === "status" && !isPast(event.status) && !(event.progress < run.progress)) Object.assign(run, event);
   if (kind === "progress" && !ended.has(run.status) && event.progress >= run.progress) {
     Object.assign(run, { status: "running", progress: event.progress, eta_s: event.eta_s });

@@ -7,8 +7,6 @@ import { age, moment, nameOf } from "./format.js";
 import { address } from "./router.js";
 import { columns, titleOfLabel } from "./runs_columns.js";
 
-export const states = ["queued", "running", "succeeded", "failed", "cancelled"];
-
 export const suspicion = "These results may be wrong. Submit the line again to have it solved anew.";
 
 export function statePill(run) {

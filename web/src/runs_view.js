@@ -1,6 +1,6 @@
 // The list of runs: updated by events, filtered, paged by the API's cursor, with studies between them.
 
-import { getJson, isOver, listRuns, patch, paths } from "./api.js";
+import { getJson, isOver, listRuns, patch, paths, states } from "./api.js";
 import { onConnection } from "./connection.js";
 import { h, link, setText } from "./dom.js";
 import { applyToRun, follow } from "./events.js";
@@ -10,7 +10,7 @@ import { cancel, isGoing, removeLater } from "./run_actions.js";
 import { columns } from "./runs_columns.js";
 import { byVersion, grouped, MoreRow, StudyRow, VersionRow } from "./runs_groups.js";
 import { parameterOf, RunsHead, sortedBy } from "./runs_head.js";
-import { RunRow, states } from "./runs_table.js";
+import { RunRow } from "./runs_table.js";
 import { Tray } from "./runs_tray.js";
 import { searchOf } from "./search_words.js";
 import { selected } from "./selection.js";
