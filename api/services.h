@@ -217,6 +217,8 @@ typedef struct api_services {
     /// Append the service's figures in Prometheus' text form to *out, if wanted also those of each owner and token. Without these
     /// it never waits for the disk.
     bf_status (*metrics)(api_service *service, bool with_owners, bf_buffer *out, bf_error *err);
+    /// Append the OpenAPI document, which is made from the routes and so stands above them.
+    bf_status (*write_openapi)(bf_buffer *out, bf_error *err);
 } api_services;
 
 /// How many columns "a,b,c" has.

@@ -3,7 +3,6 @@
 #include "api/http/http_priv.h"
 #include "api/http/problem.h"
 #include "api/json/json_out.h"
-#include "api/openapi/openapi.h"
 #include "api/results/service_json.h"
 #include "api/scenario/examples.h"
 #include "api/scenario/goods_json.h"
@@ -86,5 +85,5 @@ bf_status handlers_meta_version(exchange *x, bf_error *err)
 bf_status handlers_meta_openapi(exchange *x, bf_error *err)
 {
     exchange__cache_revalidate(x);
-    return openapi_write(&x->response->body, err);
+    return x->services->write_openapi(&x->response->body, err);
 }

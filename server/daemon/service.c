@@ -1,5 +1,6 @@
 #include "server/daemon/service.h"
 
+#include "api/openapi/openapi.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 #include "server/daemon/grants.h"
@@ -252,7 +253,8 @@ api_services service_table(service *s)
                            .leases = s->leases,
                            .read_speed = read_speed,
                            .ready = ready,
-                           .metrics = write_metrics };
+                           .metrics = write_metrics,
+                           .write_openapi = openapi_write };
 }
 
 void service_drain(service *s)

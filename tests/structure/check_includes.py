@@ -1,5 +1,5 @@
 """Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, base <- compare <- figures,
-scene <- world <- macro, micro <- run, inside api json <- scenario <- results <- study <- http, openapi, inside server base <- http, store <- run,
+scene <- world <- macro, micro <- run, inside api json <- scenario <- results <- study <- http <- openapi, inside server base <- http, store <- run,
 study <- daemon, run <- pull <- slurm <- daemon, run <- worker <- cli; and every outside header is included only where it belongs."""
 
 import re
@@ -30,7 +30,7 @@ ARROWS = {
     "api/scenario": {"core/base", "core/scene", "core/run", "api", "api/json", "api/scenario"},
     "api/study": API_CORE | {"core/feed", "api", "api/json", "api/scenario", "api/results", "api/study"},
     "api/results": API_CORE | {"core/feed", "api", "api/json", "api/scenario", "api/results"},
-    "api/http": API_CORE | API,
+    "api/http": API_CORE | API - {"api/openapi"},
     "api/openapi": API_CORE | API,
 }
 # What each folder of the server may include from beside what all of them may: core and api.

@@ -1,5 +1,6 @@
 #include "tests/unit/api/helper_services.h"
 
+#include "api/openapi/openapi.h"
 #include "core/base/memory.h"
 #include "tests/unit/helper_slices.h"
 
@@ -421,7 +422,8 @@ api_services helper_services(helper_daemon *d)
                               .holds = do_holds,
                               .read_speed = do_read_speed,
                               .ready = do_ready,
-                              .metrics = do_metrics };
+                              .metrics = do_metrics,
+                              .write_openapi = openapi_write };
 
     helper_serve_measurements(&services);
     helper_serve_studies(&services);
