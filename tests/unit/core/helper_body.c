@@ -2,6 +2,8 @@
 
 #include "core/base/check.h"
 #include "core/base/digest.h"
+#include "tests/unit/core/helper_hull.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -192,4 +194,75 @@ double helper_body_stored(const body_state *s)
         sum += 0.5 * kind->belt_law.stiffness * m.point[k].weight * m.point[k].depth *
                m.point[k].depth;
     return sum;
+}
+
+void helper_body_check_fall(const helper_body *h, bf_random *random)
+{
+    body_state *s = helper_body_start(h);
+    vec3 axis = { helper_hull_number(random, -1.0, 1.0), helper_hull_number(random, -1.0, 1.0),
+                  helper_hull_number(random, -1.0, 1.0) };
+
+    helper_body_tilt(s, 0, axis, helper_hull_number(random, 0.0, 3.0), 0.005);
+    s->bodies[0].w = (vec3){ helper_hull_number(random, -20.0, 20.0), 5.0, -10.0 };
+    double least = helper_body_energy(s), start = least;
+    for (int m = 0; m < 300; m++) {
+        helper_body_run(s, 1e-3);
+        double now = helper_body_energy(s) + helper_body_stored(s);
+        assert_true(now <= least + 2e-3 * start);
+        least = fmin(least, now);
+    }
+    assert_true(least < 0.8 * start);
+    micro__body.destroy(s);
+}
+
+void helper_body_check_pair(helper_body *h, double tolerance)
+{
+    h->def.n_parts = 2;
+    h->poses[0] = (scene_pose){ -0.03, 0.0, 0.2 };
+    h->poses[1] = (scene_pose){ 0.03, 0.012, 0.9 };
+    body_state *s = helper_body_start(h);
+    s->gravity = (vec3){ 0.0, 0.0, 0.0 };
+    for (size_t k = 0; k < 2; k++) {
+        s->bodies[k].x.z = 0.5 + 0.004 * (double)k;
+        s->bodies[k].v = (vec3){ k == 0 ? 0.5 : -0.3, 0.1, 0.05 };
+    }
+    vec3 momentum = helper_body_momentum(s), angular = helper_body_angular_momentum(s);
+    double energy = helper_body_energy(s);
+    for (int k = 0; k < 100; k++) {
+        helper_body_run(s, 1e-3);
+        assert_true(helper_body_energy(s) <= energy * (1.0 + 1e-9));
+    }
+    vec3 change = vec3_sub(helper_body_momentum(s), momentum);
+    assert_true(vec3_length(change) < 1e-12 * vec3_length(momentum));
+    change = vec3_sub(helper_body_angular_momentum(s), angular);
+    assert_true(vec3_length(change) < tolerance * vec3_length(angular));
+    assert_true(vec3_length(s->bodies[0].w) > 0.1 && helper_body_energy(s) < 0.9 * energy);
+    micro__body.destroy(s);
+}
+
+void helper_body_check_barrier(helper_body *h, bool is_wall)
+{
+    const scene_shape *shape = &h->kinds[0].shape;
+    const double reach =
+        shape->type == SCENE_BOX ? 0.5 * hypot(shape->length, shape->width) : shape->radius;
+
+    h->def.n_belts = 1;
+    h->def.n_obstacles = is_wall ? 0 : 1;
+    h->obstacle.thickness = 5e-4;
+    h->path[0] = (vec2){ 0.05, -0.2 };
+    h->path[1] = (vec2){ 0.05, 0.2 };
+    if (is_wall) {
+        h->def.domain.x_max = 0.05;
+        h->def.edges[SCENE_EAST] = SCENE_EDGE_WALL;
+    }
+    h->poses[0].heading = 0.6;
+    body_state *s = helper_body_start(h);
+    helper_body_run(s, 0.4);
+    micro_part part = body__part(s, 0);
+    assert_false(part.is_gone);
+    assert_true(part.x[0] < 0.05 && part.x[0] > 0.05 - reach - 1e-3);
+    assert_true(fabs(part.v[0]) < 0.02);
+    assert_int_equal(body__measure(s).n_contacts, 1);
+    assert_true(body__measure(s).largest_overlap < 5e-4);
+    micro__body.destroy(s);
 }

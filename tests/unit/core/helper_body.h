@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "core/base/random.h"
 #include "core/micro/backend.h"
 #include "core/micro/body/parts.h"
 
@@ -56,6 +57,16 @@ vec3 helper_body_angular_momentum(const body_state *s);
 
 /// Elastic energy of part 0 on the belt plane, J.
 double helper_body_stored(const body_state *s);
+
+/// Assert that a part which falls on its corners with spin never gains energy, beside the elastic one, and loses a fifth of it.
+void helper_body_check_fall(const helper_body *h, bf_random *random);
+
+/// Assert that two parts that collide off centre, without a belt, turn, lose energy and keep their momentum; their angular
+/// momentum up to this fraction, the error of the steps.
+void helper_body_check_pair(helper_body *h, double tolerance);
+
+/// Assert that a plate of half a millimetre, or a wall, stops a part that the belt drives on.
+void helper_body_check_barrier(helper_body *h, bool is_wall);
 
 /// Digest of all parts.
 uint64_t helper_body_digest(const body_state *s);

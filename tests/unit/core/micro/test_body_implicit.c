@@ -186,7 +186,6 @@ static void a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond(void 
     }
 }
 
-// Boxes fall on their corners with spin.
 static void energy_never_grows_without_a_belt(void **state)
 {
     const double steps[] = { 2e-4, 5e-4, 1e-3 };
@@ -195,21 +194,7 @@ static void energy_never_grows_without_a_belt(void **state)
     for (int k = 0; k < HELPER_AMOUNT(12, 3); k++) {
         helper_body h;
         begin(&h, helper_body_box(0.03, 0.02, 0.01), steps[k % 3]);
-        body_state *s = helper_body_start(&h);
-        vec3 axis = { helper_hull_number(&random, -1.0, 1.0),
-                      helper_hull_number(&random, -1.0, 1.0),
-                      helper_hull_number(&random, -1.0, 1.0) };
-        helper_body_tilt(s, 0, axis, helper_hull_number(&random, 0.0, 3.0), 0.005);
-        s->bodies[0].w = (vec3){ helper_hull_number(&random, -20.0, 20.0), 5.0, -10.0 };
-        double least = helper_body_energy(s), start = least;
-        for (int m = 0; m < 300; m++) {
-            helper_body_run(s, 1e-3);
-            double now = helper_body_energy(s) + helper_body_stored(s);
-            assert_true(now <= least + 2e-3 * start);
-            least = fmin(least, now);
-        }
-        assert_true(least < 0.8 * start);
-        micro__body.destroy(s);
+        helper_body_check_fall(&h, &random);
     }
 }
 
@@ -252,62 +237,21 @@ static void free_jams_lose_energy_and_conserve_their_momentum(void **state)
     }
 }
 
-// Two boxes collide off centre, so that they turn.
 static void a_free_pair_conserves_its_momentum(void **state)
 {
     helper_body h;
     begin(&h, helper_body_box(0.04, 0.03, 0.02), 2e-4);
-    h.def.n_parts = 2;
-    h.poses[0] = (scene_pose){ -0.03, 0.0, 0.2 };
-    h.poses[1] = (scene_pose){ 0.03, 0.012, 0.9 };
-    body_state *s = helper_body_start(&h);
-    s->gravity = (vec3){ 0.0, 0.0, 0.0 };
-    for (size_t k = 0; k < 2; k++) {
-        s->bodies[k].x.z = 0.5 + 0.004 * (double)k;
-        s->bodies[k].v = (vec3){ k == 0 ? 0.5 : -0.3, 0.1, 0.05 };
-    }
-    vec3 momentum = helper_body_momentum(s), angular = helper_body_angular_momentum(s);
-    double energy = helper_body_energy(s);
-    for (int k = 0; k < 100; k++) {
-        helper_body_run(s, 1e-3);
-        assert_true(helper_body_energy(s) <= energy * (1.0 + 1e-9));
-    }
-    vec3 change = vec3_sub(helper_body_momentum(s), momentum);
-    assert_true(vec3_length(change) < 1e-12 * vec3_length(momentum));
-    change = vec3_sub(helper_body_angular_momentum(s), angular);
-    assert_true(vec3_length(change) < 2e-3 * vec3_length(angular));
-    assert_true(vec3_length(s->bodies[0].w) > 0.1 && helper_body_energy(s) < 0.9 * energy);
-    micro__body.destroy(s);
+    helper_body_check_pair(&h, 2e-3);
 }
 
-// Half a millimetre of plate, or a wall, against boxes and cylinders that the belt drives on.
 static void nothing_passes_a_thin_plate_or_a_wall(void **state)
 {
     const scene_shape shapes[] = { helper_body_box(0.03, 0.02, 0.015),
                                    helper_body_cylinder(0.012, 0.008) };
     for (int k = 0; k < 4; k++) {
-        double half = k % 2 == 0 ? hypot(0.015, 0.01) : 0.012;
         helper_body h;
         begin(&h, shapes[k % 2], 2e-3);
-        h.def.n_belts = 1;
-        h.def.n_obstacles = k < 2 ? 1 : 0;
-        h.obstacle.thickness = 5e-4;
-        h.path[0] = (vec2){ 0.05, -0.2 };
-        h.path[1] = (vec2){ 0.05, 0.2 };
-        if (k >= 2) {
-            h.def.domain.x_max = 0.05;
-            h.def.edges[SCENE_EAST] = SCENE_EDGE_WALL;
-        }
-        h.poses[0].heading = 0.6;
-        body_state *s = helper_body_start(&h);
-        helper_body_run(s, 0.4);
-        micro_part part = body__part(s, 0);
-        assert_false(part.is_gone);
-        assert_true(part.x[0] < 0.05 && part.x[0] > 0.05 - half - 1e-3);
-        assert_true(fabs(part.v[0]) < 0.02);
-        assert_int_equal(body__measure(s).n_contacts, 1);
-        assert_true(body__measure(s).largest_overlap < 5e-4);
-        micro__body.destroy(s);
+        helper_body_check_barrier(&h, k >= 2);
     }
 }
 
