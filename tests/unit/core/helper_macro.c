@@ -8,7 +8,10 @@
 #include "core/macro/regions.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
+#include "tests/unit/core/helper_scene.h"
 #include "tests/unit/core/helper_world.h"
+#include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
 #include <string.h>
@@ -217,4 +220,76 @@ bool helper_macro_is_same_field(const velocity_field *a, const velocity_field *b
         is_same = is_same && (arrays[k].a == NULL) == (arrays[k].b == NULL) &&
                   (arrays[k].a == NULL || memcmp(arrays[k].a, arrays[k].b, arrays[k].n_bytes) == 0);
     return is_same;
+}
+
+void helper_macro_world_init(helper_macro_world *w, helper_macro_density *density, int n_threads)
+{
+    helper_scene_resolve(&w->s);
+    w->f = helper_macro_field(&w->s);
+    macro_def def = helper_macro_def(&w->s, w->f);
+    def.off = w->f->off;
+    def.n_threads = n_threads;
+    w->rho = memory_alloc(grid_cells(&def.grid), sizeof *w->rho);
+    for (size_t k = 0; k < grid_cells(&def.grid); k++)
+        w->rho[k] = density(&w->s, (vec2){ grid_x1(&def.grid, k % def.grid.n1),
+                                           grid_x2(&def.grid, k / def.grid.n1) });
+    w->solver = helper_macro_start_with(&def, w->rho);
+}
+
+void helper_macro_world_fini(helper_macro_world *w)
+{
+    macro_destroy(w->solver);
+    velocity_field_destroy(w->f);
+    memory_free(w->rho);
+    scene_fini(&w->s);
+}
+
+double helper_macro_jammed_area(const helper_macro_world *w)
+{
+    const bf_grid *g = &w->f->grid;
+    const double jammed = 0.5 * (0.5 + w->s.macro.jam_density);
+    double area = 0.0;
+
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++)
+            area += macro_row(w->solver, j)[i] > jammed ? g->d1 * g->d2 : 0.0;
+    return area;
+}
+
+double helper_macro_bump_error(const helper_macro_world *w, vec2 place, double deviation)
+{
+    const bf_grid *g = &w->f->grid;
+    double error = 0.0, sum = 0.0;
+
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++) {
+            const double exact =
+                helper_macro_bump(grid_x1(g, i) - place.x, grid_x2(g, j) - place.y, deviation);
+            error += fabs(macro_row(w->solver, j)[i] - exact);
+            sum += exact;
+        }
+    return error / sum;
+}
+
+static uint64_t digest_of_run(void (*make)(scene *s), helper_macro_density *density, int n_threads,
+                              int n_first)
+{
+    helper_macro_world first, second;
+
+    make(&first.s);
+    make(&second.s);
+    helper_macro_world_init(&first, density, n_threads);
+    helper_macro_world_init(&second, density, n_threads);
+    const uint64_t digest = helper_macro_digest_of_both(first.solver, n_first, second.solver, 60);
+    helper_macro_world_fini(&second);
+    helper_macro_world_fini(&first);
+    return digest;
+}
+
+void helper_macro_check_resumes(void (*make)(scene *s), helper_macro_density *density)
+{
+    const uint64_t digest = digest_of_run(make, density, 1, 0);
+
+    for (int n_threads = HELPER_AMOUNT(2, 3); n_threads <= 3; n_threads++)
+        assert_true(digest_of_run(make, density, n_threads, 20 * n_threads - 13) == digest);
 }

@@ -46,3 +46,27 @@ double helper_macro_bump(double x1, double x2, double deviation);
 /// Create the field and the solver of a resolved scene with every allocation failing in turn: each is reported as
 /// BF_ENOMEM, and the last attempt succeeds.
 void helper_macro_lack_memory(const scene *s);
+
+/// A solver of a scene with its field and the density that it began with. Do not move it once it was made.
+typedef struct helper_macro_world {
+    scene s;              ///< see there
+    velocity_field *f;    ///< of it
+    double *rho;          ///< at the start
+    macro_solver *solver; ///< see there
+} helper_macro_world;
+
+/// The density at a place at the start.
+typedef double helper_macro_density(const scene *s, vec2 at);
+
+/// Begin with w->s, which is not resolved yet, and a density; helper_macro_world_fini().
+void helper_macro_world_init(helper_macro_world *w, helper_macro_density *density, int n_threads);
+void helper_macro_world_fini(helper_macro_world *w); ///< Free it.
+
+/// The area of the cells that are nearer to jam_density than to a density of 0.5, m2.
+double helper_macro_jammed_area(const helper_macro_world *w);
+
+/// The relative L1 error of a helper_macro_bump() that should be at a place by now.
+double helper_macro_bump_error(const helper_macro_world *w, vec2 place, double deviation);
+
+/// 60 steps of a scene have the same bits on 1, 2 and 3 threads, there by two solvers one after the other.
+void helper_macro_check_resumes(void (*make)(scene *s), helper_macro_density *density);

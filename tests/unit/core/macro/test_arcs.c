@@ -1,11 +1,9 @@
 // The macroscopic model on arcs. Exact solutions are those of a solid rotation; on straight belts of the same length the
 // scheme is the same, test_muscl.c.
 
-#include "core/base/memory.h"
 #include "core/macro/macro.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
-#include "tests/unit/helper_amount.h"
 #include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
@@ -14,14 +12,6 @@
 #define OUTER     0.6
 #define SPEED     0.4
 #define DEVIATION 0.06 // of a heap, m
-
-// A solver of a scene with its field and its density. Do not move it once it was made.
-typedef struct world {
-    scene s;
-    velocity_field *f;
-    double *rho;
-    macro_solver *solver;
-} world;
 
 // An arc in a domain of 1.4 m x 1.4 m about the origin; cells of `cell`, the closure and the scheme as given.
 static void make_scene(scene *s, double from, double to, double cell, scene_closure closure,
@@ -46,50 +36,28 @@ static void add_rail(scene *s, double radius, int n_pieces)
     (void)helper_scene_add_obstacle(s, rail, (size_t)n_pieces + 1, SCENE_SEALED);
 }
 
-static void start(world *w, double (*density)(vec2 at), int n_threads)
-{
-    helper_scene_resolve(&w->s);
-    w->f = helper_macro_field(&w->s);
-    macro_def def = helper_macro_def(&w->s, w->f);
-    def.off = w->f->off;
-    def.n_threads = n_threads;
-    w->rho = memory_alloc(grid_cells(&def.grid), sizeof *w->rho);
-    for (size_t k = 0; k < grid_cells(&def.grid); k++)
-        w->rho[k] = density(
-            (vec2){ grid_x1(&def.grid, k % def.grid.n1), grid_x2(&def.grid, k / def.grid.n1) });
-    w->solver = helper_macro_start_with(&def, w->rho);
-}
-
-static void finish(world *w)
-{
-    macro_destroy(w->solver);
-    velocity_field_destroy(w->f);
-    memory_free(w->rho);
-    scene_fini(&w->s);
-}
-
 static bool is_on_ring(vec2 at)
 {
     return vec2_length(at) >= INNER && vec2_length(at) <= OUTER;
 }
 
-static double half_full(vec2 at)
+static double half_full(const scene *s, vec2 at)
 {
     return is_on_ring(at) ? 0.5 : 0.0;
 }
 
-static double full(vec2 at)
+static double full(const scene *s, vec2 at)
 {
     return is_on_ring(at) ? 0.95 : 0.0;
 }
 
-static int steps_of_a_turn(const world *w)
+static int steps_of_a_turn(const helper_macro_world *w)
 {
     return (int)lround(2.0 * M_PI / fabs(w->s.belts[0].turn) / scene_macro_step(&w->s));
 }
 
 // The largest change of a density since the start.
-static double largest_change(const world *w)
+static double largest_change(const helper_macro_world *w)
 {
     const bf_grid *g = &w->f->grid;
     double largest = 0.0;
@@ -104,11 +72,11 @@ static double largest_change(const world *w)
 static void the_field_of_an_arc_is_free_of_divergence_and_crosses_no_border_and_no_guide(
     void **state)
 {
-    world w;
+    helper_macro_world w;
 
     make_scene(&w.s, 0.0, 360.0, 0.013, SCENE_CONGESTED, SCENE_SCHEME_ROE);
     add_rail(&w.s, 0.47, 90);
-    start(&w, half_full, 1);
+    helper_macro_world_init(&w, half_full, 1);
     const bf_grid *g = &w.f->grid;
     double passing = 0.0, fastest = 0.0, worst = 0.0;
     for (size_t j = 0; j < g->n2; j++)
@@ -127,7 +95,7 @@ static void the_field_of_an_arc_is_free_of_divergence_and_crosses_no_border_and_
     // What goes through a radius is the integral of turn r.
     assert_near(passing, 0.5 * w.s.belts[0].turn * (OUTER * OUTER - INNER * INNER), 1e-14);
     assert_true(fastest <= 1.25 * w.s.belts[0].turn * OUTER);
-    finish(&w);
+    helper_macro_world_fini(&w);
 }
 
 // What a cell loses in a second through all its faces, in cells: at most the diagonal that the step is made for.
@@ -139,10 +107,10 @@ static void no_cell_of_an_arc_is_emptied_in_a_step_wherever_its_rails_stand(void
 
     for (size_t k = 0; k < sizeof cells / sizeof *cells; k++)
         for (size_t m = 0; m < sizeof rails / sizeof *rails; m++) {
-            world w;
+            helper_macro_world w;
             make_scene(&w.s, 0.0, 360.0, cells[k], SCENE_CONGESTED, SCENE_SCHEME_ROE);
             add_rail(&w.s, rails[m], 90);
-            start(&w, half_full, 1); // which refuses a step that is too long
+            helper_macro_world_init(&w, half_full, 1); // which refuses a step that is too long
             const bf_grid *g = &w.f->grid;
             const double dt = scene_macro_step(&w.s);
             for (size_t j = 0; j < g->n2; j++)
@@ -152,23 +120,23 @@ static void no_cell_of_an_arc_is_emptied_in_a_step_wherever_its_rails_stand(void
                                        fmax(v2[g->n1], 0.0);
                     largest = fmax(largest, out * dt / g->d1);
                 }
-            finish(&w);
+            helper_macro_world_fini(&w);
         }
     assert_true(largest > 0.8 && largest <= 1.0);
 }
 
 static void check_uniform(scene_closure closure, scene_scheme scheme, double to, double most)
 {
-    world w;
+    helper_macro_world w;
 
     make_scene(&w.s, 0.0, to, 0.04, closure, scheme);
-    start(&w, half_full, 1);
+    helper_macro_world_init(&w, half_full, 1);
     const double mass = macro_measure(w.solver).mass;
     helper_macro_advance(w.solver, steps_of_a_turn(&w));
     assert_true(largest_change(&w) <= most);
     assert_near(macro_measure(w.solver).mass, mass, 1e-13);
     assert_true(macro_measure(w.solver).fallen == 0.0);
-    finish(&w);
+    helper_macro_world_fini(&w);
 }
 
 // The sweeps of `roe` with the closure `dispersive` take one axis after the other, each with a divergence of its own
@@ -187,56 +155,41 @@ static void a_uniform_density_stays_uniform_on_a_ring(void **state)
 // The pieces of the rails are chords up to 2.3 mm beside the borders of the belt.
 static void a_packed_ring_turns_with_its_belt_and_falls_nowhere(void **state)
 {
-    world w;
+    helper_macro_world w;
 
     make_scene(&w.s, 0.0, 360.0, 0.02, SCENE_CONGESTED, SCENE_SCHEME_ROE);
     add_rail(&w.s, INNER, 36);
     add_rail(&w.s, OUTER, 36);
-    start(&w, full, 1);
+    helper_macro_world_init(&w, full, 1);
     const double mass = macro_measure(w.solver).mass;
     helper_macro_advance(w.solver, steps_of_a_turn(&w) / 4);
     assert_near(macro_measure(w.solver).mass, mass, 1e-12);
     assert_true(macro_measure(w.solver).fallen == 0.0);
     assert_true(macro_measure(w.solver).peak < 1.0);
-    finish(&w);
+    helper_macro_world_fini(&w);
 }
 
-static double heap(vec2 at)
+static double heap(const scene *s, vec2 at)
 {
     return helper_macro_bump(at.x - 0.4, at.y, DEVIATION);
 }
 
-static double heap_on_belt(vec2 at)
+static double heap_on_belt(const scene *s, vec2 at)
 {
     return helper_macro_bump(at.x + 0.4, at.y, DEVIATION);
-}
-
-// Relative L1 error of a heap, where it should be.
-static double error_of(const world *w, double x)
-{
-    const bf_grid *g = &w->f->grid;
-    double error = 0.0, sum = 0.0;
-
-    for (size_t j = 0; j < g->n2; j++)
-        for (size_t i = 0; i < g->n1; i++) {
-            const double exact = helper_macro_bump(grid_x1(g, i) - x, grid_x2(g, j), DEVIATION);
-            error += fabs(macro_row(w->solver, j)[i] - exact);
-            sum += exact;
-        }
-    return error / sum;
 }
 
 // After a turn of a ring.
 static double error_on_ring(double cell)
 {
-    world w;
+    helper_macro_world w;
 
     make_scene(&w.s, 0.0, 360.0, cell, SCENE_CONGESTED, SCENE_SCHEME_MUSCL);
     w.s.macro.step = 0.09 * cell / SPEED;
-    start(&w, heap, 1);
+    helper_macro_world_init(&w, heap, 1);
     helper_macro_advance(w.solver, steps_of_a_turn(&w));
-    const double error = error_of(&w, 0.4);
-    finish(&w);
+    const double error = helper_macro_bump_error(&w, (vec2){ 0.4, 0.0 }, DEVIATION);
+    helper_macro_world_fini(&w);
     return error;
 }
 
@@ -244,7 +197,7 @@ static double error_on_ring(double cell)
 static double error_on_belt(double cell)
 {
     const double way = 2.0 * M_PI * 0.4;
-    world w;
+    helper_macro_world w;
 
     helper_scene_belt(&w.s, 1.0, 1.0, cell, (scene_pose[]){ { 0.0, 0.0, 0.0 } }, 1);
     w.s.domain = (scene_rect){ -0.7, 2.464, -0.28, 0.28 };
@@ -252,10 +205,10 @@ static double error_on_belt(double cell)
     w.s.macro.scheme = SCENE_SCHEME_MUSCL;
     w.s.macro.step = 0.09 * cell / SPEED;
     helper_scene_add_belt(&w.s, (vec2){ SPEED, 0.0 }, NULL, 0);
-    start(&w, heap_on_belt, 1);
+    helper_macro_world_init(&w, heap_on_belt, 1);
     helper_macro_advance(w.solver, (int)lround(way / SPEED / w.s.macro.step));
-    const double error = error_of(&w, way - 0.4);
-    finish(&w);
+    const double error = helper_macro_bump_error(&w, (vec2){ way - 0.4, 0.0 }, DEVIATION);
+    helper_macro_world_fini(&w);
     return error;
 }
 
@@ -268,28 +221,16 @@ static void a_heap_comes_back_after_a_turn_as_precisely_as_it_moves_on_a_straigh
     assert_true(log2(ring / finer) > log2(belt / finer_belt) - 0.1);
 }
 
-static double half_full_in_quarter(vec2 at)
+static double half_full_in_quarter(const scene *s, vec2 at)
 {
-    return at.x > 0.0 && at.y > 0.0 ? half_full(at) : 0.0;
-}
-
-// The area of cells of a jam.
-static double jammed_area(const world *w)
-{
-    const bf_grid *g = &w->f->grid;
-    double area = 0.0;
-
-    for (size_t j = 0; j < g->n2; j++)
-        for (size_t i = 0; i < g->n1; i++)
-            area += macro_row(w->solver, j)[i] > 0.5 * (0.5 + 0.93) ? g->d1 * g->d2 : 0.0;
-    return area;
+    return at.x > 0.0 && at.y > 0.0 ? half_full(s, at) : 0.0;
 }
 
 // A quarter that ends at a wall, the west side of the domain. The shock turns against the belt with the angular velocity
 // turn rho_0/(rho_j - rho_0), at all radii, and the area behind it grows by half of that times R^2 - r^2.
 static void a_queue_on_an_arc_grows_with_the_speed_of_its_shock(void **state)
 {
-    world w;
+    helper_macro_world w;
 
     make_scene(&w.s, 0.0, 90.0, 0.01, SCENE_CONGESTED, SCENE_SCHEME_ROE);
     w.s.domain = (scene_rect){ 0.0, 0.7, 0.0, 0.7 };
@@ -297,40 +238,28 @@ static void a_queue_on_an_arc_grows_with_the_speed_of_its_shock(void **state)
     w.s.edges[SCENE_SOUTH] = SCENE_EDGE_INFLOW;
     add_rail(&w.s, INNER, 90);
     add_rail(&w.s, OUTER, 90);
-    start(&w, half_full_in_quarter, 1);
+    helper_macro_world_init(&w, half_full_in_quarter, 1);
     const double dt = scene_macro_step(&w.s);
     helper_macro_advance(w.solver, (int)lround(0.2 / dt));
-    const double before = jammed_area(&w), t = macro_time(w.solver);
+    const double before = helper_macro_jammed_area(&w), t = macro_time(w.solver);
     helper_macro_advance(w.solver, (int)lround(0.4 / dt));
-    const double growth = (jammed_area(&w) - before) / (macro_time(w.solver) - t);
+    const double growth = (helper_macro_jammed_area(&w) - before) / (macro_time(w.solver) - t);
     const double expected = w.s.belts[0].turn * 0.5 / (w.s.macro.jam_density - 0.5) * 0.5 *
                             (OUTER * OUTER - INNER * INNER);
     assert_near(growth / expected, 1.0, 0.02);
-    finish(&w);
+    helper_macro_world_fini(&w);
 }
 
-static uint64_t digest_of_run(int n_threads, int n_first)
+static void make_quarter(scene *s)
 {
-    world w, next;
-
-    make_scene(&w.s, 0.0, 90.0, 0.01, SCENE_CONGESTED, SCENE_SCHEME_ROE);
-    make_scene(&next.s, 0.0, 90.0, 0.01, SCENE_CONGESTED, SCENE_SCHEME_ROE);
-    w.s.edges[SCENE_WEST] = next.s.edges[SCENE_WEST] = SCENE_EDGE_WALL;
-    w.s.domain.x_min = next.s.domain.x_min = 0.0;
-    start(&w, full, n_threads);
-    start(&next, full, n_threads);
-    const uint64_t digest = helper_macro_digest_of_both(w.solver, n_first, next.solver, 60);
-    finish(&next);
-    finish(&w);
-    return digest;
+    make_scene(s, 0.0, 90.0, 0.01, SCENE_CONGESTED, SCENE_SCHEME_ROE);
+    s->edges[SCENE_WEST] = SCENE_EDGE_WALL;
+    s->domain.x_min = 0.0;
 }
 
 static void threads_and_resumes_change_no_bit_on_an_arc(void **state)
 {
-    const uint64_t digest = digest_of_run(1, 0);
-
-    for (int n_threads = HELPER_AMOUNT(2, 3); n_threads <= 3; n_threads++)
-        assert_true(digest_of_run(n_threads, 20 * n_threads - 13) == digest);
+    helper_macro_check_resumes(make_quarter, full);
 }
 
 int main(void)

@@ -6,23 +6,12 @@
 #include "core/scene/belt.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
-#include "tests/unit/helper_amount.h"
 #include "tests/unit/helper_cmocka.h"
-
-#include <string.h>
 
 #define SPEED     0.4
 #define WIDTH     0.4
 #define RADIUS    0.5
 #define DEVIATION 0.06 // of a heap, m
-
-// A solver of a scene with its field and its density. Do not move it once it was made.
-typedef struct world {
-    scene s;
-    velocity_field *f;
-    double *rho;
-    macro_solver *solver;
-} world;
 
 // An S that turns by 40 degrees to the left and back, aslant to the grid in between.
 static const vec2 s_points[] = { { 0.0, 0.3 }, { 0.7, 0.3 }, { 1.62, 1.07197 }, { 2.6, 1.07197 } };
@@ -33,28 +22,6 @@ static void make_s(scene *s, double cell, scene_scheme scheme)
     s->macro.closure = SCENE_CONGESTED;
     s->macro.scheme = scheme;
     helper_scene_add_path(s, SPEED, WIDTH, RADIUS, s_points, 4);
-}
-
-static void start(world *w, double (*density)(const scene *s, vec2 at), int n_threads)
-{
-    helper_scene_resolve(&w->s);
-    w->f = helper_macro_field(&w->s);
-    macro_def def = helper_macro_def(&w->s, w->f);
-    def.off = w->f->off;
-    def.n_threads = n_threads;
-    w->rho = memory_alloc(grid_cells(&def.grid), sizeof *w->rho);
-    for (size_t k = 0; k < grid_cells(&def.grid); k++)
-        w->rho[k] = density(&w->s, (vec2){ grid_x1(&def.grid, k % def.grid.n1),
-                                           grid_x2(&def.grid, k / def.grid.n1) });
-    w->solver = helper_macro_start_with(&def, w->rho);
-}
-
-static void finish(world *w)
-{
-    macro_destroy(w->solver);
-    velocity_field_destroy(w->f);
-    memory_free(w->rho);
-    scene_fini(&w->s);
 }
 
 static bool is_on_belt(const scene *s, vec2 at)
@@ -88,10 +55,10 @@ static const scene_belt *find_slant(const scene *s, vec2 at, double *ret_along)
 static void the_field_of_a_path_crosses_no_border_and_is_free_of_divergence_on_each_section(
     void **state)
 {
-    world w;
+    helper_macro_world w;
 
     make_s(&w.s, 0.013, SCENE_SCHEME_ROE);
-    start(&w, half_full, 1);
+    helper_macro_world_init(&w, half_full, 1);
     const bf_grid *g = &w.f->grid;
     double passing = 0.0, middle;
     const scene_belt *slant = find_slant(&w.s, (vec2){ 0.0, 0.0 }, &middle);
@@ -115,16 +82,16 @@ static void the_field_of_a_path_crosses_no_border_and_is_free_of_divergence_on_e
             passing += i == column ? v1[0] * g->d2 : 0.0;
         }
     assert_near(passing, SPEED * WIDTH, 1e-14);
-    finish(&w);
+    helper_macro_world_fini(&w);
 }
 
 // What the joint before it has made denser or less dense has not come there yet.
 static void a_uniform_density_stays_uniform_on_a_straight_that_lies_aslant(void **state)
 {
     for (int k = 0; k < 2; k++) {
-        world w;
+        helper_macro_world w;
         make_s(&w.s, 0.01, k == 0 ? SCENE_SCHEME_ROE : SCENE_SCHEME_MUSCL);
-        start(&w, half_full, 1);
+        helper_macro_world_init(&w, half_full, 1);
         const bf_grid *g = &w.f->grid;
         const int n_steps = 4;
         // A cell depends on those two cells away before each stage, of which muscl has two in a step.
@@ -142,29 +109,13 @@ static void a_uniform_density_stays_uniform_on_a_straight_that_lies_aslant(void 
         }
         assert_true(n_cells > 1000);
         assert_true(macro_measure(w.solver).fallen == 0.0);
-        finish(&w);
+        helper_macro_world_fini(&w);
     }
 }
 
 static double heap(const scene *s, vec2 at)
 {
     return helper_macro_bump(at.x - 0.3, at.y - 0.3, DEVIATION);
-}
-
-// Relative L1 error of a heap that should be at a place.
-static double error_of(const world *w, vec2 place)
-{
-    const bf_grid *g = &w->f->grid;
-    double error = 0.0, sum = 0.0;
-
-    for (size_t j = 0; j < g->n2; j++)
-        for (size_t i = 0; i < g->n1; i++) {
-            const double exact =
-                helper_macro_bump(grid_x1(g, i) - place.x, grid_x2(g, j) - place.y, DEVIATION);
-            error += fabs(macro_row(w->solver, j)[i] - exact);
-            sum += exact;
-        }
-    return error / sum;
 }
 
 // The way of the centre line from x = 0.3 to x = 2.3: both corners cut 2 R tan(a/2) off the polyline and have arcs of R a.
@@ -177,7 +128,7 @@ static double way_along_s(void)
 
 static double error_along(const vec2 *points, size_t n, vec2 domain, double cell, vec2 place)
 {
-    world w;
+    helper_macro_world w;
 
     helper_scene_belt(&w.s, domain.x, domain.y, cell, (scene_pose[]){ { 0.3, 0.3, 0.0 } }, 1);
     w.s.macro.closure = SCENE_CONGESTED;
@@ -185,10 +136,10 @@ static double error_along(const vec2 *points, size_t n, vec2 domain, double cell
     const int n_steps = (int)ceil(way_along_s() / (0.09 * cell));
     w.s.macro.step = way_along_s() / SPEED / n_steps;
     helper_scene_add_path(&w.s, SPEED, WIDTH, RADIUS, points, n);
-    start(&w, heap, 1);
+    helper_macro_world_init(&w, heap, 1);
     helper_macro_advance(w.solver, n_steps);
-    const double error = error_of(&w, place);
-    finish(&w);
+    const double error = helper_macro_bump_error(&w, place, DEVIATION);
+    helper_macro_world_fini(&w);
     return error;
 }
 
@@ -203,22 +154,11 @@ static void a_heap_goes_along_an_s_as_precisely_as_it_moves_on_a_straight_belt(v
     assert_true(s < 1.1 * belt);
 }
 
-static double jammed_area(const world *w)
-{
-    const bf_grid *g = &w->f->grid;
-    double area = 0.0;
-
-    for (size_t j = 0; j < g->n2; j++)
-        for (size_t i = 0; i < g->n1; i++)
-            area += macro_row(w->solver, j)[i] > 0.5 * (0.5 + 0.93) ? g->d1 * g->d2 : 0.0;
-    return area;
-}
-
 // The shock goes up the belt at v rho_0/(rho_j - rho_0).
 static void a_queue_on_a_straight_aslant_grows_with_the_speed_of_its_shock(void **state)
 {
     const vec2 along = { 0.8, 0.6 }, points[] = { { -0.2, -0.0 }, { 1.4, 1.2 } };
-    world w;
+    helper_macro_world w;
 
     helper_scene_belt(&w.s, 1.2, 1.5, 0.01, (scene_pose[]){ { 0.3, 0.3, 0.0 } }, 1);
     w.s.macro.closure = SCENE_CONGESTED;
@@ -231,15 +171,15 @@ static void a_queue_on_a_straight_aslant_grows_with_the_speed_of_its_shock(void 
                               vec2_add(end, vec2_scale(vec2_turn_left(along), 0.5 * WIDTH)) };
         helper_scene_add_obstacle(&w.s, k == 1 ? gate : rail, 2, SCENE_SEALED);
     }
-    start(&w, half_full, 1);
+    helper_macro_world_init(&w, half_full, 1);
     const double dt = scene_macro_step(&w.s);
     helper_macro_advance(w.solver, (int)lround(0.3 / dt));
-    const double before = jammed_area(&w), t = macro_time(w.solver);
+    const double before = helper_macro_jammed_area(&w), t = macro_time(w.solver);
     helper_macro_advance(w.solver, (int)lround(0.5 / dt));
-    const double growth = (jammed_area(&w) - before) / (macro_time(w.solver) - t);
+    const double growth = (helper_macro_jammed_area(&w) - before) / (macro_time(w.solver) - t);
     assert_near(growth / (SPEED * 0.5 / (w.s.macro.jam_density - 0.5) * WIDTH), 1.0, 0.02);
     assert_true(macro_measure(w.solver).fallen == 0.0);
-    finish(&w);
+    helper_macro_world_fini(&w);
 }
 
 // With a corner at which it goes straight on.
@@ -271,26 +211,14 @@ static void a_straight_path_has_the_field_of_a_straight_belt(void **state)
     }
 }
 
-static uint64_t digest_of_run(int n_threads, int n_first)
+static void make_coarse_s(scene *s)
 {
-    world w, next;
-
-    make_s(&w.s, 0.02, SCENE_SCHEME_ROE);
-    make_s(&next.s, 0.02, SCENE_SCHEME_ROE);
-    start(&w, half_full, n_threads);
-    start(&next, half_full, n_threads);
-    const uint64_t digest = helper_macro_digest_of_both(w.solver, n_first, next.solver, 60);
-    finish(&next);
-    finish(&w);
-    return digest;
+    make_s(s, 0.02, SCENE_SCHEME_ROE);
 }
 
 static void threads_and_resumes_change_no_bit_on_a_path(void **state)
 {
-    const uint64_t digest = digest_of_run(1, 0);
-
-    for (int n_threads = HELPER_AMOUNT(2, 3); n_threads <= 3; n_threads++)
-        assert_true(digest_of_run(n_threads, 20 * n_threads - 13) == digest);
+    helper_macro_check_resumes(make_coarse_s, half_full);
 }
 
 int main(void)
