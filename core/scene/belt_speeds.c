@@ -368,10 +368,8 @@ void belt_speeds_check(const scene_belt *belt, const char *pointer, bf_faults *f
     check_acceleration(belt->acceleration, pointer, "acceleration_m_s2", faults);
     check_acceleration(belt->deceleration, pointer, "deceleration_m_s2", faults);
     snprintf(at, sizeof at, "%s/speed_schedule", pointer);
-    if (s->n_times > SCENE_SPEEDS_MAX) {
-        faults_add_limit(faults, at, "%zu times, the limit is %d", s->n_times, SCENE_SPEEDS_MAX);
+    if (!scene__check_count(s->n_times, SCENE_SPEEDS_MAX, at, "times", faults))
         return;
-    }
     if (s->n_factors != s->n_times)
         faults_add(faults, at, "has %zu factors for %zu times", s->n_factors, s->n_times);
     snprintf(at, sizeof at, "%s/speed_schedule/t_s", pointer);

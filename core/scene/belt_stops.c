@@ -199,10 +199,8 @@ static void check_list(const scene_failure *f, const char *at, bf_faults *faults
     const size_t n_before = faults->n;
     char pointer[2 * BF_POINTER_SIZE + ROOM_FOR_INDEX];
 
-    if (f->n_times > SCENE_STOPS_MAX) {
-        faults_add_limit(faults, at, "%zu times, the limit is %d", f->n_times, SCENE_STOPS_MAX);
+    if (!scene__check_count(f->n_times, SCENE_STOPS_MAX, at, "times", faults))
         return;
-    }
     if (f->n_durations != f->n_times) {
         faults_add(faults, at, "has %zu durations for %zu times", f->n_durations, f->n_times);
         return;
@@ -264,14 +262,10 @@ void belt_stops_check(const scene_stops *stops, const char *pointer, bf_faults *
     char at[BF_POINTER_SIZE + 2 * ROOM_FOR_INDEX];
 
     snprintf(at, sizeof at, "%s/failures", pointer);
-    if (stops->n_failures > SCENE_FAILURES_MAX)
-        faults_add_limit(faults, at, "%zu kinds, the limit is %d", stops->n_failures,
-                         SCENE_FAILURES_MAX);
+    const bool are_few =
+        scene__check_count(stops->n_failures, SCENE_FAILURES_MAX, at, "kinds", faults);
     snprintf(at, sizeof at, "%s/breaks", pointer);
-    if (stops->n_breaks > SCENE_BREAKS_MAX)
-        faults_add_limit(faults, at, "%zu entries, the limit is %d", stops->n_breaks,
-                         SCENE_BREAKS_MAX);
-    if (faults->n > n_before)
+    if (!scene__check_count(stops->n_breaks, SCENE_BREAKS_MAX, at, "entries", faults) || !are_few)
         return;
     for (size_t k = 0; k < stops->n_failures; k++) {
         const scene_failure *f = &stops->failures[k];

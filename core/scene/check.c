@@ -127,11 +127,9 @@ static void check_windows(const scene_output *output, bf_faults *faults)
     };
     char pointer[BF_POINTER_SIZE], times[BF_POINTER_SIZE + ROOM_FOR_INDEX];
 
-    if (output->n_windows > SCENE_WINDOWS_MAX) {
-        faults_add_limit(faults, "/output/windows", "%zu windows, the limit is %d",
-                         output->n_windows, SCENE_WINDOWS_MAX);
+    if (!scene__check_count(output->n_windows, SCENE_WINDOWS_MAX, "/output/windows", "windows",
+                            faults))
         return;
-    }
     for (size_t k = 0; k < output->n_windows; k++) {
         const scene_output_window *w = &output->windows[k];
         snprintf(pointer, sizeof pointer, "/output/windows/%zu", k);

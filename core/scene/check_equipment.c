@@ -201,11 +201,9 @@ void scene__check_belts(const scene *s, bf_faults *faults)
     size_t n_sections = s->n_belts;
     for (size_t k = 0; k < s->n_belts; k++)
         n_sections += s->belts[k].path.n_points > 2 ? 2 * s->belts[k].path.n_points - 4 : 0;
-    if (n_sections > SCENE_BELTS_MAX) {
-        faults_add_limit(faults, "/belts", "%zu belts and sections of paths, the limit is %d",
-                         n_sections, SCENE_BELTS_MAX);
+    if (!scene__check_count(n_sections, SCENE_BELTS_MAX, "/belts", "belts and sections of paths",
+                            faults))
         return;
-    }
     bool are_sound = true;
     for (size_t k = 0; k < s->n_belts; k++) {
         const scene_belt *belt = &s->belts[k];
@@ -292,11 +290,8 @@ void scene__check_obstacles(const scene *s, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE];
 
-    if (s->n_obstacles > SCENE_OBSTACLES_MAX) {
-        faults_add_limit(faults, "/obstacles", "%zu obstacles, the limit is %d", s->n_obstacles,
-                         SCENE_OBSTACLES_MAX);
+    if (!scene__check_count(s->n_obstacles, SCENE_OBSTACLES_MAX, "/obstacles", "obstacles", faults))
         return;
-    }
     for (size_t k = 0; k < s->n_obstacles; k++) {
         const scene_obstacle *obstacle = &s->obstacles[k];
         scene__check_id(s->obstacles, sizeof *s->obstacles, "obstacles", k, faults);
@@ -331,11 +326,8 @@ void scene__check_photo_eyes(const scene *s, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE];
 
-    if (s->n_eyes > SCENE_EYES_MAX) {
-        faults_add_limit(faults, "/photo_eyes", "%zu photo eyes, the limit is %d", s->n_eyes,
-                         SCENE_EYES_MAX);
+    if (!scene__check_count(s->n_eyes, SCENE_EYES_MAX, "/photo_eyes", "photo eyes", faults))
         return;
-    }
     for (size_t k = 0; k < s->n_eyes; k++) {
         scene__check_id(s->eyes, sizeof *s->eyes, "photo_eyes", k, faults);
         snprintf(pointer, sizeof pointer, "/photo_eyes/%zu", k);
@@ -411,11 +403,8 @@ void scene__check_actions(const scene *s, bf_faults *faults)
     };
     char pointer[BF_POINTER_SIZE], at[2 * BF_POINTER_SIZE];
 
-    if (s->n_actions > SCENE_ACTIONS_MAX) {
-        faults_add_limit(faults, "/actions", "%zu actions, the limit is %d", s->n_actions,
-                         SCENE_ACTIONS_MAX);
+    if (!scene__check_count(s->n_actions, SCENE_ACTIONS_MAX, "/actions", "actions", faults))
         return;
-    }
     for (size_t k = 0; k < s->n_actions; k++) {
         const scene_action *a = &s->actions[k];
         snprintf(pointer, sizeof pointer, "/actions/%zu", k);

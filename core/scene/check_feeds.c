@@ -220,11 +220,8 @@ void scene__check_feeds(const scene *s, bf_faults *faults)
     };
     char feed[BF_POINTER_SIZE];
 
-    if (s->n_feeds > SCENE_FEEDS_MAX) {
-        faults_add_limit(faults, "/feeds", "%zu feeds, the limit is %d", s->n_feeds,
-                         SCENE_FEEDS_MAX);
+    if (!scene__check_count(s->n_feeds, SCENE_FEEDS_MAX, "/feeds", "feeds", faults))
         return;
-    }
     for (size_t k = 0; k < s->n_feeds; k++) {
         const scene_feed *f = &s->feeds[k];
         scene__check_id(s->feeds, sizeof *s->feeds, "feeds", k, faults);

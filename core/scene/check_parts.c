@@ -94,6 +94,15 @@ bool scene__check_polygon(const vec2 *polygon, size_t n, const char *pointer, bf
     return faults->n == n_before;
 }
 
+bool scene__check_count(size_t n, size_t n_max, const char *pointer, const char *items,
+                        bf_faults *faults)
+{
+    if (n <= n_max)
+        return true;
+    faults_add_limit(faults, pointer, "%zu %s, the limit is %zu", n, items, n_max);
+    return false;
+}
+
 bool scene__check_times(const double *times, size_t n, const char *pointer, bool may_repeat,
                         bf_faults *faults)
 {
@@ -133,10 +142,8 @@ bool scene__check_series(const scene_series *series, const char *pointer, const 
     const size_t n_before = faults->n, n = series->n_times;
     char at[2 * BF_POINTER_SIZE];
 
-    if (n > SCENE_SERIES_MAX) {
-        faults_add_limit(faults, pointer, "%zu times, the limit is %d", n, SCENE_SERIES_MAX);
+    if (!scene__check_count(n, SCENE_SERIES_MAX, pointer, "times", faults))
         return false;
-    }
     snprintf(at, sizeof at, "%s/t_s", pointer);
     scene__check_times(series->times, n, at, false, faults);
     snprintf(at, sizeof at, "%s/%s", pointer, values);

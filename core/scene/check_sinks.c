@@ -54,11 +54,8 @@ void scene__check_sinks(const scene *s, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE], at[BF_POINTER_SIZE + ROOM_FOR_INDEX];
 
-    if (s->n_sinks > SCENE_SINKS_MAX) {
-        faults_add_limit(faults, "/sinks", "%zu sinks, the limit is %d", s->n_sinks,
-                         SCENE_SINKS_MAX);
+    if (!scene__check_count(s->n_sinks, SCENE_SINKS_MAX, "/sinks", "sinks", faults))
         return;
-    }
     for (size_t k = 0; k < s->n_sinks; k++) {
         const scene_sink *sink = &s->sinks[k];
         scene__check_id(s->sinks, sizeof *s->sinks, "sinks", k, faults);

@@ -29,6 +29,10 @@ typedef struct number_rule {
 void scene__check_numbers(const void *item, const char *pointer, const number_rule *rules, size_t n,
                           bf_faults *faults);
 
+/// Note a list of more than n_max items ("feeds"); pointer is that of the list. Returns true if it is none.
+bool scene__check_count(size_t n, size_t n_max, const char *pointer, const char *items,
+                        bf_faults *faults);
+
 /// What an id is, with the most characters as %d.
 #define ID_TEXT "must be 1 to %d letters, digits, '_', '.' and '-'"
 
