@@ -1,4 +1,4 @@
-// Pages of lists: which one is asked for, and the link to the next one.
+// Pages of lists: which one is asked for, and the answer with the link to the next one.
 
 #include "api/http/http_priv.h"
 
@@ -31,7 +31,8 @@ static char *encode(const char *value, char *text)
     return text;
 }
 
-void exchange__link_next(exchange *x, const exchange_page *page, const char *cursor)
+bf_status exchange__send_page(exchange *x, const exchange_page *page, const char *cursor,
+                              const member_table *table, const void *list, bf_error *err)
 {
     char filters[3 * QUERY_SIZE], *end = filters;
 
@@ -43,6 +44,9 @@ void exchange__link_next(exchange *x, const exchange_page *page, const char *cur
         end = encode(x->query.text + x->query.params[k].value, end);
     }
     *end = '\0';
-    api_response_header(x->response, "Link", "<%s?limit=%zu%s&cursor=%s>; rel=\"next\"",
-                        x->route->path, page->limit, filters, cursor);
+    if (cursor[0] != '\0')
+        api_response_header(x->response, "Link", "<%s?limit=%zu%s&cursor=%s>; rel=\"next\"",
+                            x->route->path, page->limit, filters, cursor);
+    exchange__cache_revalidate(x);
+    return exchange__write(x, table, list, err);
 }

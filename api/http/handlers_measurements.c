@@ -87,13 +87,10 @@ bf_status handlers_measurements_list(exchange *x, bf_error *err)
     if (list == NULL)
         return bf_fail_memory(err);
     bf_status status = x->services->list_measurements(x->services->store, &wanted, list, err);
-    if (status == BF_OK && list->has_more && list->n > 0) {
+    if (status == BF_OK && list->has_more && list->n > 0)
         memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);
-        exchange__link_next(x, &page, list->next_cursor);
-    }
-    exchange__cache_revalidate(x);
     if (status == BF_OK)
-        status = exchange__write(x, &measurement_list, list, err);
+        status = exchange__send_page(x, &page, list->next_cursor, &measurement_list, list, err);
     memory_free(list);
     return status;
 }

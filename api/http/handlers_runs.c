@@ -190,13 +190,10 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
     if (list == NULL)
         return bf_fail_memory(err);
     status = x->services->list(x->services->service, &list_query, list, err);
-    if (status == BF_OK && list->has_more) {
+    if (status == BF_OK && list->has_more)
         run_sort_write_cursor(list->last_id, list->last_key, list->next_cursor);
-        exchange__link_next(x, &page, list->next_cursor);
-    }
-    exchange__cache_revalidate(x);
     if (status == BF_OK)
-        status = exchange__write(x, &run_json_list, list, err);
+        status = exchange__send_page(x, &page, list->next_cursor, &run_json_list, list, err);
     memory_free(list);
     return status;
 }

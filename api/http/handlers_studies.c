@@ -78,13 +78,10 @@ bf_status handlers_studies_list(exchange *x, bf_error *err)
     if (list == NULL)
         return bf_fail_memory(err);
     status = x->services->list_studies(x->services->store, &wanted, list, err);
-    if (status == BF_OK && list->has_more && list->n > 0) {
+    if (status == BF_OK && list->has_more && list->n > 0)
         memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);
-        exchange__link_next(x, &page, list->next_cursor);
-    }
-    exchange__cache_revalidate(x);
     if (status == BF_OK)
-        status = exchange__write(x, &study_json_list, list, err);
+        status = exchange__send_page(x, &page, list->next_cursor, &study_json_list, list, err);
     memory_free(list);
     return status;
 }

@@ -116,8 +116,11 @@ typedef struct exchange_page {
 /// The requested page.
 exchange_page exchange__page(const exchange *x);
 
-/// Add the Link to the page behind a cursor, with the other parameters of the request.
-void exchange__link_next(exchange *x, const exchange_page *page, const char *cursor);
+/// Answer with a page of a list, and the Link to the one behind the cursor ("": there is none), with the other parameters of
+/// the request.
+BF_MUST_CHECK bf_status exchange__send_page(exchange *x, const exchange_page *page,
+                                            const char *cursor, const member_table *table,
+                                            const void *list, bf_error *err);
 
 /// Set ETag to the tag of the resource's present state, given without quotes. True: the handler is done,
 /// as If-None-Match names the state (304), or If-Match does not (412, exchange__check_state()).
