@@ -2,16 +2,13 @@
 // by a daemon that was killed meanwhile, and results are those of `beltflow solve` and `beltflow study`.
 
 import assert from "node:assert/strict";
-import { readFileSync, writeFileSync } from "node:fs";
-import path from "node:path";
 import test, { after } from "node:test";
 
 import { daemon } from "./daemon.mjs";
-import { beltflow } from "./processes.mjs";
 import { PullWorker } from "./pull_worker.mjs";
-import { assertSameResults, solve } from "./results.mjs";
-import { jam, tiny } from "./scenarios.mjs";
-import { temporaryFolder, until } from "./setup.mjs";
+import { assertSameResults, assertSameStudy, solve } from "./results.mjs";
+import { lengths, tiny } from "./scenarios.mjs";
+import { until } from "./setup.mjs";
 import { addToken } from "./tokens.mjs";
 
 const solved = solve({ after }, tiny());
@@ -94,18 +91,7 @@ test("workers need the scope, the same solver, and a service that has jobs for t
 });
 
 test("a study by two workers has the bytes of the command line", async (t) => {
-  const scenario = jam(0.2, { curve_every_s: 0.05, snapshot_every_s: 0.2 });
-  scenario.obstacles = [{ end_m: [0.75, 0.5], angle_deg: 60.0, length_m: 0.6 }];
-  const study = {
-    base: { scenario },
-    parameters: [{ pointer: "/obstacles/0/length_m", values: Array.from({ length: 20 }, (_, k) => 0.2 + 0.02 * k) }],
-    objectives: [{ figure: "content.mean" }],
-    method: { type: "list" },
-  };
-  const folder = temporaryFolder(t);
-  const file = path.join(folder, "study.json");
-  writeFileSync(file, JSON.stringify(study));
-  assert.equal((await beltflow(["study", file, "--out", path.join(folder, "out")])).status, 0);
+  const study = lengths(20);
   const d = await daemon(t, pulling);
   const begun = await d.post("/v1/studies", study);
   assert.equal(begun.status, 201, begun.text);
@@ -117,8 +103,7 @@ test("a study by two workers has the bytes of the command line", async (t) => {
     })),
     until(hasEnded, "the end of the study"),
   ]);
-  const trials = await d.get(`/v1/studies/${begun.json.id}/trials?format=csv`);
-  assert.equal(trials.text, readFileSync(path.join(folder, "out", "trials.csv"), "utf8"));
+  await assertSameStudy(t, d, begun.json.id, study);
 });
 
 // The frames of a run with the begin of another: whole, of the right run, and wrong.

@@ -3,14 +3,14 @@
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
+import { copyFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import test, { after } from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { beltflow, childrenOf, isAlive } from "./processes.mjs";
-import { assertSameResults, solve } from "./results.mjs";
-import { endless, fed, jam, tiny } from "./scenarios.mjs";
+import { assertSameResults, assertSameStudy, solve } from "./results.mjs";
+import { endless, fed, jam, lengths, tiny } from "./scenarios.mjs";
 import { binaries, temporaryFolder, until, within } from "./setup.mjs";
 import { makeToken } from "./tokens.mjs";
 
@@ -139,24 +139,12 @@ test("a daemon that was killed has the whole of a run from its worker", async (t
 });
 
 test("a study has the bytes of the command line, and few requests a trial", async (t) => {
-  const scenario = jam(0.2, { curve_every_s: 0.05, snapshot_every_s: 0.2 });
-  scenario.obstacles = [{ end_m: [0.75, 0.5], angle_deg: 60.0, length_m: 0.6 }];
-  const study = {
-    base: { scenario },
-    parameters: [{ pointer: "/obstacles/0/length_m", values: Array.from({ length: 12 }, (_, k) => 0.2 + 0.02 * k) }],
-    objectives: [{ figure: "content.mean" }],
-    method: { type: "list" },
-  };
-  const folder = temporaryFolder(t);
-  const file = path.join(folder, "study.json");
-  writeFileSync(file, JSON.stringify(study));
-  assert.equal((await beltflow(["study", file, "--out", path.join(folder, "out")])).status, 0);
+  const study = lengths(12);
   const d = await daemon(t, pulling);
   const { id } = (await d.post("/v1/studies", study)).json;
   const w = worker(t, d, "one");
   await until(async () => (await d.get(`/v1/studies/${id}`)).json.status === "succeeded", "the end of the study");
-  const trials = await d.get(`/v1/studies/${id}/trials?format=csv`);
-  assert.equal(trials.text, readFileSync(path.join(folder, "out", "trials.csv"), "utf8"));
+  await assertSameStudy(t, d, id, study);
   const counts = (await d.get("/metrics")).text;
   const found = /requests_total\{route="\/v1\/leases\/\{id\}\/frames",method="PUT",code="200"\} (\d+)/.exec(counts);
   // One or two each, more only while a trial takes longer than 250 ms.

@@ -7,15 +7,30 @@ import path from "node:path";
 import { beltflow } from "./processes.mjs";
 import { temporaryFolder } from "./setup.mjs";
 
-// Solve with the command line; the folder with its results.
-export async function solve(t, scenario, ...more) {
+// The folder with the results of a command for a document.
+async function execute(t, command, document, more) {
   const folder = temporaryFolder(t);
-  const file = path.join(folder, "scenario.json");
+  const file = path.join(folder, "in.json");
   const out = path.join(folder, "out");
-  writeFileSync(file, JSON.stringify(scenario));
-  const done = await beltflow(["solve", file, "--model", "macro", "--out", out, ...more]);
+  writeFileSync(file, JSON.stringify(document));
+  const done = await beltflow([command, file, "--out", out, ...more]);
   assert.equal(done.status, 0, done.stderr);
   return out;
+}
+
+// Solve with the command line; the folder with its results.
+export function solve(t, scenario, ...more) {
+  return execute(t, "solve", scenario, ["--model", "macro", ...more]);
+}
+
+// The trials of a study that has ended, and the best, are those of the command line, byte by byte.
+export async function assertSameStudy(t, d, id, study) {
+  const out = await execute(t, "study", study, []);
+  const read = (name) => readFileSync(path.join(out, name), "utf8");
+  for (const name of ["trials?format=csv", "trials.csv"]) {
+    assert.equal((await d.get(`/v1/studies/${id}/${name}`)).text, read("trials.csv"), name);
+  }
+  assert.equal((await d.get(`/v1/studies/${id}/best`)).text.trim(), read("best.json").trim());
 }
 
 // Members of a summary on timing and reuse, which are not results.

@@ -35,6 +35,23 @@ export function jam(duration_s, output) {
   };
 }
 
+// A plate before such parts that ends at (0.75, 0.5) and leaves 0.1 m free.
+export function plate(duration_s) {
+  const scenario = jam(duration_s, { curve_every_s: 0.05, snapshot_every_s: duration_s });
+  scenario.obstacles = [{ end_m: [0.75, 0.5], angle_deg: 60.0, length_m: 0.6 }];
+  return scenario;
+}
+
+// A study of n lengths of it, each of which is solved in some milliseconds a tenth of a second.
+export function lengths(n, duration_s = 0.2) {
+  return {
+    base: { scenario: plate(duration_s) },
+    parameters: [{ pointer: "/obstacles/0/length_m", values: Array.from({ length: n }, (_, k) => 0.2 + (0.4 * k) / n) }],
+    objectives: [{ figure: "content.mean" }],
+    method: { type: "list" },
+  };
+}
+
 // Solved in a second or two: long enough to be interrupted, with 200 samples and 50 snapshots.
 export function interruptible() {
   const duration = isSanitized ? 10 : 100;

@@ -2,15 +2,14 @@
 // Slurm for all stories, with four cores whatever the machine has.
 
 import assert from "node:assert/strict";
-import { readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import test, { after, before } from "node:test";
 
 import { daemon } from "./daemon.mjs";
-import { beltflow, runProgram } from "./processes.mjs";
-import { assertSameResults, solve } from "./results.mjs";
-import { jam, tiny } from "./scenarios.mjs";
-import { binaries, temporaryFolder, until } from "./setup.mjs";
+import { runProgram } from "./processes.mjs";
+import { assertSameResults, assertSameStudy, solve } from "./results.mjs";
+import { jam, lengths, tiny } from "./scenarios.mjs";
+import { binaries, until } from "./setup.mjs";
 import { Slurm, freePort } from "./slurm.mjs";
 
 let slurm;
@@ -37,16 +36,9 @@ function story(name, body) {
   });
 }
 
-// { id, csv() } of a study of trials that take some hundredths of a second each.
+// A study of n trials that take some hundredths of a second each.
 async function begin(d, n) {
-  const scenario = jam(1, { curve_every_s: 0.05, snapshot_every_s: 1 });
-  scenario.obstacles = [{ end_m: [0.75, 0.5], angle_deg: 60.0, length_m: 0.6 }];
-  const study = {
-    base: { scenario },
-    parameters: [{ pointer: "/obstacles/0/length_m", values: Array.from({ length: n }, (_, k) => 0.2 + (0.4 * k) / n) }],
-    objectives: [{ figure: "content.mean" }],
-    method: { type: "list" },
-  };
+  const study = lengths(n, 1);
   const answer = await d.post("/v1/studies", study);
   assert.equal(answer.status, 201, answer.text);
   return { study, id: answer.json.id };
@@ -55,14 +47,9 @@ async function begin(d, n) {
 // Solved in some seconds: while Slurm's programs are asked and obey, there is work left.
 const longJam = () => jam(300, { curve_every_s: 1.5, snapshot_every_s: 6 });
 
-async function assertSameTrials(t, d, { study, id }) {
-  const folder = temporaryFolder(t);
-  const file = path.join(folder, "study.json");
-  writeFileSync(file, JSON.stringify(study));
-  assert.equal((await beltflow(["study", file, "--out", path.join(folder, "out")])).status, 0);
+async function assertSolved(t, d, { study, id }) {
   await until(async () => (await d.get(`/v1/studies/${id}`)).json.status === "succeeded", "the end of the study");
-  const trials = await d.get(`/v1/studies/${id}/trials?format=csv`);
-  assert.equal(trials.text, readFileSync(path.join(folder, "out/trials.csv"), "utf8"));
+  await assertSameStudy(t, d, id, study);
 }
 
 async function countOf(d, name) {
@@ -73,7 +60,7 @@ async function countOf(d, name) {
 story("a study over four workers has the bytes of the command line, and its workers end when they are idle", async (t, d) => {
   const study = await begin(d, 60);
   await until(async () => (await slurm.running()).length === 4, "four workers");
-  await assertSameTrials(t, d, study);
+  await assertSolved(t, d, study);
   assert.equal(await countOf(d, "beltflow_slurm_tasks_submitted_total"), 4);
   await until(async () => (await slurm.tasks()).length === 0, "the end of the idle workers");
 });
@@ -95,7 +82,7 @@ story("a node's daemon that is killed under load costs nothing", async (t, d) =>
   await until(async () => (await d.get(`/v1/studies/${study.id}`)).json.trials.succeeded > 0, "a trial");
   await slurm.kill(slurm.node);
   slurm.startNode();
-  await assertSameTrials(t, d, study);
+  await assertSolved(t, d, study);
 });
 
 story("a daemon that is killed with leases out finds its workers again", async (t, d) => {

@@ -2,21 +2,12 @@
 // removed; a trial is solved again with all its output; measured counts are named by their id.
 
 import assert from "node:assert/strict";
-import { readFileSync, writeFileSync } from "node:fs";
-import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
-import { beltflow } from "./processes.mjs";
-import { fed, jam } from "./scenarios.mjs";
-import { temporaryFolder, until } from "./setup.mjs";
-
-// A plate that ends at (0.75, 0.5) and leaves 0.1 m free.
-function plate(duration_s) {
-  const scenario = jam(duration_s, { curve_every_s: 0.05, snapshot_every_s: duration_s });
-  scenario.obstacles = [{ end_m: [0.75, 0.5], angle_deg: 60.0, length_m: 0.6 }];
-  return scenario;
-}
+import { assertSameStudy } from "./results.mjs";
+import { fed, plate } from "./scenarios.mjs";
+import { until } from "./setup.mjs";
 
 const studyOf = (changes) => ({
   name: "which angle",
@@ -59,17 +50,7 @@ test("a study that is followed to its end gives the bytes of the command line", 
   assert.deepEqual(rest.filter((event) => event.id !== undefined).map((event) => event.id), ["4", "5"]);
   assert.equal((await d.events(`/v1/studies/${id}/events`, { "last-event-id": "5" })).status, 204);
 
-  const folder = temporaryFolder(t);
-  const document = await d.get(`/v1/studies/${id}/document`);
-  writeFileSync(path.join(folder, "in.json"), document.text);
-  const done = await beltflow(["study", path.join(folder, "in.json"), "--out", path.join(folder, "out")]);
-  assert.equal(done.status, 0, done.stderr);
-  const kept = (name) => readFileSync(path.join(folder, "out", name), "utf8");
-  for (const path of ["trials?format=csv", "trials.csv"]) {
-    assert.equal((await d.get(`/v1/studies/${id}/${path}`)).text, kept("trials.csv"), path);
-  }
-  const best = await d.get(`/v1/studies/${id}/best`);
-  assert.equal(best.text.trim(), kept("best.json").trim());
+  await assertSameStudy(t, d, id, (await d.get(`/v1/studies/${id}/document`)).json);
 
   const page = await d.get(`/v1/studies/${id}/trials?limit=3`);
   assert.equal(page.json.trials.length, 3);
@@ -120,13 +101,7 @@ test("kill -9 while a study is made: it goes on, and ends with the bytes of the 
     await d.start();
   }
   await reached(d, id, "succeeded");
-  const folder = temporaryFolder(t);
-  writeFileSync(path.join(folder, "in.json"), JSON.stringify(document));
-  const out = path.join(folder, "out");
-  assert.equal((await beltflow(["study", path.join(folder, "in.json"), "--out", out])).status, 0);
-  const trials = await d.get(`/v1/studies/${id}/trials?format=csv`);
-  assert.equal(trials.text, readFileSync(path.join(out, "trials.csv"), "utf8"));
-  assert.equal((await d.get(`/v1/studies/${id}/best`)).text.trim(), readFileSync(path.join(out, "best.json"), "utf8").trim());
+  await assertSameStudy(t, d, id, document);
 });
 
 test("a study is paused, resumed and cancelled", async (t) => {
