@@ -7,14 +7,12 @@
 #include "core/feed/capacity.h"
 #include "core/figures/figure.h"
 #include "core/micro/hardness.h"
-#include "core/run/review_belts.h"
 #include "core/run/review_closure.h"
 #include "core/run/review_plates.h"
 #include "core/run/review_sinks.h"
 #include "core/run/run.h"
 #include "core/run/run_priv.h"
 #include "core/scene/belt_path.h"
-#include "core/scene/layout.h"
 #include "core/scene/mix.h"
 #include "core/scene/surroundings.h"
 
@@ -220,26 +218,21 @@ static void review_failures(const scene *s, review_warnings *ret_warnings)
 }
 
 /// Warn of an opening that a kind of part does not fit through.
-static bf_status review_opening(const scene *s, review_warnings *ret_warnings, bf_error *err)
+static void review_opening(const scene *s, const layout *of, review_warnings *ret_warnings)
 {
-    const double radius = mix_inner_radii_of(s).largest;
+    const double radius = mix_inner_radii_of(s).largest, opening = of->opening.value;
     char pointer[BF_POINTER_SIZE], width[NUMBER_TEXT_SIZE], least[NUMBER_TEXT_SIZE];
-    layout of;
 
-    const bf_status status = layout_measure(s, &of, err);
     // One of 0 is closed, not narrow: validity says so.
-    if (status != BF_OK || of.opening.value == 0.0 ||
-        of.opening.value >= layout_least_width(radius))
-        return status;
-    snprintf(pointer, sizeof pointer, "/obstacles/%zu", of.opening.index);
+    if (opening == 0.0 || opening >= layout_least_width(radius))
+        return;
+    snprintf(pointer, sizeof pointer, "/obstacles/%zu", of->opening.index);
     review_warning *item =
         review_add(ret_warnings, pointer, "Parts do not fit through the narrowest opening");
     snprintf(item->meaning, sizeof item->meaning,
              "It is %s m wide, and parts are up to %s m wide where they are narrowest: those that "
              "have no other way stay before it.",
-             number_text(of.opening.value, DIGITS, width),
-             number_text(2.0 * radius, DIGITS, least));
-    return BF_OK;
+             number_text(opening, DIGITS, width), number_text(2.0 * radius, DIGITS, least));
 }
 
 static void review_step(const scene *s, review_warnings *ret_warnings)
@@ -261,49 +254,27 @@ static void warn_of_items(const validity_item *items, size_t n, review_warnings 
 {
     for (size_t k = 0; k < n; k++) {
         if (items[k].figure == VALIDITY_OVERLAP || items[k].figure == VALIDITY_FALLS)
-            continue; // review_hardness() and review_belts() say so
+            continue; // review_hardness() and the falls say so
         review_warning *item = review_add(ret_warnings, items[k].pointer, items[k].title);
         snprintf(item->meaning, sizeof item->meaning, "%s", items[k].meaning);
         snprintf(item->detail, sizeof item->detail, "%s", items[k].comparison);
     }
 }
 
-static bf_status review_validity(const scene *s, run_model model, double overlap,
-                                 run_review *review, bf_error *err)
+/// Warn where parts may be pressed far into each other, before they are: by the overlap that is to be expected of these moduli.
+static void review_hardness(const scene *s, double overlap, double reduction,
+                            review_warnings *ret_warnings)
 {
-    const bf_status status = model == RUN_MACRO
-                                 ? validity_of(s, &review->validity, err)
-                                 : validity_of_parts(s, overlap, &review->validity, err);
+    char divisor[NUMBER_TEXT_SIZE];
 
-    if (status != BF_OK)
-        return status;
-    warn_of_items(review->validity.items, review->validity.n, &review->warnings);
-    warn_of_items(review->validity.never, review->validity.n_never, &review->warnings);
-    return BF_OK;
-}
-
-/// Warn where parts may be pressed far into each other, before they are. The overlap is that to be expected.
-static bf_status review_hardness(const scene *s, review_warnings *ret_warnings, double *ret_overlap,
-                                 bf_error *err)
-{
-    run__micro_setup setup;
-
-    const bf_status status = run__micro_init_setup(s, NULL, 1, &setup, err);
-    if (status != BF_OK)
-        return status;
-    const double overlap = hardness_expected_overlap(&setup.def);
-    const double reduction = setup.def.modulus_reduction;
-    run__micro_fini_setup(&setup);
-    *ret_overlap = overlap;
     if (overlap <= run_overlap_trusted)
-        return BF_OK;
+        return;
     review_warning *item = review_add(ret_warnings, "/micro/modulus_reduction",
                                       "Parts are softer than the load of a queue needs");
     snprintf(item->meaning, sizeof item->meaning,
              "A queue may press them into each other and into plates: more come through than in "
              "reality, and beyond %.3g %% of a radius the run fails.",
              100.0 * s->micro.overlap_limit);
-    char divisor[NUMBER_TEXT_SIZE];
     snprintf(item->detail, sizeof item->detail,
              "With moduli divided by %s an overlap of %.3g %% of the smallest radius is to be "
              "expected, more than %.3g %%.%s",
@@ -312,32 +283,52 @@ static bf_status review_hardness(const scene *s, review_warnings *ret_warnings, 
                  ? " Without modulus_reduction the program chooses what is hard enough."
                  : " Their materials bear no more: kinds of very different mass or size press on "
                    "the smallest.");
-    return BF_OK;
+}
+
+/// What both the warnings and the validity follow from, measured once.
+static bf_status measure(const scene *s, run_model model, double *ret_overlap,
+                         double *ret_reduction, validity *ret_validity, bf_error *err)
+{
+    run__micro_setup setup;
+
+    if (model == RUN_MACRO)
+        return validity_of(s, ret_validity, err);
+    const bf_status status = run__micro_init_setup(s, NULL, 1, &setup, err);
+    if (status != BF_OK)
+        return status;
+    *ret_overlap = hardness_expected_overlap(&setup.def);
+    *ret_reduction = setup.def.modulus_reduction;
+    run__micro_fini_setup(&setup);
+    return validity_of_parts(s, *ret_overlap, ret_validity, err);
 }
 
 bf_status run_review_of(const scene *s, run_model model, run_review *ret_review, bf_error *err)
 {
-    double overlap = NAN;
+    review_warnings *warnings = &ret_review->warnings;
+    const validity *v = &ret_review->validity;
+    double overlap = NAN, reduction = NAN;
 
     *ret_review = (run_review){ .model = model };
-    bf_status status = review_plates(s, &ret_review->warnings, err);
+    bf_status status = measure(s, model, &overlap, &reduction, &ret_review->validity, err);
     if (status == BF_OK)
-        status = review_belts(s, &ret_review->warnings, err);
-    if (status == BF_OK)
-        status = review_sinks(s, &ret_review->warnings, err);
-    if (status == BF_OK)
-        status = review_opening(s, &ret_review->warnings, err);
+        status = review_plates(s, warnings, err);
+    if (status != BF_OK)
+        return status;
+    review_append(warnings, &v->falls);
+    if ((status = review_sinks(s, warnings, err)) != BF_OK)
+        return status;
+    review_opening(s, &v->layout, warnings);
     for (size_t k = 0; k < s->n_feeds && status == BF_OK; k++)
-        status = review_rate(s, k, &ret_review->warnings, err);
-    review_actions(s, &ret_review->warnings);
-    review_failures(s, &ret_review->warnings);
+        status = review_rate(s, k, warnings, err);
+    review_actions(s, warnings);
+    review_failures(s, warnings);
     if (model == RUN_MACRO) {
-        review_step(s, &ret_review->warnings);
-        review_closure(s, &ret_review->warnings);
+        review_step(s, warnings);
+        review_closure(s, warnings);
+    } else {
+        review_hardness(s, overlap, reduction, warnings);
     }
-    if (status == BF_OK && model == RUN_MICRO)
-        status = review_hardness(s, &ret_review->warnings, &overlap, err);
-    if (status == BF_OK)
-        status = review_validity(s, model, overlap, ret_review, err);
+    warn_of_items(v->items, v->n, warnings);
+    warn_of_items(v->never, v->n_never, warnings);
     return status;
 }

@@ -10,7 +10,6 @@
 #include "core/run/validity_text.h"
 #include "core/scene/belt_slope.h"
 #include "core/scene/belt_speeds.h"
-#include "core/scene/layout.h"
 #include "core/scene/mix.h"
 #include "core/scene/plate_motion.h"
 #include "core/scene/plate_range.h"
@@ -61,6 +60,7 @@ typedef struct findings {
     double rate;              ///< of all feeds together at most, parts/s
     double n_fed;             ///< parts of feeds in the run
     bool is_moving;           ///< a plate turns or is shifted
+    layout layout;            ///< of the scene
     review_warnings falls;    ///< of places at which cargo gets off the belts
     noted figures[VALIDITY_FIGURE_COUNT];
     bool is_unknown; ///< a value is
@@ -317,7 +317,7 @@ static bf_status note_moving(findings *f, scene *moved, size_t index, bf_error *
 }
 
 /// The same for all plates that turn or are shifted, on a copy of the scene whose obstacles are its own.
-static bf_status note_swept(findings *f, const layout *of, bf_error *err)
+static bf_status note_swept(findings *f, bf_error *err)
 {
     const scene *s = f->s;
     scene moved = *s;
@@ -328,7 +328,7 @@ static bf_status note_swept(findings *f, const layout *of, bf_error *err)
         if (r.least == r.most && !r.is_shifted)
             continue;
         f->is_moving = true;
-        if (of->n_pieces > TURN_PIECES_MAX) {
+        if (f->layout.n_pieces > TURN_PIECES_MAX) {
             note(f, VALIDITY_SWEPT, NAN, "/obstacles/%zu", k);
             continue;
         }
@@ -550,8 +550,9 @@ static bool is_straight(const scene_belt *belt)
     return !belt->arc.is_given && belt->n_more == 0;
 }
 
-static void note_figures(findings *f, const layout *of)
+static void note_figures(findings *f)
 {
+    const layout *of = &f->layout;
     size_t n_velocities = 0, n_arcs = 0;
 
     for (size_t k = 0; k < f->s->n_belts; k++) {
@@ -649,6 +650,8 @@ static void collect(const findings *f, validity *out)
             validity_complete(item, f->subject, (validity_way)way);
         }
     }
+    out->layout = f->layout;
+    out->falls = f->falls;
     out->is_compared = out->n == 0 && out->n_never == 0;
     values_of(f, values);
     if (f->s->n_sinks ==
@@ -661,7 +664,6 @@ static bf_status find(const scene *s, validity_subject subject, findings **ret_f
                       bf_error *err)
 {
     findings *f = *ret_findings = memory_alloc(1, sizeof *f);
-    layout of;
 
     if (f == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the validity of a scenario");
@@ -672,15 +674,15 @@ static bf_status find(const scene *s, validity_subject subject, findings **ret_f
         f->figures[figure].least = f->figures[figure].largest = NAN;
     bf_status status = sum_feeds(f, err);
     if (status == BF_OK)
-        status = layout_measure(s, &of, err);
+        status = layout_measure(s, &f->layout, err);
     if (status == BF_OK)
-        status = note_swept(f, &of, err);
+        status = note_swept(f, err);
     if (status == BF_OK)
         status = review_belts(s, &f->falls, err);
     if (status != BF_OK)
         return status;
     note_count(f, VALIDITY_FALLS, f->falls.n, f->falls.items[0].pointer);
-    note_figures(f, &of);
+    note_figures(f);
     return BF_OK;
 }
 

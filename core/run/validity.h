@@ -21,6 +21,8 @@
 
 #include "core/base/faults.h"
 #include "core/base/status.h"
+#include "core/run/review.h"
+#include "core/scene/layout.h"
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
@@ -119,6 +121,8 @@ typedef struct validity_like {
 typedef struct validity {
     validity_subject subject; ///< the model that would solve it
     validity_like like;       ///< how far off it was in scenes like this one
+    layout layout;            ///< of plates and walls, as it was measured
+    review_warnings falls;    ///< of cargo that gets off the belts (review_belts.h)
     bool is_compared;         ///< every figure was compared
     size_t n;                 ///< outside
     size_t n_never;           ///< never compared
