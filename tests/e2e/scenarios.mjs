@@ -42,7 +42,7 @@ export function plate(duration_s) {
   return scenario;
 }
 
-// A study of n lengths of it, each of which is solved in some milliseconds a tenth of a second.
+// A study of n of its lengths: some milliseconds of computing for each tenth of a second.
 export function lengths(n, duration_s = 0.2) {
   return {
     base: { scenario: plate(duration_s) },
