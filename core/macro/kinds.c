@@ -3,19 +3,63 @@
 #include "core/base/memory.h"
 #include "core/base/subnormals.h"
 #include "core/base/team.h"
-#include "core/macro/congested/congested_priv.h"
+#include "core/macro/kinds_priv.h"
 
 #include <math.h>
 #include <string.h>
 
-struct kinds {
-    size_t n;
-    double *fractions; // of each cell n, layout of grid.h
-    double *carried;   // the same after F_stat'
-    double *density;   // of each cell then
-    double *slope;     // of each cell: by what its slopes are scaled
-    double *fallen; // of each cell n: densities that fell since t = 0; NULL where nothing may fall
-};
+#define X(suffix) extern const kinds_kernels kinds__kernels_##suffix;
+CPU_EACH_BUILD(X)
+#undef X
+
+static kinds_kernels kernels_of(cpu_level level)
+{
+    static const kinds_kernels *const builds[CPU_AVX512 + 1] = {
+#define X(suffix) &kinds__kernels_##suffix,
+        CPU_EACH_BUILD(X)
+#undef X
+    };
+    return *builds[level];
+}
+
+// Lays out the rows. The first ones have a block before their margin, as the faces before the first block have cells before them.
+static bf_status init_rows(const macro_solver *s, kinds *k)
+{
+    const ptrdiff_t n = (ptrdiff_t)k->n, faces = k->plane + s->stride;
+    const ptrdiff_t of_thread = (3 + 2 * n) * s->stride;
+    const int n_threads = s->def.n_threads;
+
+    k->storage = memory_alloc(
+        (size_t)(BLOCK_CELLS + (2 * n + 4) * k->plane + 4 * faces + n_threads * of_thread),
+        sizeof *k->storage);
+    k->rows = memory_alloc((size_t)n_threads, sizeof *k->rows);
+    for (int axis = 0; axis < 2; axis++) {
+        k->flows[axis] = memory_alloc((size_t)s->n2 + 1, sizeof *k->flows[axis]);
+        k->corrects[axis] = memory_alloc((size_t)s->n2 + 1, sizeof *k->corrects[axis]);
+    }
+    if (k->storage == NULL || k->rows == NULL || k->flows[0] == NULL || k->flows[1] == NULL ||
+        k->corrects[0] == NULL || k->corrects[1] == NULL)
+        return BF_ENOMEM;
+    k->before = k->storage + BLOCK_CELLS;
+    k->carried = k->before + n * k->plane;
+    k->density = k->carried + n * k->plane;
+    k->inverse = k->density + k->plane;
+    double *next = k->inverse + k->plane;
+    for (int axis = 0; axis < 2; axis++) {
+        k->slope[axis] = next;
+        k->flux[axis] = next + k->plane;
+        k->correction[axis] = next + k->plane + faces;
+        next += k->plane + 2 * faces;
+    }
+    for (int member = 0; member < n_threads; member++, next += of_thread) {
+        double *row = next + s->margin;
+        k->rows[member] = (kinds_rows){ row,
+                                        row + s->stride,
+                                        row + 2 * s->stride,
+                                        { row + 3 * s->stride, row + (3 + n) * s->stride } };
+    }
+    return BF_OK;
+}
 
 bf_status kinds_create(const macro_solver *s, size_t n, kinds **ret_kinds)
 {
@@ -25,13 +69,11 @@ bf_status kinds_create(const macro_solver *s, size_t n, kinds **ret_kinds)
     if (k == NULL)
         return BF_ENOMEM;
     *k = (kinds){ .n = n,
+                  .plane = s->n2 * s->stride,
+                  .kernels = kernels_of(cpu_best()),
                   .fractions = memory_alloc(n_cells * n, sizeof *k->fractions),
-                  .carried = memory_alloc(n_cells * n, sizeof *k->carried),
-                  .density = memory_alloc(n_cells, sizeof *k->density),
-                  .slope = memory_alloc(n_cells, sizeof *k->slope),
                   .fallen = s->off != NULL ? memory_alloc(n_cells * n, sizeof *k->fallen) : NULL };
-    if (k->fractions == NULL || k->carried == NULL || k->density == NULL || k->slope == NULL ||
-        (s->off != NULL && k->fallen == NULL)) {
+    if (k->fractions == NULL || (s->off != NULL && k->fallen == NULL) || init_rows(s, k) != BF_OK) {
         kinds_destroy(k);
         return BF_ENOMEM;
     }
@@ -46,10 +88,13 @@ kinds *kinds_destroy(kinds *k)
     if (k == NULL)
         return NULL;
     memory_free(k->fractions);
-    memory_free(k->carried);
-    memory_free(k->density);
-    memory_free(k->slope);
     memory_free(k->fallen);
+    memory_free(k->storage);
+    memory_free(k->rows);
+    for (int axis = 0; axis < 2; axis++) {
+        memory_free(k->flows[axis]);
+        memory_free(k->corrects[axis]);
+    }
     memory_free(k);
     return NULL;
 }
@@ -149,206 +194,27 @@ double macro_kind_fallen_in(const macro_solver *s, size_t kind, size_t i_min, si
 
 // ---- a step
 
-// What crosses a face towards rising x, times dt/dx: densities.
-typedef struct face_flux {
-    double carried; // F_stat'
-    double pushed;  // G'
-} face_flux;
-
-// A cell and its faces.
-typedef struct cell_faces {
-    const double *rho; // of the row with which the step began; element 0 is this cell
-    face_flux west, east, south, north;
-} cell_faces;
-
-// F_stat and G of a face, of velocity v between the densities before and behind it.
-static face_flux part_flux(const macro_solver *s, double v, double before, double behind, float g)
-{
-    const double carried = s->lambda1 * v * (v >= 0.0 ? before : behind);
-    const double pushed = s->lambda1 * (double)g, sum = carried + pushed;
-
-    if ((carried > 0.0) == (pushed > 0.0))
-        return (face_flux){ carried, pushed };
-    return fabs(carried) > fabs(pushed) ? (face_flux){ sum, 0.0 } : (face_flux){ 0.0, sum };
-}
-
-static cell_faces faces_of(const macro_solver *s, ptrdiff_t i, ptrdiff_t j)
-{
-    const congested *c = s->congested;
-    const double *rho = macro__row(s, s->next.rho, j) + i;
-    const double *v1 = macro__row(s, s->faces1.v, j) + i, *v2 = macro__row(s, s->faces2.v, j) + i;
-    const double south = j > 0 ? rho[-s->stride] : 0.0,
-                 north = j + 1 < s->n2 ? rho[s->stride] : 0.0;
-
-    return (cell_faces){
-        .rho = rho,
-        .west =
-            part_flux(s, v1[-1], i > 0 ? rho[-1] : 0.0, rho[0], *CONGESTED_FACE1(c, flux, i, j)),
-        .east = part_flux(s, v1[0], rho[0], i + 1 < s->n1 ? rho[1] : 0.0,
-                          *CONGESTED_FACE1(c, flux, i + 1, j)),
-        .south = part_flux(s, v2[0], south, rho[0], *CONGESTED_FACE2(c, flux, i, j)),
-        .north = part_flux(s, v2[s->stride], rho[0], north, *CONGESTED_FACE2(c, flux, i, j + 1))
-    };
-}
-
-// Columns of a row in which a step may have moved cargo: first <= i < last.
-static void find_columns(const macro_solver *s, ptrdiff_t j, ptrdiff_t ret_columns[2])
-{
-    const block_span span = block_span_hull(s->now.span[j], s->next.span[j]);
-
-    ret_columns[0] = span.first * BLOCK_CELLS;
-    ret_columns[1] = span.last < s->n_blocks ? span.last * BLOCK_CELLS : s->n1;
-}
-
-static inline double positive(double x)
-{
-    return x > 0.0 ? x : 0.0;
-}
-
-// By what the slopes of the cells of a row are scaled, and the densities after F_stat'.
-static void prepare_row(const macro_solver *s, ptrdiff_t j)
-{
-    kinds *k = s->kinds;
-    ptrdiff_t columns[2];
-
-    find_columns(s, j, columns);
-    for (ptrdiff_t i = columns[0]; i < columns[1]; i++) {
-        const cell_faces f = faces_of(s, i, j);
-        const double rho = f.rho[0];
-        const double out[4] = { positive(-f.west.carried), positive(f.east.carried),
-                                positive(-f.south.carried), positive(f.north.carried) };
-        double leaving = 0.0, weight = 0.0;
-        for (int side = 0; side < 4; side++) {
-            leaving += out[side];
-            weight += out[side] * (1.0 - out[side] / (rho > 0.0 ? rho : 1.0));
-        }
-        const double staying = rho - leaving;
-        k->density[j * s->n1 + i] =
-            rho - (f.east.carried - f.west.carried) - (f.north.carried - f.south.carried);
-        k->slope[j * s->n1 + i] = staying >= weight ? 1.0 : positive(staying) / weight;
-    }
-}
-
-// The limiter superbee of the differences before and behind a cell, by their sum.
-static double superbee(double before, double behind)
-{
-    if (!(before * behind > 0.0))
-        return 0.0;
-    const double a = fabs(before), b = fabs(behind);
-    return fmax(fmin(2.0 * a, b), fmin(a, 2.0 * b)) / (a + b);
-}
-
-// Adds to masses what of each kind a face takes out of the cell `from`, times `sign`. The flux goes `along` 1 or -1 cells
-// on in an axis, and v are the velocities of that axis's faces of the cell, before and behind.
-static void add_sloped(const macro_solver *s, ptrdiff_t i, ptrdiff_t j, int axis, ptrdiff_t along,
-                       double flux, double sign, double *masses)
-{
-    const kinds *k = s->kinds;
-    const ptrdiff_t at = axis == 0 ? i : j, end = axis == 0 ? s->n1 : s->n2;
-    const ptrdiff_t step = axis == 0 ? 1 : s->n1, cell = j * s->n1 + i;
-    const ptrdiff_t row_step = axis == 0 ? 1 : s->stride;
-    const double *rho = macro__row(s, s->next.rho, j) + i;
-    const double *v =
-        (axis == 0 ? macro__row(s, s->faces1.v, j) - 1 : macro__row(s, s->faces2.v, j)) + i;
-    const double *here = k->fractions + cell * (ptrdiff_t)k->n;
-    double theta = 0.0;
-
-    if (at > 0 && at + 1 < end && rho[-row_step] > 0.0 && rho[row_step] > 0.0 &&
-        v[0] * v[row_step] > 0.0) {
-        const double *before = here - step * (ptrdiff_t)k->n,
-                     *behind = here + step * (ptrdiff_t)k->n;
-        theta = 1.0;
-        for (size_t m = 0; m < k->n && theta > 0.0; m++)
-            if (before[m] != here[m] || behind[m] != here[m])
-                theta = fmin(theta, superbee(here[m] - before[m], behind[m] - here[m]));
-        const double scale = 0.5 * (1.0 - flux / rho[0]) * theta * k->slope[cell] * (double)along;
-        for (size_t m = 0; m < k->n; m++)
-            masses[m] += sign * flux * (here[m] + scale * (behind[m] - before[m]));
-        return;
-    }
-    for (size_t m = 0; m < k->n; m++)
-        masses[m] += sign * flux * here[m];
-}
-
-// Carries the fractions of a row by F_stat'.
-static void carry_row(const macro_solver *s, ptrdiff_t j)
-{
-    const kinds *k = s->kinds;
-    ptrdiff_t columns[2];
-
-    find_columns(s, j, columns);
-    for (ptrdiff_t i = columns[0]; i < columns[1]; i++) {
-        const cell_faces f = faces_of(s, i, j);
-        const double rho = f.rho[0];
-        const size_t cell = (size_t)(j * s->n1 + i);
-        const double *here = k->fractions + cell * k->n;
-        double masses[SCENE_KINDS_MAX];
-        for (size_t m = 0; m < k->n; m++)
-            masses[m] = rho * here[m];
-        // Over each face: the flux out of this cell, which may be negative.
-        const double out[4] = { -f.west.carried, f.east.carried, -f.south.carried,
-                                f.north.carried };
-        for (int side = 0; side < 4; side++) {
-            const int axis = side >> 1;
-            const ptrdiff_t along = (side & 1) != 0 ? 1 : -1;
-            if (out[side] > 0.0)
-                add_sloped(s, i, j, axis, along, out[side], -1.0, masses);
-            else if (out[side] < 0.0)
-                add_sloped(s, i + (axis == 0 ? along : 0), j + (axis == 1 ? along : 0), axis,
-                           -along, -out[side], 1.0, masses);
-        }
-        if (!set_fractions(k->n, masses, k->carried + cell * k->n))
-            memcpy(k->carried + cell * k->n, here, k->n * sizeof *here);
-    }
-}
-
-// Carries the fractions of a row by G'.
-static void correct_row(const macro_solver *s, ptrdiff_t j)
-{
-    const kinds *k = s->kinds;
-    const ptrdiff_t steps[4] = { -1, 1, -s->n1, s->n1 };
-    ptrdiff_t columns[2];
-
-    find_columns(s, j, columns);
-    for (ptrdiff_t i = columns[0]; i < columns[1]; i++) {
-        const cell_faces f = faces_of(s, i, j);
-        const ptrdiff_t cell = j * s->n1 + i;
-        const double *here = k->carried + cell * (ptrdiff_t)k->n;
-        const double out[4] = { -f.west.pushed, f.east.pushed, -f.south.pushed, f.north.pushed };
-        double masses[SCENE_KINDS_MAX];
-        for (size_t m = 0; m < k->n; m++)
-            masses[m] = k->density[cell] * here[m];
-        for (int side = 0; side < 4; side++) {
-            if (out[side] == 0.0)
-                continue;
-            const ptrdiff_t there = cell + steps[side];
-            // Over the border of the grid nothing comes in.
-            const bool is_border = side < 2 ? i + steps[side] < 0 || i + steps[side] >= s->n1
-                                            : there < 0 || there >= s->n1 * s->n2;
-            const double *from =
-                out[side] > 0.0 || is_border ? here : k->carried + there * (ptrdiff_t)k->n;
-            for (size_t m = 0; m < k->n; m++)
-                masses[m] -= out[side] * from[m];
-        }
-        if (!set_fractions(k->n, masses, k->fractions + cell * (ptrdiff_t)k->n))
-            memcpy(k->fractions + cell * (ptrdiff_t)k->n, here, k->n * sizeof *here);
-    }
-}
-
 static void follow_member(void *context, int member, int n_members, team_barrier *barrier)
 {
     macro_solver *s = context;
+    const kinds *k = s->kinds;
+    kinds_rows *rows = &k->rows[member];
     const ptrdiff_t first = s->n2 * member / n_members, last = s->n2 * (member + 1) / n_members;
     const uint64_t arithmetic = subnormals_flush();
 
-    for (ptrdiff_t j = first; j < last; j++)
-        prepare_row(s, j);
+    for (ptrdiff_t j = first; j < last + (last == s->n2); j++)
+        k->kernels.split(s, j);
     team_barrier_wait(barrier);
     for (ptrdiff_t j = first; j < last; j++)
-        carry_row(s, j);
+        k->kernels.prepare(s, j);
+    team_barrier_wait(barrier);
+    if (first < last)
+        k->kernels.begin(s, first, rows);
+    for (ptrdiff_t j = first; j < last; j++)
+        k->kernels.carry(s, j, rows);
     team_barrier_wait(barrier);
     for (ptrdiff_t j = first; j < last; j++)
-        correct_row(s, j);
+        k->kernels.correct(s, j, rows);
     subnormals_restore(arithmetic);
 }
 

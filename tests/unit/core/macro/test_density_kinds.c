@@ -37,9 +37,12 @@ static void make_jam(scene *s, bool is_oblique)
     helper_congested_saturated(s, 60.0);
     if (is_oblique)
         s->belts[0].velocity = (vec2){ 0.35, 0.15 };
+    // Cells are not square.
+    s->domain.y_max += 0.4 * s->macro.cell;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         s->edges[side] = SCENE_EDGE_WALL;
     helper_scene_resolve(s);
+    assert_true(scene_grid(s).d1 != scene_grid(s).d2);
 }
 
 // Shares that differ from cell to cell, some of them 0 and 1.
