@@ -171,7 +171,7 @@ static bool is_shifted(const void *item)
 }
 
 static const char *const eye_states[] = { "clear", "blocked", NULL };
-const char *const results__belt_states[] = { "running", "failed", "break", NULL };
+const char *const results__belt_states[] = { "running", "failed", "break", "held", NULL };
 const char *const results__drive_states[] = { "as_told", "behind", "stalled", NULL };
 
 #define AT(place) offsetof(change_event, place)

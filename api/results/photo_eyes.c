@@ -215,7 +215,7 @@ static const member changes_members[] = {
            "every 2 degrees that they turn, or 10 mm that they are shifted, while behind",
            .offset_n = AT(n_drives), .table = &results_drive_members),
     MEMBER("belts", list, AT(stops),
-           "When failures and breaks began to stop belts, and when they ended",
+           "When failures, breaks and merges began to stop belts, and when that ended",
            .offset_n = AT(n_stops), .table = &results_stop_members),
     MEMBER("is_cut", bool, AT(is_cut),
            "There are as many as a run keeps, and what came later is not among them"),

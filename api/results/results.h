@@ -106,7 +106,7 @@ typedef struct results_drive {
     vec2 shift;             ///< of its path, m
 } results_drive;
 
-/// Whether a failure or a break stops a belt.
+/// Whether a failure, a break or a merge stops a belt.
 typedef struct results_stop {
     double t;               ///< s
     char id[SCENE_ID_SIZE]; ///< of the belt

@@ -25,7 +25,7 @@ extern const char *const results__belt_states[];
 /// What stops a belt, as events and lists tell it; results__belt_states has the words of belt_stops_cause.
 #define RESULTS__BELT_MEMBERS                                                                      \
     MEMBER("state", enum, AT(state),                                                               \
-           "From then on: neither a failure nor a break stops it, a failure does, or a break",     \
+           "From then on: nothing of these stops it, a failure does, a break, or a merge",         \
            .words = results__belt_states)
 
 /// Samples of a curve, as results_curve_members writes them.

@@ -257,7 +257,7 @@ static void say_jams(const run_verdict_subject *of, verdicts *all)
         return;
     for (size_t k = 0; k < of->scene->n_counters; k++)
         blocked = fmax(blocked, value_of(of, FIGURE_STATE_BLOCKED, k));
-    bool may = of->scene->n_actions > 0;
+    bool may = of->scene->n_actions > 0 || of->scene->n_merges > 0;
     for (size_t k = 0; k < of->scene->n_belts; k++)
         may |= belt_speeds_may_change(&of->scene->belts[k]);
     const bool is_bridge = blocked > blocked_least && of->scene->n_obstacles > 0 && !may;

@@ -1,4 +1,4 @@
-// Belts, obstacles, photo eyes, sinks and actions as tables.
+// Belts, obstacles, photo eyes, sinks, actions and merges as tables.
 
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/scenario_priv.h"
@@ -41,6 +41,18 @@ static void init_action(void *item, size_t place)
 {
     (void)place;
     scene_action_init(item);
+}
+
+static void init_lane(void *item, size_t place)
+{
+    (void)place;
+    scene_lane_init(item);
+}
+
+static void init_merge(void *item, size_t place)
+{
+    (void)place;
+    scene_merge_init(item);
 }
 
 #define AT(place) offsetof(scene_speed_schedule, place)
@@ -494,4 +506,44 @@ static const member action_members[] = {
 };
 const member_table scenario__action_members = { MEMBER_TABLE("action", action_members),
                                                 .size = sizeof(scene_action), .init = init_action };
+#undef AT
+
+#define AT(place) offsetof(scene_lane, place)
+static const member lane_members[] = {
+    MEMBER_OF("belt", &scenario__belt_id, AT(belt), "id of its belt, which waits and is released"),
+    MEMBER_OF("photo_eye", &scenario__photo_eye_id, AT(eye),
+              "id of the photo eye at which its parts wait, and are counted"),
+};
+static const member_table lane_table = { MEMBER_TABLE("mergeLane", lane_members),
+                                         .size = sizeof(scene_lane), .init = init_lane };
+#undef AT
+
+static const char *const merge_order_words[] = { "in_turn", "priority", NULL };
+HAS_WORDS(merge_order_words, SCENE_MERGE_ORDER_COUNT);
+
+#define AT(place) offsetof(scene_merge, place)
+static bool has_no_part_limit(const void *item)
+{
+    return ((const scene_merge *)item)->parts == SCENE_PARTS_ANY;
+}
+
+static const member merge_members[] = {
+    MEMBER("id", text, AT(id), "its name", .default_text = "merge-1, merge-2, ...", .least = 1,
+           .limit = SCENE_ID_SIZE),
+    MEMBER("lanes", list, AT(lanes), "what comes to it", .table = &lane_table,
+           .offset_n = AT(n_lanes), .least = 2, .limit = SCENE_LANES_MAX),
+    MEMBER("order", enum, AT(order),
+           "which lane that waits is released next: the one behind the last one, or the first of "
+           "the list",
+           .words = merge_order_words, .flags = MEMBER_INIT),
+    MEMBER("parts", count, AT(parts), "most parts of a release", .range = &scene_range_count,
+           .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_part_limit,
+           .default_text = "1; with time_s no limit"),
+    MEMBER("time_s", number, AT(time), "how long a release lasts at most", .unit = "s",
+           .range = &scene_range_time, .flags = MEMBER_OMIT_EMPTY, .default_text = "no limit"),
+    MEMBER("gap_s", number, AT(gap), "from the end of a release to the next one", .unit = "s",
+           .range = &scene_range_instant, .flags = MEMBER_INIT),
+};
+const member_table scenario__merge_members = { MEMBER_TABLE("merge", merge_members),
+                                               .size = sizeof(scene_merge), .init = init_merge };
 #undef AT

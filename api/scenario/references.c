@@ -341,6 +341,21 @@ static void look_up_action(json_in *in, const json_t *object, scene *s, size_t k
     json_pointer_leave(&in->pointer, mark);
 }
 
+static void look_up_merge(json_in *in, const json_t *object, scene *s, size_t k)
+{
+    const json_t *lanes = json_object_get(object, "lanes");
+    const size_t mark = json_pointer_enter(&in->pointer, "lanes", strlen("lanes"));
+
+    for (size_t i = 0; i < json_array_size(lanes); i++) {
+        const json_t *lane = json_array_get(lanes, i);
+        const size_t mark_item = json_pointer_enter_index(&in->pointer, i);
+        look_up_member(in, lane, "belt", belts_of(s), &s->merges[k].lanes[i].belt);
+        look_up_member(in, lane, "photo_eye", eyes_of(s), &s->merges[k].lanes[i].eye);
+        json_pointer_leave(&in->pointer, mark_item);
+    }
+    json_pointer_leave(&in->pointer, mark);
+}
+
 static void look_up_counter(json_in *in, const json_t *object, scene *s, size_t k)
 {
     look_up_kind(in, object, s, &s->counters[k].kind);
@@ -352,4 +367,5 @@ void scenario__look_up(json_in *in, const json_t *document, scene *s)
     for_each(in, document, "feeds", s, look_up_feed);
     for_each(in, document, "sinks", s, look_up_sink);
     for_each(in, document, "actions", s, look_up_action);
+    for_each(in, document, "merges", s, look_up_merge);
 }

@@ -26,12 +26,13 @@ void scenario__check_model(json_in *in, const scene *s, run_model model);
 /// The shape of a kind of cargo; its struct is scene_shape.
 extern const member_table scenario__shape_members;
 
-/// Belts, feeds, photo eyes, sinks and actions; the structs are core's.
+/// Belts, feeds, photo eyes, sinks, actions and merges; the structs are core's.
 extern const member_table scenario__belt_members;
 extern const member_table scenario__feed_members;
 extern const member_table scenario__photo_eye_members;
 extern const member_table scenario__sink_members;
 extern const member_table scenario__action_members;
+extern const member_table scenario__merge_members;
 
 /// Members that name a part of the document by its id; in the struct is its index: of a kind of cargo
 /// a uint32_t, or of kind_ids a list of them, of the others a size_t. They are read by scenario__look_up(), and

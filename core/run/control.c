@@ -12,7 +12,7 @@ static const double told_shift = 0.01; // m, same
 
 control control_of(const scene *s, bf_world *w, const run_backend *backend, const run_plan *plan)
 {
-    bool has_stops = false;
+    bool has_stops = s->n_merges > 0;
 
     for (size_t k = 0; k < s->n_belts; k++)
         has_stops = has_stops || belt_stops_are_any(&s->belts[k].stops);
@@ -26,7 +26,8 @@ control control_of(const scene *s, bf_world *w, const run_backend *backend, cons
                       .dt = plan->dt,
                       .has_stops = has_stops,
                       .eyes = photo_eyes_of(s, plan->dt),
-                      .commands = commands_of(s, plan->dt) };
+                      .commands = commands_of(s, plan->dt),
+                      .merges = merges_of(s, plan->dt) };
 }
 
 void control_fini(control *c)
@@ -70,7 +71,7 @@ static bf_status emit_change(control *c, uint64_t step, const frame_change *chan
 }
 
 static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, figures *to,
-                           const run_sink *sink, bf_error *err)
+                           const run_sink *sink, merges_eye *ret_seen, bf_error *err)
 {
     run_view view = { .is_broken = false };
     bf_status status = c->backend->look(solver, eye, &view, err);
@@ -86,8 +87,13 @@ static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, 
             status = commands_note(&c->commands, eye, (uint32_t)of->part.kind,
                                    of->state.is_blocked != 0, step, err);
     }
-    if (status != BF_OK || !photo_eyes_see(&c->eyes, eye, step, view.is_broken))
+    if (status != BF_OK)
         return status;
+    const bool has_changed = photo_eyes_see(&c->eyes, eye, step, view.is_broken);
+    *ret_seen = (merges_eye){ view.is_broken, c->eyes.states[eye].is_blocked != 0,
+                              c->backend->parts != NULL ? c->passages[eye].n_left : view.n_left };
+    if (!has_changed)
+        return BF_OK;
     figures_eye_state(to, eye, (double)step * c->dt, view.is_broken);
     const frame_change change = { .type = FRAME_CHANGE_EYE,
                                   .item = (uint32_t)eye,
@@ -96,6 +102,22 @@ static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, 
     return status == BF_OK
                ? commands_note(&c->commands, eye, SCENE_KIND_ANY, view.is_broken, step, err)
                : status;
+}
+
+/// Let the merges stop and release their lanes.
+static void command_lanes(control *c, const merges_eye *eyes, uint64_t step)
+{
+    for (size_t k = 0; k < c->scene->n_merges; k++) {
+        const uint64_t changed = merges_go_on(&c->merges, k, eyes, step);
+        for (size_t i = 0; i < c->scene->merges[k].n_lanes; i++) {
+            const bool is_held = (c->merges.states[k].held >> i & 1) != 0;
+            const scene_action told = { .type = SCENE_ACTION_BELT,
+                                        .target = c->scene->merges[k].lanes[i].belt,
+                                        .value = is_held ? 0.0 : 1.0 };
+            if ((changed >> i & 1) != 0)
+                world_command(c->world, &told, (double)step * c->dt);
+        }
+    }
 }
 
 static bf_status command_due(control *c, void *solver, uint64_t step, const run_sink *sink,
@@ -153,9 +175,11 @@ static bf_status watch_belts(control *c, uint64_t step, const run_sink *sink, bf
     for (size_t k = 0; c->has_stops && k < c->scene->n_belts && status == BF_OK; k++) {
         const unsigned now =
             belt_speeds_stopped_by(&c->world->belts, k, (double)step * c->dt, &until);
+        const belt_stops_cause cause = belt_stops_cause_of(now);
+        const bool is_held = cause == BELT_STOPS_BY_NOTHING && merges_hold(&c->merges, k);
         const frame_change change = { .type = FRAME_CHANGE_BELT,
                                       .item = (uint32_t)k,
-                                      .state = belt_stops_cause_of(now) };
+                                      .state = is_held ? BELT_STOPS_BY_MERGE : cause };
         if (change.state == c->stops[k])
             continue;
         c->stops[k] = change.state;
@@ -168,6 +192,7 @@ bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, con
                        bf_error *err)
 {
     run_departures departures = { .n = 0 };
+    merges_eye seen[SCENE_EYES_MAX];
     bf_status status = c->scene->n_sinks > 0 ? c->backend->take(solver, err) : BF_OK;
 
     if (status == BF_OK && c->backend->depart != NULL && c->scene->n_feeds > 0)
@@ -178,7 +203,9 @@ bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, con
     if (c->backend->tell_exits != NULL && c->scene->n_feeds > 0)
         c->backend->tell_exits(solver, to);
     for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++)
-        status = watch_eye(c, solver, k, step, to, sink, err);
+        status = watch_eye(c, solver, k, step, to, sink, &seen[k], err);
+    if (status == BF_OK)
+        command_lanes(c, seen, step);
     if (status == BF_OK)
         status = command_due(c, solver, step, sink, err);
     if (status == BF_OK && c->scene->n_feeds > 0)
@@ -205,6 +232,7 @@ void control_save(const control *c, checkpoint_writer *w)
         checkpoint_write(w, c->stops, c->scene->n_belts * sizeof *c->stops);
     photo_eyes_save(&c->eyes, w);
     commands_save(&c->commands, w);
+    merges_save(&c->merges, w);
     for (size_t k = 0; k < c->eyes.n; k++)
         passages_save(&c->passages[k], w);
 }
@@ -220,6 +248,8 @@ bf_status control_load(control *c, checkpoint_reader *r, bf_error *err)
     bf_status status = photo_eyes_load(&c->eyes, r, err);
     if (status == BF_OK)
         status = commands_load(&c->commands, r, err);
+    if (status == BF_OK && !merges_load(&c->merges, r))
+        status = bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
     for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++)
         status = passages_load(&c->passages[k], r, err);
     return status;

@@ -1,4 +1,4 @@
-/// What a run does at its ticks beside stepping: sinks, departures, photo eyes, actions, admissions, drives and belts that fail, in
+/// What a run does at its ticks beside stepping: sinks, departures, photo eyes, merges, actions, admissions, drives and belts that fail, in
 /// this order.
 ///
 /// A tick is a number of steps (run_plan.n_tick) that depends on the scenario alone. There is one at t = 0, at
@@ -7,6 +7,7 @@
 #pragma once
 
 #include "core/run/commands.h"
+#include "core/run/merges.h"
 #include "core/run/photo_eyes.h"
 #include "core/run/run.h"
 #include "core/run/run_priv.h"
@@ -30,10 +31,11 @@ typedef struct control {
     double dt;                                 ///< step, s
     photo_eyes eyes;                           ///< see there
     commands commands;                         ///< see there
+    merges merges;                             ///< see there
     passages passages[SCENE_EYES_MAX];         ///< of parts, at each eye
     control_drive drives[SCENE_OBSTACLES_MAX]; ///< of the obstacles
     uint32_t stops[SCENE_BELTS_MAX];           ///< of the belts: belt_stops_cause, told last
-    bool has_stops;                            ///< some belt has failures or breaks
+    bool has_stops;                            ///< some belt has failures or breaks, or is a lane
     uint64_t n_changes; ///< frames of changes since t = 0, at most FRAME_CHANGES_MAX
 } control;
 

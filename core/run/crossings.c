@@ -309,6 +309,13 @@ const photo_eye_part *crossings_parts(const crossings *c, size_t eye, size_t *re
     return c->eyes[eye].parts.items;
 }
 
+uint64_t crossings_left(const crossings *c, size_t eye)
+{
+    const crossing_state *state = &c->eyes[eye].state;
+
+    return state->part - 1 - (state->held > 0.0 ? 1 : 0);
+}
+
 bool crossings_advance(crossings *c, size_t index, const crossings_field *field)
 {
     crossing *eye = &c->eyes[index];

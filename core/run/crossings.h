@@ -59,6 +59,9 @@ bool crossings_advance(crossings *c, size_t eye, const crossings_field *field);
 /// call of crossings_advance().
 const photo_eye_part *crossings_parts(const crossings *c, size_t eye, size_t *ret_n);
 
+/// Parts that have left the beam of an eye since t = 0.
+uint64_t crossings_left(const crossings *c, size_t eye);
+
 /// Append the state to a checkpoint, and take it from one of the same scene. False: it is damaged, and *c undefined.
 void crossings_save(const crossings *c, checkpoint_writer *w);
 BF_MUST_CHECK bool crossings_load(crossings *c, checkpoint_reader *r);

@@ -148,7 +148,7 @@ typedef enum frame_change_type {
     FRAME_CHANGE_EYE,    ///< the state of a photo eye
     FRAME_CHANGE_ACTION, ///< the target of an action
     FRAME_CHANGE_DRIVE, ///< how a plate follows what it is told; while it is behind, every 2 degrees or 10 mm
-    FRAME_CHANGE_BELT, ///< whether a failure or a break stops a belt
+    FRAME_CHANGE_BELT, ///< whether a failure, a break or a merge stops a belt
     FRAME_CHANGE_TYPE_COUNT
 } frame_change_type;
 

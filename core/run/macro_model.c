@@ -471,7 +471,7 @@ static bf_status look_run(void *solver, size_t eye, run_view *ret_view, bf_error
     (void)err;
     for (size_t i = 0; dense > 0.0 && i < beam->n && !is_broken; i++)
         is_broken = density_of_cell(run, beam->cells[i]) >= dense;
-    *ret_view = (run_view){ .is_broken = is_broken };
+    *ret_view = (run_view){ .is_broken = is_broken, .n_left = crossings_left(run->crossings, eye) };
     if (run->tells_kinds)
         ret_view->parts = crossings_parts(run->crossings, eye, &ret_view->n_parts);
     return BF_OK;

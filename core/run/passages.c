@@ -63,6 +63,7 @@ bf_status passages_see(passages *p, double t, const passages_view *view, size_t 
     const size_t n = find_crossings(p, t, travel, view, all);
     qsort(all, n, sizeof *all, compare_crossings);
     for (size_t k = 0; k < n; k++) {
+        p->n_left += all[k].is_begin ? 0 : 1;
         if (all[k].is_begin)
             figures_eye_begin(f, eye, all[k].travel);
         else
@@ -85,6 +86,7 @@ void passages_save(const passages *p, checkpoint_writer *w)
     checkpoint_write(w, &p->t, sizeof p->t);
     checkpoint_write(w, &p->travel, sizeof p->travel);
     checkpoint_write(w, &p->belt_speed, sizeof p->belt_speed);
+    checkpoint_write(w, &p->n_left, sizeof p->n_left);
     checkpoint_write(w, &n, sizeof n);
     checkpoint_write(w, p->parts, p->n * sizeof *p->parts);
 }
@@ -97,7 +99,7 @@ bf_status passages_load(passages *p, checkpoint_reader *r, bf_error *err)
     if (checkpoint_read(r, &p->t, sizeof p->t) &&
         checkpoint_read(r, &p->travel, sizeof p->travel) &&
         checkpoint_read(r, &p->belt_speed, sizeof p->belt_speed) &&
-        checkpoint_read(r, &n, sizeof n))
+        checkpoint_read(r, &p->n_left, sizeof p->n_left) && checkpoint_read(r, &n, sizeof n))
         parts = checkpoint_read_items(r, n, sizeof *p->parts);
     if (parts == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");

@@ -37,6 +37,7 @@ typedef struct passages {
     double t;             ///< of the last tick, s
     double travel;        ///< of the belt until then, m
     double belt_speed;    ///< then, m/s
+    uint64_t n_left;      ///< parts that left the beam until then
     size_t n;             ///< parts that broke the beam then
     passages_part *parts; ///< with rising ids
     size_t n_max;         ///< parts that there is room for

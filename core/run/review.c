@@ -121,6 +121,9 @@ static void review_beams(const standing *c, review_warnings *ret_warnings)
         bool commands = false, crosses = false;
         for (size_t k = 0; k < c->s->n_actions; k++)
             commands = commands || c->s->actions[k].eye == e;
+        for (size_t k = 0; k < c->s->n_merges; k++)
+            for (size_t i = 0; i < c->s->merges[k].n_lanes; i++)
+                commands = commands || c->s->merges[k].lanes[i].eye == e;
         for (size_t k = 0; k < c->s->n_belts; k++)
             crosses = crosses || c->crosses[e][k];
         if (!commands || crosses)
@@ -135,6 +138,27 @@ static void review_beams(const standing *c, review_warnings *ret_warnings)
     }
 }
 
+/// Warn of lanes whose parts their photo eyes do not see.
+static void review_lanes(const standing *c, review_warnings *ret_warnings)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < c->s->n_merges; k++) {
+        for (size_t i = 0; i < c->s->merges[k].n_lanes; i++) {
+            const scene_lane *lane = &c->s->merges[k].lanes[i];
+            if (c->crosses[lane->eye][lane->belt])
+                continue;
+            snprintf(pointer, sizeof pointer, "/merges/%zu/lanes/%zu/photo_eye", k, i);
+            review_warning *item =
+                review_add(ret_warnings, pointer, "A lane does not come to its photo eye");
+            snprintf(item->meaning, sizeof item->meaning,
+                     "The beam of '%s' does not cross the belt '%s', which stops and goes by what "
+                     "is in it.",
+                     c->s->eyes[lane->eye].id, c->s->belts[lane->belt].id);
+        }
+    }
+}
+
 /// Warn of actions in a circle. The belts that stay are the largest set of which each one stays as long as the others
 /// do.
 static void review_actions(const scene *s, review_warnings *ret_warnings)
@@ -143,7 +167,7 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
     char pointer[BF_POINTER_SIZE];
     bool changes = true;
 
-    if (s->n_actions == 0)
+    if (s->n_actions == 0 && s->n_merges == 0)
         return;
     const surroundings around = surroundings_of(s);
     for (size_t e = 0; e < s->n_eyes; e++) {
@@ -157,6 +181,7 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
         }
     }
     review_beams(&c, ret_warnings);
+    review_lanes(&c, ret_warnings);
     for (size_t k = 0; k < s->n_belts; k++)
         c.stands[k] = true;
     while (changes) {

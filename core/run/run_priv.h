@@ -64,9 +64,10 @@ typedef struct run_departures {
 
 /// What a photo eye sees, borrowed from the model until the next question.
 typedef struct run_view {
-    bool is_broken;              ///< the beam
-    passages_view passages;      ///< of the parts that break it; models without parts leave it zero
-    size_t n_parts;              ///< that break it; of eyes that tell kinds alone
+    bool is_broken;         ///< the beam
+    passages_view passages; ///< of the parts that break it; models without parts leave it zero
+    uint64_t n_left;        ///< parts that left it since t = 0; models with parts leave it zero
+    size_t n_parts;         ///< that break it; of eyes that tell kinds alone
     const photo_eye_part *parts; ///< which
 } run_view;
 

@@ -367,7 +367,8 @@ static void note_motions(findings *f)
     note_count(f, VALIDITY_MOTIONS, n_moving, pointer);
     snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion", shifted);
     note_count(f, VALIDITY_SHIFTS, n_shifted, pointer);
-    note_count(f, VALIDITY_COMMANDS, f->s->n_actions, "/actions");
+    note_count(f, VALIDITY_COMMANDS, f->s->n_actions + f->s->n_merges,
+               f->s->n_actions > 0 ? "/actions" : "/merges");
     note_count(f, VALIDITY_SINKS, f->s->n_sinks, "/sinks");
 }
 

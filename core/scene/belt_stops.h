@@ -36,6 +36,7 @@ typedef enum belt_stops_cause {
     BELT_STOPS_BY_NOTHING,
     BELT_STOPS_BY_FAILURE,
     BELT_STOPS_BY_BREAK,
+    BELT_STOPS_BY_MERGE, ///< it is a lane that waits; not among what belt_stops_cause_of() knows
     BELT_STOPS_CAUSE_COUNT
 } belt_stops_cause;
 

@@ -409,6 +409,7 @@ void scene_check(scene *s, bf_faults *faults)
     scene__check_photo_eyes(s, faults);
     scene__check_sinks(s, faults);
     scene__check_actions(s, faults);
+    scene__check_merges(s, faults);
     check_counters(s, faults);
     check_windows(&s->output, faults);
     if (faults->n == n_before)

@@ -63,10 +63,10 @@ static double feeds_work(const scene *s)
            (POINTS_OF_LINE * lookup + count_pieces(s) * (STEPS_OUTLINES + lookup));
 }
 
-/// Belts under the beams that actions wait for.
+/// Belts under the beams that actions and merges wait for.
 static double photo_eyes_work(const scene *s)
 {
-    return s->n_actions == 0
+    return s->n_actions == 0 && s->n_merges == 0
                ? 0.0
                : POINTS_OF_BEAM * (double)checked(s->n_eyes, SCENE_EYES_MAX) * steps_of_lookup(s);
 }

@@ -179,6 +179,13 @@ static uint64_t add_equipment(uint64_t digest, const scene *s)
         if (a->kind != SCENE_KIND_ANY)
             digest = ADD_NUMBERS(digest, a->kind);
     }
+    for (size_t k = 0; k < s->n_merges; k++) {
+        const scene_merge *merge = &s->merges[k];
+        digest = ADD_NUMBERS(digest, (double)merge->n_lanes, merge->order, merge->parts,
+                             merge->time, merge->gap);
+        for (size_t i = 0; i < merge->n_lanes; i++)
+            digest = ADD_NUMBERS(digest, (double)merge->lanes[i].belt, (double)merge->lanes[i].eye);
+    }
     return digest;
 }
 

@@ -60,6 +60,34 @@ typedef struct scene_action {
     double over;  ///< of a turn and of a shift: how long it takes, s, > 0 (default 0.5)
 } scene_action;
 
+/// Which of the lanes that wait is released next.
+typedef enum scene_merge_order {
+    SCENE_MERGE_IN_TURN,  ///< the first one behind the lane that was released last, in a circle
+    SCENE_MERGE_PRIORITY, ///< the first one of the list
+    SCENE_MERGE_ORDER_COUNT
+} scene_merge_order;
+
+/// A lane that comes to a merge.
+typedef struct scene_lane {
+    size_t belt; ///< index into scene.belts: what stops and releases it
+    size_t eye;  ///< index into scene.photo_eyes: where its parts wait, and are counted
+} scene_lane;
+
+/// No limit of parts.
+#define SCENE_PARTS_ANY UINT32_MAX
+
+/// Lanes that are released one at a time (core/run/merges.h).
+typedef struct scene_merge {
+    char id[SCENE_ID_SIZE];  ///< unique among merges (default "merge-<n>", n from 1)
+    size_t n_lanes;          ///< 2 to SCENE_LANES_MAX (no default)
+    scene_lane *lanes;       ///< see there
+    scene_merge_order order; ///< see there (default SCENE_MERGE_IN_TURN)
+    uint32_t
+        parts; ///< most parts of a release, >= 1 (default 1, with a limit of time SCENE_PARTS_ANY)
+    double time; ///< s, > 0, that a release lasts at most (default INFINITY)
+    double gap;  ///< s, >= 0, from the end of a release to the next one (default 0)
+} scene_merge;
+
 /// How the times between failures, or of repairs, are distributed about their mean.
 typedef enum scene_time_law {
     SCENE_TIME_EXPONENTIAL, ///< memoryless

@@ -19,6 +19,8 @@ enum {
     SCENE_SINKS_MAX = 64,        ///< sinks in a scenario
     SCENE_STAGES_MAX = 1000,     ///< stages of a gap of Erlang arrivals
     SCENE_ACTIONS_MAX = 256,     ///< actions in a scenario
+    SCENE_MERGES_MAX = 32,       ///< merges in a scenario
+    SCENE_LANES_MAX = 16,        ///< lanes of a merge
     SCENE_WINDOWS_MAX = 256,     ///< output windows in a scenario
     SCENE_OBSTACLES_MAX = 256,   ///< obstacles in a scenario
     SCENE_POINTS_MAX = 1024,     ///< points of a polygon or a path

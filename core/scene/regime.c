@@ -55,6 +55,8 @@ bool scene_has_chance(const scene *s, bool is_density)
     for (size_t k = 0; k < s->n_actions && is_density; k++)
         if (s->eyes[s->actions[k].eye].density_ratio == 0.0)
             return scene_gap_shape(s) > 0;
+    if (s->n_merges > 0 && is_density)
+        return scene_gap_shape(s) > 0;
     for (size_t k = 0; k < s->n_feeds && !is_density; k++)
         if (has_draws(&s->feeds[k]))
             return true;

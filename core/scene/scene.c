@@ -144,6 +144,16 @@ void scene_counter_init(scene_counter *c)
     *c = (scene_counter){ .rect = unknown_rect, .kind = SCENE_KIND_ANY };
 }
 
+void scene_lane_init(scene_lane *lane)
+{
+    *lane = (scene_lane){ SIZE_MAX, SIZE_MAX };
+}
+
+void scene_merge_init(scene_merge *merge)
+{
+    *merge = (scene_merge){ .parts = SCENE_PARTS_ANY, .time = INFINITY };
+}
+
 void scene_sink_init(scene_sink *sink)
 {
     *sink = (scene_sink){ .rate = INFINITY };
@@ -314,6 +324,19 @@ static void resolve_feeds_and_eyes(scene *s)
             belt->command_reverses = belt->command_reverses || a->value < 0.0;
         }
     }
+    for (size_t k = 0; k < s->n_merges; k++) {
+        scene_merge *merge = &s->merges[k];
+        fill_in_numbered(merge->id, "merge", k);
+        if (merge->parts == SCENE_PARTS_ANY && merge->time == INFINITY)
+            merge->parts = 1;
+        for (size_t i = 0; i < merge->n_lanes; i++) {
+            if (merge->lanes[i].belt >= s->n_belts)
+                continue;
+            scene_belt *belt = &s->belts[merge->lanes[i].belt];
+            belt->is_commanded = true;
+            belt->command_factor = fmax(belt->command_factor, 1.0);
+        }
+    }
     for (size_t k = 0; k < s->n_eyes; k++)
         fill_in_numbered(s->eyes[k].id, "eye", k);
     for (size_t k = 0; k < s->n_sinks; k++)
@@ -479,6 +502,9 @@ void scene_fini(scene *s)
         memory_free(s->sinks[k].polygon);
         memory_free(s->sinks[k].kinds);
     }
+    for (size_t k = 0; k < s->n_merges; k++)
+        memory_free(s->merges[k].lanes);
+    memory_free(s->merges);
     memory_free(s->sinks);
     memory_free(s->feeds);
     memory_free(s->eyes);

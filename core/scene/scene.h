@@ -41,6 +41,8 @@ void scene_feed_init(scene_feed *f);
 void scene_photo_eye_init(scene_photo_eye *e);
 void scene_sink_init(scene_sink *sink);
 void scene_action_init(scene_action *a);
+void scene_lane_init(scene_lane *lane);
+void scene_merge_init(scene_merge *merge);
 void scene_output_window_init(scene_output_window *w);
 
 /// Fill in the derived values: every NAN that has a default in terms of other members,

@@ -67,6 +67,7 @@ void scene__check_obstacles(const scene *s, bf_faults *faults);
 void scene__check_photo_eyes(const scene *s, bf_faults *faults);
 void scene__check_sinks(const scene *s, bf_faults *faults);
 void scene__check_actions(const scene *s, bf_faults *faults);
+void scene__check_merges(const scene *s, bf_faults *faults);
 void scene__check_feeds(const scene *s, bf_faults *faults);
 
 /// Where feeds lie: on belts that carry their parts away, clear of plates and of each other, and with room for every

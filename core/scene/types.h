@@ -195,6 +195,8 @@ typedef struct scene {
     scene_sink *sinks;     ///< see there
     size_t n_actions;      ///< (default none)
     scene_action *actions; ///< see there
+    size_t n_merges;       ///< (default none)
+    scene_merge *merges;   ///< see there
     double warmup;         ///< s that key figures leave out, >= 0 (default 0)
     double jam_time;       ///< s without an exit that count as a jam, > 0 (default 5)
     scene_until until;     ///< (default SCENE_UNTIL_DURATION)

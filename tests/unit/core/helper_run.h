@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { HELPER_RUN_SAMPLES = 2000, HELPER_RUN_COLUMNS = 12, HELPER_RUN_CHANGES = 512 };
+enum { HELPER_RUN_SAMPLES = 2000, HELPER_RUN_COLUMNS = 16, HELPER_RUN_CHANGES = 512 };
 enum { HELPER_RUN_FIGURES = 256 };
 
 /// Everything that a run emitted, and the requests to it. Zero-initialise; helper_run_free() if it is on the heap.

@@ -95,6 +95,8 @@ const known = {
     makes: [["Sink", ({ x_m: xs, y_m: ys }) => ({ polygon_m: rectangle([at(xs, 0.7), at(xs, 0.8)], ys) })]] },
   actions: { one: "Rule", needs: "photo_eyes", makes: [["Rule", (_, ids) => ({ when: { photo_eye: ids("photo_eyes")[0], state: "blocked" },
     do: { belt: ids("belts")[0] ?? "main", factor: 0 } })]] },
+  merges: { one: "Merge", stem: "merge", needs: "photo_eyes", makes: [["Merge", (_, ids) => ({
+    lanes: [0, 1].map((k) => ({ belt: ids("belts").at(k) ?? "main", photo_eye: ids("photo_eyes").at(k) ?? ids("photo_eyes")[0] })) })]] },
 };
 
 const singular = (list) => labelOf(list).replace(/s$/, "");
@@ -138,20 +140,27 @@ function does({ belt, factor, obstacle, turn_deg: turn, shift_m: shift, present,
   return present ? `${obstacle} comes` : `${obstacle} goes`;
 }
 
-// What a thing is called: a rule in words, all others by their ids.
+function releases({ lanes = [], order, parts, time_s: time }) {
+  const most = [parts ?? (time ? null : 1), time && `${time} s`].map((one) => (typeof one === "number" ? `${one} part${one === 1 ? "" : "s"}` : one));
+  return `${lanes.map(({ belt }) => belt).join(", ")} ${order === "priority" ? "by priority" : "in turn"}, ${most.filter(Boolean).join(" or ")} each`;
+}
+
+// What a thing is called: a rule in words, a merge with its rule, all others by their ids.
 export function nameOfThing(scenario, resolved, list, k) {
   const { when, do: what, delay_s: delay } = scenario[list][k];
   if (when?.kind && what) return `When ${when.photo_eye} ${when.state === "blocked" ? "sees" : "has seen"} ${when.kind}${delay ? `, ${delay} s later` : ""}: ${does(what)}`;
   if (when && what) return `When ${when.photo_eye} is ${when.state}${delay ? ` for ${delay} s` : ""}: ${does(what)}`;
-  return idOf(scenario, resolved, list, k) ?? String(k + 1);
+  const id = idOf(scenario, resolved, list, k) ?? String(k + 1);
+  return list === "merges" ? `${id}: ${releases(scenario.merges[k])}` : id;
 }
 
-// Another id, also where rules, feeds, counters and sinks name it.
+// Another id, also where rules, merges, feeds, counters and sinks name it.
 export function rename(scenario, list, from, to) {
   const member = list.replace(/s$/, "");
   for (const share of (scenario.feeds ?? []).flatMap(({ cargo }) => cargo ?? [])) if (share[member] === from) share[member] = to;
   for (const sink of scenario.sinks ?? []) if (list === "kinds" && sink.kinds) sink.kinds = sink.kinds.map((id) => (id === from ? to : id));
   for (const counter of scenario.counters ?? []) if (list === "kinds" && counter.kind === from) counter.kind = to;
+  for (const lane of (scenario.merges ?? []).flatMap(({ lanes }) => lanes ?? [])) if (lane[member] === from) lane[member] = to;
   for (const { when, do: what } of scenario.actions ?? []) {
     for (const part of [when, what]) if (part?.[member] === from) part[member] = to;
   }

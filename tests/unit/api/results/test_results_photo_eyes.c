@@ -137,6 +137,12 @@ static void events_say_what_changed(void **state)
     data.n = 0;
     assert_int_equal(events_change(run_id, &changes[4], &data, NULL), BF_OK);
     assert_non_null(strstr(data.bytes, "\"t_s\":2,\"belt\":\"main\",\"state\":\"failed\"}"));
+    data.n = 0;
+    const frame_change held = {
+        .t = 4.0, .type = FRAME_CHANGE_BELT, .state = BELT_STOPS_BY_MERGE, .id = "lane"
+    };
+    assert_int_equal(events_change(run_id, &held, &data, NULL), BF_OK);
+    assert_non_null(strstr(data.bytes, "\"t_s\":4,\"belt\":\"lane\",\"state\":\"held\"}"));
     const frame_change no_state = { .type = FRAME_CHANGE_BELT, .state = BELT_STOPS_CAUSE_COUNT };
     assert_int_equal(events_change(run_id, &no_state, &data, NULL), BF_ECORRUPT);
     buffer_fini(&data);

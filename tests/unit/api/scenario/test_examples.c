@@ -166,6 +166,38 @@ static void the_packers_take_less_than_is_offered(void **unused)
     scene_fini(&s);
 }
 
+// A cell waits for the eye of the next one in its row, the last ones for their merge. More than half of a parcel that has left
+// an eye of the merge is on the next belt.
+static void the_cells_of_the_singulator_hand_on_in_rows(void **unused)
+{
+    scene s = read_example("cell-singulator");
+    const scene_merge *merge = &s.merges[0];
+
+    (void)unused;
+    assert_int_equal(s.n_belts, 1 + 25 + 1);
+    assert_int_equal(s.n_actions, 2 * 20);
+    for (size_t k = 0; k < s.n_actions; k++)
+        assert_int_equal(s.actions[k].eye, s.actions[k].target);
+    assert_int_equal(merge->n_lanes, 5);
+    for (size_t k = 0; k < merge->n_lanes; k++) {
+        const scene_belt *cell = &s.belts[merge->lanes[k].belt];
+        const double before = cell->polygon[1].x - s.eyes[merge->lanes[k].eye].line[0].x;
+        assert_true(before > 0.0 && before < 0.5 * s.cargo[0].shape.length);
+    }
+    scene_fini(&s);
+}
+
+static void the_parcels_of_two_infeeds_come_in_turn(void **unused)
+{
+    scene s = read_example("parcel-infeed");
+
+    (void)unused;
+    assert_int_equal(s.merges[0].order, SCENE_MERGE_IN_TURN);
+    assert_int_equal(s.merges[0].parts, 1);
+    assert_true(s.belts[3].arc.is_given);
+    scene_fini(&s);
+}
+
 // With them parts overlap by less than 5 % of a radius, see core/README.md.
 static void fed_examples_have_soft_parts_and_the_congested_closure(void **unused)
 {
@@ -221,6 +253,8 @@ int main(void)
         cmocka_unit_test(the_merge_is_a_path_of_five_sections_and_a_belt_from_its_side),
         cmocka_unit_test(the_pusher_and_its_gate_go_out_and_come_back),
         cmocka_unit_test(the_packers_take_less_than_is_offered),
+        cmocka_unit_test(the_cells_of_the_singulator_hand_on_in_rows),
+        cmocka_unit_test(the_parcels_of_two_infeeds_come_in_turn),
         cmocka_unit_test(fed_examples_have_soft_parts_and_the_congested_closure),
         cmocka_unit_test(every_example_can_be_solved_by_both_models),
     };

@@ -21,7 +21,13 @@
     "'obstacles': [{'id': 'arm', 'from_m': [0.5, 0.1], 'to_m': [0.6, 0.2]}],"                      \
     "'photo_eyes': [{'id': 'pe', 'line_m': [[0.7, 0], [0.7, 0.6]]}],"                              \
     "'actions': [{'when': {" when "}, 'do': {" do "}}]}"
-#define CLEAR "'photo_eye': 'pe', 'state': 'clear'"
+#define MERGE(members)                                                                             \
+    "{" SCENE ", 'initial': {'positions_m': [[0.5, 0.3]]}, 'belts': [{'id': 'a'}, {'id': 'b'}],"   \
+    "'photo_eyes': [{'id': 'pa', 'line_m': [[0.7, 0], [0.7, 0.6]]},"                               \
+    "{'id': 'pb', 'line_m': [[0.8, 0], [0.8, 0.6]]}], 'merges': [{" members "}]}"
+#define LANE(belt, eye) "{'belt': '" belt "', 'photo_eye': '" eye "'}"
+#define LANES           "'lanes': [" LANE("a", "pa") ", " LANE("b", "pb") "]"
+#define CLEAR           "'photo_eye': 'pe', 'state': 'clear'"
 
 static bf_faults faults;
 
@@ -208,8 +214,37 @@ static const struct {
       "does not belong" },
     { "/actions/0/do/obstacle", ACTION(CLEAR, "'obstacle': 'leg', 'present': true"), "arm" },
     { "/actions/0/do/feed", ACTION(CLEAR, "'feed': 'out', 'hold': true"), "there are: in" },
+    { "/merges/0/lanes", MERGE(""), "is missing" },
+    { "/merges/0/lanes", MERGE("'lanes': [" LANE("a", "pa") "]"), "at least 2 items" },
+    { "/merges/0/lanes/1/belt", MERGE("'lanes': [" LANE("a", "pa") ", " LANE("c", "pb") "]"),
+      "\"c\" is not the id of a belt; there are: a, b" },
+    { "/merges/0/lanes/0/photo_eye", MERGE("'lanes': [" LANE("a", "pc") ", " LANE("b", "pb") "]"),
+      "is not the id of a photo eye" },
+    { "/merges/0/order", MERGE(LANES ", 'order': 'by_turn'"), "\"in_turn\"" },
+    { "/merges/0/parts", MERGE(LANES ", 'parts': 0"), "at least 1" },
+    { "/merges/0/time_s", MERGE(LANES ", 'time_s': 0"), "above 0" },
+    { "/merges/0/gap_s", MERGE(LANES ", 'gap_s': -1"), "at least 0" },
     { "/actions/0/do/hold", ACTION(CLEAR, "'feed': 'in', 'hold': 1"), "true or false" },
 };
+
+static void a_merge_names_its_lanes_and_keeps_its_rule(void **unused)
+{
+    scene s = read_text(MERGE(LANES));
+
+    (void)unused;
+    assert_int_equal(s.merges[0].n_lanes, 2);
+    assert_true(s.merges[0].lanes[1].belt == 1 && s.merges[0].lanes[1].eye == 1);
+    assert_true(s.merges[0].order == SCENE_MERGE_IN_TURN && s.merges[0].parts == 1);
+    assert_true(s.merges[0].time == INFINITY && s.merges[0].gap == 0.0);
+    scene_fini(&s);
+    s = read_text(MERGE(LANES ", 'order': 'priority', 'time_s': 8, 'gap_s': 0.5"));
+    assert_true(s.merges[0].order == SCENE_MERGE_PRIORITY && s.merges[0].parts == SCENE_PARTS_ANY);
+    assert_true(s.merges[0].time == 8.0 && s.merges[0].gap == 0.5);
+    scene_fini(&s);
+    s = read_text(MERGE(LANES ", 'time_s': 8, 'parts': 5"));
+    assert_true(s.merges[0].time == 8.0 && s.merges[0].parts == 5);
+    scene_fini(&s);
+}
 
 static void what_is_wrong_is_pointed_at(void **unused)
 {
@@ -272,6 +307,7 @@ int main(void)
         cmocka_unit_test(counts_are_rates_that_step),
         cmocka_unit_test(a_list_of_arrivals_may_be_csv),
         cmocka_unit_test(csv_is_resolved_to_numbers),
+        cmocka_unit_test(a_merge_names_its_lanes_and_keeps_its_rule),
         cmocka_unit_test(what_is_wrong_is_pointed_at),
         cmocka_unit_test(a_million_rows_are_beyond_the_limit),
         cmocka_unit_test(no_memory_for_csv_is_reported),

@@ -298,10 +298,11 @@ static void what_feeds_and_moves_finds_its_place(void **unused)
 // A document from before these members keeps its bytes.
 static void later_members_are_written_only_where_they_say_something(void **unused)
 {
-    static const char *const names[] = { "feeds",   "substream", "photo_eyes",
-                                         "actions", "warmup_s",  "jam_time_s",
-                                         "until",   "windows",   "steady_precision",
-                                         "motion",  "present",   "\"id\":\"cargo" };
+    static const char *const names[] = {
+        "feeds",    "substream",  "photo_eyes",    "actions", "merges",
+        "warmup_s", "jam_time_s", "until",         "windows", "steady_precision",
+        "motion",   "present",    "\"id\":\"cargo"
+    };
     bf_buffer document = document_quote(DOCUMENT_WITH(
         "'obstacles': [{'from_m': [0.7, 0], 'to_m': [0.7, 0.2]}], 'warmup_s': 0, 'jam_time_s': 5,"
         "'until': 'duration', 'substream': 0, 'feeds': [], 'actions': []"));

@@ -231,7 +231,7 @@ static void check_round_trip(const scene *s)
 
 static void try_mutation(const char *document, size_t n, bf_random *random)
 {
-    char text[4096];
+    char text[16384];
     scene s;
     scene before;
     bf_error err = { 0 };
