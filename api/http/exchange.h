@@ -24,9 +24,6 @@ enum {
     API_COMPARE_MAX = 8,    ///< runs and measurements that are compared at once
 };
 
-/// Largest body of a request, bytes, unless configured otherwise.
-#define API_BODY_MAX (1024 * 1024)
-
 /// What an answer waits for before it is sent: a long poll.
 typedef struct api_long_poll {
     unsigned seconds;      ///< at most so long; 0: it does not wait

@@ -17,7 +17,7 @@ bf_status results__finish(bf_status status, bf_buffer *out, size_t n, bf_error *
     if (status == BF_OK)
         return BF_OK;
     buffer_truncate(out, n);
-    return bf_fail(err, status, "", "out of memory");
+    return bf_fail_memory(err);
 }
 
 bf_status results_curve_csv_header(const char *columns, bf_buffer *out, bf_error *err)

@@ -207,5 +207,5 @@ bf_status goods_json_write_text(bf_buffer *out, bf_error *err)
         const friction view = make_friction(&goods_frictions[k]);
         status = append_friction(out, &view);
     }
-    return status == BF_OK ? BF_OK : bf_fail(err, status, "", "out of memory");
+    return status == BF_OK ? BF_OK : bf_fail_memory(err);
 }

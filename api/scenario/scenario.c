@@ -147,7 +147,7 @@ bf_status scenario_columns(const scene *s, bf_buffer *out, bf_error *err)
     }
     if (status != BF_OK) {
         buffer_truncate(out, n);
-        return bf_fail(err, status, "", "out of memory");
+        return bf_fail_memory(err);
     }
     return BF_OK;
 }

@@ -34,11 +34,6 @@ static bf_status append_numbers(bf_buffer *out, const double *values, size_t n)
     return status;
 }
 
-static bf_status no_memory(bf_status status, bf_error *err)
-{
-    return status == BF_OK ? BF_OK : bf_fail(err, status, "", "out of memory");
-}
-
 bf_status study_trial_csv_header(const study_columns *columns, bf_buffer *out, bf_error *err)
 {
     bf_status status = buffer_printf(out, "trial,point,model,substream");
@@ -52,7 +47,7 @@ bf_status study_trial_csv_header(const study_columns *columns, bf_buffer *out, b
         status = buffer_printf(out, ",%s", columns->values[k]);
     if (status == BF_OK)
         status = buffer_printf(out, ",fault\n");
-    return no_memory(status, err);
+    return status == BF_OK ? BF_OK : bf_fail_memory(err);
 }
 
 bf_status study_trial_csv_line(const api_trial *trial, bf_buffer *out, bf_error *err)
@@ -77,7 +72,7 @@ bf_status study_trial_csv_line(const api_trial *trial, bf_buffer *out, bf_error 
         status = append_text(out, fault);
     if (status == BF_OK)
         status = buffer_printf(out, "\n");
-    return no_memory(status, err);
+    return status == BF_OK ? BF_OK : bf_fail_memory(err);
 }
 
 bool study_trial_csv_read(const study_columns *columns, const char *line, size_t n,

@@ -105,7 +105,7 @@ static bf_status find_side(const char *path, compare_result *r, bf_error *err)
             compare_verdict_side_of_summary(summary.bytes, summary.n, &r->side, &r->flows, &why);
     buffer_fini(&summary);
     if (status == BF_ENOMEM)
-        return bf_fail(err, status, "", "out of memory");
+        return bf_fail_memory(err);
     if (status != BF_OK) {
         r->side = (compare_side){ .error_per_h = NAN, .needs_s = NAN };
         r->flows = (compare_flows){ 0 };

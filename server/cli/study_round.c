@@ -68,7 +68,7 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
     } else if (f->type == FRAME_END) {
         s->is_stopped = f->end.stopped;
     }
-    return status == BF_OK ? BF_OK : bf_fail(err, status, "", "out of memory");
+    return status == BF_OK ? BF_OK : bf_fail_memory(err);
 }
 
 static unsigned find_requested(void *context)
