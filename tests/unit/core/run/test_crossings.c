@@ -53,10 +53,16 @@ static sight look(const scene *s, even_field now, size_t n_steps)
     crossings *c = NULL;
     bool was_broken = false;
     sight seen = { 0.0, 0.0 };
+    uint64_t n_left = 0;
 
     assert_int_equal(crossings_create(s, &c, NULL), BF_OK);
     for (size_t k = 0; k < n_steps; k++) {
         const bool is_broken = crossings_advance(c, 0, &field);
+        // A beam that becomes free was left by one part, or by several that came meanwhile; one that is first broken by none.
+        const uint64_t n_now = crossings_left(c, 0);
+        assert_true(is_broken || !was_broken || n_now > n_left);
+        assert_true(n_now >= n_left && (seen.n > 0.0 || n_now == 0));
+        n_left = n_now;
         seen.n += is_broken && !was_broken;
         seen.broken += is_broken ? 1.0 / (double)n_steps : 0.0;
         was_broken = is_broken;
