@@ -148,6 +148,20 @@ test("things are doubled, mirrored, turned and deleted; rules are told in words 
   await rule.getByRole("button").click();
   await press("Delete");
   await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+
+  // A merge of the two belts, at the end of which are the eyes, is told in words and follows other ids.
+  assert.equal(await page.getByRole("button", { name: "+ Merge" }).isDisabled(), true);
+  for (const name of ["+ Belt", "+ Photo eye", "+ Photo eye", "+ Merge"]) await press(name);
+  await page.getByRole("button", { name: "Merge merge-1: infeed, belt-1 in turn, 1 part each" }).waitFor();
+  await thing.getByText("More", { exact: true }).click();
+  await thing.getByLabel("Order").selectOption("priority");
+  await thing.getByLabel("Parts").fill("5");
+  await page.getByRole("button", { name: "Merge merge-1: infeed, belt-1 by priority, 5 parts each" }).waitFor();
+  await page.getByRole("button", { name: "Photo eye eye-2" }).click();
+  await thing.getByLabel("Id").fill("waits");
+  await page.locator(".verdict", { hasText: "Ready:" }).waitFor();
+  assert.deepEqual((await scenarioIn(page)).merges,
+    [{ id: "merge-1", lanes: [{ belt: "infeed", photo_eye: "eye-1" }, { belt: "belt-1", photo_eye: "waits" }], order: "priority", parts: 5 }]);
   await assertAccessible(page, "the board");
 });
 
