@@ -82,7 +82,9 @@ static void a_fed_belt_ends_with_the_same_bits_for_any_threads_and_interruption(
         helper_fed_belt_init(&w, k);
         w.def.n_obstacles = 1;
         for (int n_threads = 1; n_threads <= 2; n_threads++)
-            for (int stop = -1; stop < 12; stop += n_threads == 1 ? HELPER_AMOUNT(3, 12) : 20) {
+            // -1: it is not interrupted. Of less only two threads are.
+            for (int stop = n_threads == 1 ? -1 : HELPER_AMOUNT(-1, 11); stop < 12;
+                 stop += n_threads == 1 ? HELPER_AMOUNT(3, 20) : 20) {
                 tally of = { 0, 0 };
                 w.def.n_threads = n_threads;
                 micro_solver *s = helper_fed_belt_start(&w);

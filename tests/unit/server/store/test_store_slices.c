@@ -46,7 +46,8 @@ static void check_piece(store *s, api_slices *array, const bf_buffer *whole, siz
     buffer_fini(&piece);
 }
 
-// Every pair of places on, before and behind the borders, each jumped to from everywhere else.
+// Every pair of places on, before and behind the borders, each jumped to from everywhere else. Of less every third pair: each
+// place comes first and second in some.
 static void check_all_pieces(store *s, const char *id)
 {
     static const size_t places[] = { 0,           1,       SLICE - 1,     SLICE,       SLICE + 1,
@@ -57,7 +58,7 @@ static void check_all_pieces(store *s, const char *id)
     bf_buffer whole = { 0 };
 
     read_whole(s, id, &whole);
-    for (size_t i = 0; i < N_PLACES * N_PLACES; i++) {
+    for (size_t i = 0; i < N_PLACES * N_PLACES; i += HELPER_AMOUNT(1, 3)) {
         for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k += HELPER_AMOUNT(1, 2)) {
             check_piece(s, &array, &whole, places[i / N_PLACES], lengths[k]);
             check_piece(s, &array, &whole, places[i % N_PLACES], lengths[k]);
