@@ -39,7 +39,8 @@ static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
                                [PREDICTION_COUPLED] = 7.08e-09,
                                [PREDICTION_FIELD_CELLS] = 3.93e-08,
                                [PREDICTION_SAMPLE_CELLS] = 4.82e-09,
-                               [PREDICTION_TRACER_STEPS] = 6.21e-08 },
+                               [PREDICTION_TRACER_STEPS] = 6.21e-08,
+                               [PREDICTION_KIND_STEPS] = 3.7e-09 },
     [PREDICTION_PLANAR_VERLET] = { [PREDICTION_STEPS] = 9.30e-08,
                                    [PREDICTION_PART_STEPS] = 2.43e-09,
                                    [PREDICTION_PAIR_STEPS] = 1.37e-08 },
@@ -104,6 +105,9 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     if (s->n_feeds > 0)
         amounts[PREDICTION_SAMPLE_CELLS] = load->area / (grid.d1 * grid.d2) / s->output.curve_every;
     amounts[PREDICTION_TRACER_STEPS] = load->tracers / load->time * steps;
+    if (scene_tells_kinds(s))
+        amounts[PREDICTION_KIND_STEPS] =
+            (double)s->n_cargo * (load->area + load->saturated_area) * cells;
     if (work->kind != PREDICTION_CONGESTED)
         amounts[PREDICTION_SATURATED_STEPS] =
             (is_everywhere ? area

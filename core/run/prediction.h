@@ -44,9 +44,10 @@ typedef enum prediction_term {
     PREDICTION_FIELD_CELLS,  ///< cells of all fields that plates and belts have made anew
     PREDICTION_SAMPLE_CELLS, ///< with feeds, cells that cargo covers of all samples
     PREDICTION_TRACER_STEPS, ///< tracers of cargo's time, times steps
-    PREDICTION_PART_STEPS,   ///< parts in the domain times steps
-    PREDICTION_ROUND_STEPS,  ///< of them, cylinders in space, which roll
-    PREDICTION_PAIR_STEPS,   ///< each times the density around it and, implicit, iterations
+    PREDICTION_KIND_STEPS, ///< kinds that are told apart, times covered steps; cells of a jam twice
+    PREDICTION_PART_STEPS, ///< parts in the domain times steps
+    PREDICTION_ROUND_STEPS, ///< of them, cylinders in space, which roll
+    PREDICTION_PAIR_STEPS,  ///< each times the density around it and, implicit, iterations
     PREDICTION_TERM_COUNT
 } prediction_term;
 

@@ -128,6 +128,29 @@ static void test_tracers_are_there_while_cargo_is_fed(void **state)
     scene_fini(&s);
 }
 
+// Where nothing jams they count once for each cell that cargo covers, in each step.
+static void test_kinds_count_where_they_are_told_apart(void **state)
+{
+    for (int tells = 0; tells < 2; tells++) {
+        scene s;
+        prediction_work work;
+        make_scene(&s, 8.0);
+        s.macro.closure = SCENE_CONGESTED;
+        s.n_counters = 1;
+        s.counters = memory_alloc(1, sizeof *s.counters);
+        assert_non_null(s.counters);
+        scene_counter_init(s.counters);
+        s.counters[0].rect = s.domain;
+        s.counters[0].kind = tells ? 0 : SCENE_KIND_ANY;
+        check_scene(&s, RUN_MACRO);
+        assert_int_equal(prediction_work_of(&s, RUN_MACRO, &work, NULL), BF_OK);
+        assert_true(work.amounts[PREDICTION_COVERED_STEPS] > 0.0);
+        assert_true(work.amounts[PREDICTION_KIND_STEPS] ==
+                    (tells ? work.amounts[PREDICTION_COVERED_STEPS] : 0.0));
+        scene_fini(&s);
+    }
+}
+
 static void test_a_jam_takes_time_in_proportion_to_its_duration(void **state)
 {
     const vec2 across[] = { { 1.5, 0.0 }, { 1.5, 0.48 } };
@@ -210,6 +233,7 @@ int main(void)
         cmocka_unit_test(test_a_long_run_is_followed_for_a_part_of_it),
         cmocka_unit_test(test_fields_are_made_while_plates_move),
         cmocka_unit_test(test_tracers_are_there_while_cargo_is_fed),
+        cmocka_unit_test(test_kinds_count_where_they_are_told_apart),
         cmocka_unit_test(test_a_jam_takes_time_in_proportion_to_its_duration),
         cmocka_unit_test(test_a_machine_half_as_fast_takes_twice_as_long),
         cmocka_unit_test(test_the_speed_is_measured_by_the_clock),
