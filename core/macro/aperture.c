@@ -9,7 +9,7 @@
 
 // What a side of an outlet costs, in radii of a part, by the angle of the plate and by frictions, see aperture.h.
 typedef struct side_law {
-    double angle;    // times sin^2(theta), of an end opposite another one sin^4(theta)
+    double angle;    // times c
     double cargo;    // times sqrt(mu_c) - sqrt(0.15)
     double handling; // times sqrt(mu_h) - sqrt(0.19)
 } side_law;
@@ -23,6 +23,7 @@ static const double fitted_handling = 0.19; // mu_h, same
 static const double arch_length = 10.0;     // s of aperture.h, times e r
 static const double arch_slope = 2.5;       // times cos^2(theta)
 static const double arch_slope_most = 0.5;  // of cos^2(theta), its value at 45 degrees
+static const double most_gained = 2.0;      // f by cos^4(theta)
 static const double acceleration = 0.9;     // of v_T^2/(mu_b g) by the width of the outlet
 static const double shallow = 4.0;          // times sin(theta): w of aperture.h
 static const double most_of_way = 0.9;      // that an extension takes
@@ -121,11 +122,20 @@ static opposite find_opposite(const scene *s, const surroundings *around, size_t
     return found;
 }
 
-static double cost_of(const side_law *law, double sine, const scene *s, double handling)
+// c of aperture.h: by how much of a radius a plate holds off what leaves it; in a funnel another one pushes.
+static double turning(double sine, const scene *s, bool is_in_funnel)
+{
+    const double square = sine * sine, along = (1.0 - square) * (1.0 - square);
+    const double pushed = is_in_funnel ? fmax(1.0 - 2.0 * mix_angularity(s), 0.0) : 0.0;
+
+    return square * (1.0 - pushed * fmin(most_gained * along, 1.0));
+}
+
+static double cost_of(const side_law *law, double turned, const scene *s, double handling)
 {
     const double cargo = s->micro.contact[SCENE_CARGO_CARGO].friction;
 
-    return law->angle * sine * sine + law->cargo * (sqrt(cargo) - sqrt(fitted_cargo)) +
+    return law->angle * turned + law->cargo * (sqrt(cargo) - sqrt(fitted_cargo)) +
            law->handling * (sqrt(handling) - sqrt(fitted_handling));
 }
 
@@ -158,18 +168,17 @@ static vec2 extension_of(const scene *s, const surroundings *around, size_t obst
     const double drive = belt_slope_drive(&around->belts[under], conveyor);
     const double stopping = speed * speed / (drive * parts->gravity);
     const bool is_beside = other.kind == OPPOSITE_WALL || other.kind == OPPOSITE_SIDE;
+    const double turned = turning(sine, s, !e->is_bend && other.kind == OPPOSITE_END);
     double radii = 0.0;
 
     if (e->is_bend && other.kind == OPPOSITE_NOTHING)
         return (vec2){ 0.0, 0.0 };
     if (e->is_bend)
-        radii = cost_of(&lane_law, sine, s, handling) +
+        radii = cost_of(&lane_law, turned, s, handling) +
                 (other.kind == OPPOSITE_WALL ? cost_of(&lane_law, 0.0, s, other.friction) : 0.0);
-    else if (other.kind == OPPOSITE_END)
-        radii = cost_of(&end_law, sine * sine, s, handling);
     else
-        radii = cost_of(&end_law, sine, s, handling) +
-                (is_beside ? cost_of(&wall_law, sine, s, other.friction) : 0.0);
+        radii = cost_of(&end_law, turned, s, handling) +
+                (is_beside ? cost_of(&wall_law, turned, s, other.friction) : 0.0);
     // Of two ends, and of two guides, each has its half of the outlet.
     const bool is_half = other.kind == OPPOSITE_END || (e->is_bend && other.kind == OPPOSITE_SIDE);
     const double ends = is_half ? 2.0 : 1.0, way = other.way / ends;

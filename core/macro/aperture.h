@@ -6,10 +6,10 @@
 ///
 ///     delta = w (l - o/sqrt(1 + 0.9 v_T^2/(mu_b g o) sqrt(2 r/o)))
 ///     o = m (1 - exp(-n m/s))     s = 10 r e sqrt(mu_c/0.15) (1 + 2.5 min(cos^2(theta), 0.5))
-///     m = l - r (1.2 c + 2 a + 0.4 b)                   c = sin^4(theta) if another plate's end is opposite, else sin^2(theta)
+///     m = l - r (1.2 c + 2 a + 0.4 b)                   c = sin^2(theta) (1 - f)
 ///           - r (0.9 c + 0.7 a + 0.4 b)                 if a wall, a guide or a plate's side is opposite
 ///     a = sqrt(mu_c) - sqrt(0.15)     b = sqrt(mu_h) - sqrt(0.19)     w = min(1, 4 sin(theta))
-///     e = sqrt(R/r - 1)
+///     e = sqrt(R/r - 1)     f = max(1 - 2 e, 0) min(2 cos^4(theta), 1) if another plate's end is opposite, else 0
 ///
 /// but not below 0, nor by more than 90 % of l, which is the way to what is opposite, half of it to another end. r is the
 /// radius of a disk with the mean footprint of the parts, theta the angle between plate and belt, v_T^2/(2 mu_b g) the
@@ -18,8 +18,8 @@
 /// and r that of a disk with its own footprint, 0 for cylinders. Parts with corners lie face to face
 /// and arch over an outlet, n m wide with n = 2 between two plates' ends, else 1: arches close a share exp(-n m/s) of it, most of a
 /// narrow one, nothing of a wide one. Their span s rises with the friction that holds them and as plates get shallower. Where
-/// nothing is opposite there are none, and o is m. Of a funnel the streams along both plates meet in the outlet and push each other
-/// along: the shallower the plates, the less of it is left free. w lets delta go to 0 at guides, whose ends cost nothing.
+/// nothing is opposite there are none, and o is m. In a funnel the streams along both plates meet in the outlet and push each other
+/// along, f, the more the shallower the plates are; parts with corners do not shear. w lets delta go to 0 at guides, whose ends cost nothing.
 /// The root is 1 where nothing is opposite. It makes what a fast belt carries off independent of its speed, as o^(7/4)
 /// sqrt(mu_b g): nearly as grains leave a hopper, o^(3/2) sqrt(g), whose speed is what they gain within the width of its outlet.
 ///

@@ -172,6 +172,8 @@ static void note_heap(findings *f, const layout *of)
     if (isfinite(width))
         note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
              of->opening.index);
+    if (isfinite(width) && of->n_plates == 1 && of->bends.value > 0.0)
+        note(f, VALIDITY_LANE, width, "/obstacles/%zu", of->opening.index);
     const bool queues = f->s->n_feeds == 0 || f->rate >= QUEUES * full_rate(f, of);
     if (queues && isfinite(of->stagger.value))
         note(f, VALIDITY_STAGGER, of->stagger.value / f->diameter, "/obstacles/%zu",
@@ -272,15 +274,34 @@ static double belt_capacity(const scene *s, const scene_belt *belt)
 
 // ---- feeds
 
+/// Parts/s that the belt under the line of a feed carries from it when it is packed, 0 off all belts.
+static double feed_capacity(const findings *f, const surroundings *around, const scene_feed *feed)
+{
+    const vec2 middle = vec2_scale(vec2_add(feed->line[0], feed->line[1]), 0.5);
+    const size_t under = surroundings_belt_at(around, middle);
+
+    if (under == around->n_belts)
+        return 0.0;
+    const vec2 velocity = surroundings_velocity_at(around, under, middle);
+    const double across = fabs(vec2_cross(velocity, vec2_sub(feed->line[1], feed->line[0])));
+    return fmin(scene_packing_density(f->s) * across, belt_capacity(f->s, &around->belts[under]));
+}
+
 static bf_status sum_feeds(findings *f, bf_error *err)
 {
+    const surroundings around = surroundings_of(f->s);
+
     for (size_t k = 0; k < f->s->n_feeds; k++) {
         feed_arrivals *arrivals;
         const bf_status status =
             feed_arrivals_create(&f->s->feeds[k], f->s->substream, &arrivals, err);
         if (status != BF_OK)
             return status;
-        f->rate += feed_arrivals_largest_rate(arrivals);
+        const double rate = feed_arrivals_largest_rate(arrivals);
+        const double most = feed_capacity(f, &around, &f->s->feeds[k]);
+        if (most > 0.0)
+            note(f, VALIDITY_FEED, 100.0 * rate / most, "/feeds/%zu", k);
+        f->rate += rate;
         feed_arrivals_destroy(arrivals);
     }
     return feed_offered(f->s, 0.0, f->s->duration, &f->n_fed, err);

@@ -41,6 +41,7 @@ typedef enum validity_figure {
     VALIDITY_ANGLE,   ///< of a plate to the belt, degrees (core/scene/layout.h)
     VALIDITY_OPENING, ///< the narrowest of a single plate, diameters
     VALIDITY_FUNNEL,  ///< the narrowest of several plates, diameters
+    VALIDITY_LANE,    ///< the narrowest of a single plate that bends, diameters
     VALIDITY_STAGGER, ///< of two plates before which cargo queues, diameters (layout.h)
     VALIDITY_FREE_ENDS, ///< angle of a single plate with two free ends before which cargo queues, degrees (layout.h)
     VALIDITY_RUN_OUT, ///< belt behind a plate before which cargo queues, diameters (layout.h)
@@ -49,6 +50,7 @@ typedef enum validity_figure {
     VALIDITY_HEAP,    ///< parts at the start for each diameter of the narrowest opening
     VALIDITY_WARM_UP, ///< of a heap that no feed follows, s
     VALIDITY_LOAD,    ///< what feeds offer of what the narrowest opening passes when it is full, %
+    VALIDITY_FEED,    ///< what a feed offers of what the belt under it carries when it is packed, %
     VALIDITY_QUEUE,   ///< belt upstream of an opening that feeds may fill, diameters
     VALIDITY_PARTS,   ///< parts at the start and of feeds
     VALIDITY_BATCH,   ///< parts that arrive at once

@@ -64,6 +64,69 @@ static void the_papers_examples_were_compared(void **state)
     }
 }
 
+// The item of a figure of a scene in the congested closure, which is freed; of no figure if there is none.
+static validity_item find_congested(scene *s, validity_figure figure)
+{
+    validity_item found = { .figure = VALIDITY_FIGURE_COUNT };
+
+    helper_scene_resolve(s);
+    s->macro.closure = SCENE_CONGESTED;
+    const validity of = validity_now(s);
+    for (size_t k = 0; k < of.n; k++)
+        if (of.items[k].figure == figure)
+            found = of.items[k];
+    scene_fini(s);
+    return found;
+}
+
+// By a belt of 0.6 m at 0.395 m/s, from the whole edge and from half of it.
+static void a_feed_that_fills_its_belt_was_not_compared(void **state)
+{
+    static const double shares[] = { 0.79, 0.81 };
+
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        scene s;
+        make_plate(&s, 45.0, 0.2);
+        s.initial.type = SCENE_INITIAL_EMPTY;
+        const double width = k < 2 ? 0.6 : 0.3;
+        const double rate = shares[k % 2] * scene_packing_density(&s) * width * 0.395;
+        scene_feed *feed = helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_POISSON, rate);
+        if (k >= 2) {
+            feed->line[0] = (vec2){ 0.0, 0.1 };
+            feed->line[1] = (vec2){ 0.0, 0.4 };
+        }
+        const validity_item item = find_congested(&s, VALIDITY_FEED);
+        assert_int_equal(item.figure == VALIDITY_FEED, k % 2 == 1);
+        if (k % 2 == 1) {
+            assert_near(item.value, 81.0, 1e-9);
+            assert_string_equal(item.pointer, "/feeds/0");
+        }
+    }
+}
+
+// A plate at 45 degrees goes on along the belt, 4.5 or 6 diameters beside the wall.
+static void a_narrow_lane_beside_a_plate_was_not_compared(void **state)
+{
+    static const double widths[] = { 0.108, 0.144 };
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double tip = 0.6 - widths[k];
+        const vec2 path[] = { { 0.2, 0.0 }, { 0.2 + tip, tip }, { 0.5 + tip, tip } };
+        scene s;
+        make_plate(&s, 45.0, 0.2);
+        helper_scene_add_obstacle(&s, path, 3, SCENE_SEALED);
+        memory_free(s.obstacles[0].path);
+        s.obstacles[0] = s.obstacles[1];
+        s.n_obstacles = 1;
+        const validity_item item = find_congested(&s, VALIDITY_LANE);
+        assert_int_equal(item.figure == VALIDITY_LANE, k == 0);
+        if (k == 0)
+            assert_near(item.value, 4.5, 1e-9);
+    }
+}
+
 static void the_end_of_a_heap_alone_was_not_compared(void **state)
 {
     scene s;
@@ -620,6 +683,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_papers_examples_were_compared),
         cmocka_unit_test(the_end_of_a_heap_alone_was_not_compared),
+        cmocka_unit_test(a_feed_that_fills_its_belt_was_not_compared),
+        cmocka_unit_test(a_narrow_lane_beside_a_plate_was_not_compared),
         cmocka_unit_test(shallow_and_leaning_plates_were_not_compared),
         cmocka_unit_test(narrow_openings_were_not_compared),
         cmocka_unit_test(queues_that_stop_are_told_where_they_may_be),
