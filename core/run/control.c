@@ -171,12 +171,14 @@ static bf_status watch_belts(control *c, uint64_t step, const run_sink *sink, bf
 {
     bf_status status = BF_OK;
     double until;
+    bool held[SCENE_BELTS_MAX];
 
+    merges_find_held(&c->merges, held);
     for (size_t k = 0; c->has_stops && k < c->scene->n_belts && status == BF_OK; k++) {
         const unsigned now =
             belt_speeds_stopped_by(&c->world->belts, k, (double)step * c->dt, &until);
         const belt_stops_cause cause = belt_stops_cause_of(now);
-        const bool is_held = cause == BELT_STOPS_BY_NOTHING && merges_hold(&c->merges, k);
+        const bool is_held = cause == BELT_STOPS_BY_NOTHING && held[k];
         const frame_change change = { .type = FRAME_CHANGE_BELT,
                                       .item = (uint32_t)k,
                                       .state = is_held ? BELT_STOPS_BY_MERGE : cause };

@@ -51,15 +51,13 @@ uint64_t merges_go_on(merges *m, size_t merge, const merges_eye *eyes, uint64_t 
     return now.held ^ was_held;
 }
 
-bool merges_hold(const merges *m, size_t belt)
+void merges_find_held(const merges *m, bool *ret_held)
 {
-    bool is_held = false;
-
+    for (size_t k = 0; k < m->scene->n_belts; k++)
+        ret_held[k] = false;
     for (size_t k = 0; k < m->scene->n_merges; k++)
         for (size_t i = 0; i < m->scene->merges[k].n_lanes; i++)
-            is_held = is_held || (m->scene->merges[k].lanes[i].belt == belt &&
-                                  (m->states[k].held >> i & 1) != 0);
-    return is_held;
+            ret_held[m->scene->merges[k].lanes[i].belt] = (m->states[k].held >> i & 1) != 0;
 }
 
 void merges_save(const merges *m, checkpoint_writer *w)

@@ -50,8 +50,8 @@ merges merges_of(const scene *s, double dt);
 /// begin to stand or to run: 1 << lane.
 uint64_t merges_go_on(merges *m, size_t merge, const merges_eye *eyes, uint64_t step);
 
-/// True if a belt stands by a merge.
-bool merges_hold(const merges *m, size_t belt);
+/// Which of the scene's belts stand by merges.
+void merges_find_held(const merges *m, bool *ret_held);
 
 /// Write the states to a checkpoint, nothing where there are no merges, and take them from one of the same scene. False: it is damaged.
 void merges_save(const merges *m, checkpoint_writer *w);
