@@ -5,6 +5,7 @@
 #include "core/run/validity.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
@@ -189,20 +190,18 @@ static void a_run_that_was_interrupted_or_has_threads_has_the_same_bits(void **s
         scene s;
         make_fed(&s, 3.0 * RADIUS, SCENE_CONGESTED);
         helper_run_log *whole = run_model_of(&s, models[m]);
-        helper_run_log *parted = calloc(1, sizeof *parted);
-        helper_run_log *threads = calloc(1, sizeof *threads);
-        parted->model = threads->model = models[m];
-        parted->stop_at = whole->n_askings / 2;
-        assert_int_equal(helper_run(&s, 1, 0, parted), BF_OK);
-        assert_true(parted->end.stopped && parted->end.parts_fallen > 0.0);
-        parted->stop_at = 0;
-        assert_int_equal(helper_run(&s, 1, 1, parted), BF_OK);
-        assert_true(helper_run_is_same(whole, parted));
-        assert_int_equal(helper_run(&s, 2, 0, threads), BF_OK);
-        assert_true(helper_run_is_same(whole, threads));
+        for (int n_threads = HELPER_AMOUNT(1, 2); n_threads <= 2; n_threads++) {
+            helper_run_log *parted = calloc(1, sizeof *parted);
+            parted->model = models[m];
+            parted->stop_at = whole->n_askings / 2;
+            assert_int_equal(helper_run(&s, n_threads, 0, parted), BF_OK);
+            assert_true(parted->end.stopped && parted->end.parts_fallen > 0.0);
+            parted->stop_at = 0;
+            assert_int_equal(helper_run(&s, n_threads, 1, parted), BF_OK);
+            assert_true(helper_run_is_same(whole, parted));
+            helper_run_free(parted);
+        }
         helper_run_free(whole);
-        helper_run_free(parted);
-        helper_run_free(threads);
         scene_fini(&s);
     }
 }
