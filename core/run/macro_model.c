@@ -11,12 +11,10 @@
 #include "core/run/crossings.h"
 #include "core/run/macro_flows.h"
 #include "core/run/macro_sinks.h"
+#include "core/run/macro_start.h"
 #include "core/run/run_priv.h"
 #include "core/scene/belt_slope.h"
 #include "core/scene/counter.h"
-#include "core/scene/density.h"
-#include "core/scene/mix.h"
-#include "core/scene/placement.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -239,99 +237,6 @@ static bf_status create_solver(const scene *s, bf_world *w, int n_threads, macro
     return status;
 }
 
-// The density (18) of those parts whose centres are on a belt, or off every one, in cells that are the same. What
-// is beyond the belts' borders is left out, as it is beyond the walls.
-static bf_status add_density(const scene *s, const macro_run *run, const scene_placement *p,
-                             bool is_off, double *rho, bf_error *err)
-{
-    const surroundings around = surroundings_of(s);
-    scene_pose *poses = memory_alloc(p->n, sizeof *poses);
-    double *of_poses = memory_alloc(grid_cells(&run->grid), sizeof *of_poses);
-    bf_status status = BF_OK;
-    size_t n = 0;
-
-    if (poses == NULL || of_poses == NULL)
-        status = bf_fail(err, BF_ENOMEM, "", "no memory for the density of %zu parts", p->n);
-    for (size_t k = 0; status == BF_OK && k < p->n; k++) {
-        const vec2 at = { p->poses[k].x, p->poses[k].y };
-        if (surroundings_falls(&around, surroundings_belt_at(&around, at)) == is_off)
-            poses[n++] = p->poses[k];
-    }
-    if (status == BF_OK)
-        status = density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, poses, n,
-                                    of_poses, err);
-    for (size_t c = 0; status == BF_OK && c < grid_cells(&run->grid); c++)
-        if (macro_is_off(run->solver, c) == is_off)
-            rho[c] = of_poses[c];
-    memory_free(poses);
-    memory_free(of_poses);
-    return status;
-}
-
-// Sets the kinds of the parts at the start, by the density (18) of those of each kind.
-static bf_status place_kinds(const scene *s, macro_run *run, const scene_placement *p,
-                             bf_error *err)
-{
-    const size_t n_cells = grid_cells(&run->grid), n = s->n_cargo;
-    double *of_kind = memory_alloc(n_cells, sizeof *of_kind);
-    double *fractions = memory_alloc(n_cells * n, sizeof *fractions);
-    scene_pose *poses = memory_alloc(p->n, sizeof *poses);
-    bf_status status = BF_OK;
-
-    if (of_kind == NULL || fractions == NULL || poses == NULL)
-        status = bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for %zu cells", n_cells);
-    for (size_t kind = 0; status == BF_OK && kind < n; kind++) {
-        size_t n_poses = 0;
-        for (size_t k = 0; k < p->n; k++)
-            if (mix_kind(p->kinds, k) == kind)
-                poses[n_poses++] = p->poses[k];
-        status = density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, poses,
-                                    n_poses, of_kind, err);
-        for (size_t c = 0; status == BF_OK && c < n_cells; c++)
-            fractions[c * n + kind] = of_kind[c];
-    }
-    for (size_t c = 0; status == BF_OK && c < n_cells; c++) {
-        double sum = 0.0;
-        for (size_t k = 0; k < n; k++)
-            sum += fractions[c * n + k];
-        for (size_t k = 0; sum > 0.0 && k < n; k++)
-            fractions[c * n + k] /= sum;
-        if (sum > 0.0)
-            macro_set_fractions(run->solver, c, fractions + c * n);
-    }
-    memory_free(of_kind);
-    memory_free(fractions);
-    memory_free(poses);
-    return status;
-}
-
-// Sets the density (18) of the parts at the start.
-static bf_status place_parts(const scene *s, macro_run *run, uint64_t *ret_n_parts, bf_error *err)
-{
-    const size_t n_cells = grid_cells(&run->grid);
-    double *rho = memory_alloc(n_cells, sizeof *rho);
-    scene_placement p = { .n = 0 };
-    bf_status status;
-
-    if (rho == NULL)
-        return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for %zu cells", n_cells);
-    status = placement_of(s, &p, err);
-    if (status == BF_OK && !run->may_drop)
-        status = density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, p.poses,
-                                    p.n, rho, err);
-    for (int is_off = 0; run->may_drop && is_off < 2 && status == BF_OK; is_off++)
-        status = add_density(s, run, &p, is_off, rho, err);
-    if (status == BF_OK)
-        status = macro_set_density(run->solver, rho, n_cells, err);
-    if (status == BF_OK && run->tells_kinds && p.n > 0)
-        status = place_kinds(s, run, &p, err);
-    if (status == BF_OK)
-        *ret_n_parts = p.n;
-    placement_fini(&p);
-    memory_free(rho);
-    return status;
-}
-
 static void destroy_run(void *solver)
 {
     macro_run *run = solver;
@@ -404,7 +309,7 @@ static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **r
         (status = create_solver(s, w, n_threads, run, err)) != BF_OK ||
         (status = create_eyes(s, run, err)) != BF_OK ||
         (run->is_fed && (status = find_belts(s, run, err)) != BF_OK) ||
-        (status = place_parts(s, run, &n_parts, err)) != BF_OK ||
+        (status = macro_start(s, run->solver, &n_parts, err)) != BF_OK ||
         (run->is_fed &&
          (status = macro_flows_create(s, run->solver, run->belt_of, &run->flows, err)) != BF_OK) ||
         (s->n_sinks > 0 &&
