@@ -100,7 +100,7 @@ mkdirSync(out, { recursive: true });
 for (const name of readdirSync(out)) rmSync(path.join(out, name), { recursive: true });
 copyFolder(path.join(here, "static"), out);
 await bundle(path.join(here, "src/main.js"), out, { external: ["./code_editor.js", "./drawing_files.js"] });
-for (const part of ["code_editor.js", "board/drawing_files.js"]) await bundle(path.join(here, "src", part), out);
+for (const part of ["edit/code_editor.js", "board/drawing_files.js"]) await bundle(path.join(here, "src", part), out);
 writeFileSync(path.join(out, "scenario_schemas.json"), scenarioSchemas());
 const docs = path.join(out, "docs");
 copyFolder(path.join(here, "docs/static"), docs);

@@ -31,9 +31,8 @@
     "Cargo has to cross the belt between them, which the density model lets it do too easily: it " \
     "let up to 54 % too much through."
 #define TAIL                                                                                       \
-    "The end of a heap is a few parts that slide along the deflectors: the density model let 12 "  \
-    "% "                                                                                           \
-    "too many of them through where the whole heap passed within 2 %."
+    "The end of a heap is a few parts that slide along the deflectors: of them the density model " \
+    "let 12 % too many through where the whole heap passed within 2 %."
 #define CORNER          "Cargo collects in the corner that the deflector closes, and stays there."
 #define AT_WALL         "Cargo collects at such a wall."
 #define TOO_MANY_PIECES "Angles and openings of so many were not measured."

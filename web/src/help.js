@@ -1,8 +1,8 @@
 // What helps a reader: four steps to begin with, what words mean, and what the keyboard does.
 
-import { h, link } from "./dom.js";
-import { schemas, titleOf } from "./key_figures.js";
-import { address } from "./router.js";
+import { h, link } from "./base/dom.js";
+import { address } from "./base/router.js";
+import { schemas, titleOf } from "./run/key_figures.js";
 
 const steps = [
   [address("new", "", { example: "example-1" }), "Begin with Example 1", "192 cylinders before a deflector. “Run both models” solves it twice."],

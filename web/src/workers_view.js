@@ -1,8 +1,8 @@
 // The workers that solve runs for this server, for its operator: who there is, what each has, and how long none was heard of.
 
-import { getJson } from "./api.js";
-import { h } from "./dom.js";
-import { bytes, span } from "./format.js";
+import { getJson } from "./base/api.js";
+import { h } from "./base/dom.js";
+import { bytes, span } from "./base/format.js";
 
 const EVERY_MS = 2000;
 

@@ -1,10 +1,10 @@
 // What stands on the line: a palette to add things, all things by their kinds, and the form of the one that is chosen, which can be
 // doubled, mirrored, turned and deleted. `stand` and `thing` are its two elements.
 
-import { h, setText } from "../dom.js";
+import { h, setText } from "../base/dom.js";
 import { listsOf, schemaOfLine } from "./schema.js";
-import { freshId, idsOf, keepAtSide, kindOf, middleOf, mirrored, movedBy, nameOfThing, rename, turned } from "./things.js";
 import { ThingForm, valueAt } from "./thing_form.js";
+import { freshId, idsOf, keepAtSide, kindOf, middleOf, mirrored, movedBy, nameOfThing, rename, turned } from "./things.js";
 
 const LINE = { list: "" }; // the line as a whole, without what stands on it
 const BESIDE = ["name", "duration_s", "domain", "warmup_s"]; // the form beside the board has these

@@ -1,7 +1,7 @@
 // What a scenario may have, as the description of the API has it: members, their kinds, limits, units and defaults. Forms follow
 // from it, so that a member that the server learns needs nothing here.
 
-import { limitFault } from "../numbers.js";
+import { limitFault } from "../base/numbers.js";
 
 let schemas = null;
 

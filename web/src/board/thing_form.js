@@ -1,8 +1,8 @@
 // The form of one thing of a scenario, made of the schema of its list: a box for each member, with its unit, what it means, and its
 // limits. Members of the thing itself that are neither needed nor given are folded away.
 
-import { h, iconButton } from "../dom.js";
-import { readNumber, writeNumber } from "../numbers.js";
+import { h, iconButton } from "../base/dom.js";
+import { readNumber, writeNumber } from "../base/numbers.js";
 import { boxOf, faultOfNumber, formOf, labelOf, resolve } from "./schema.js";
 import { converted, sampleOf } from "./things.js";
 

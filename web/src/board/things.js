@@ -1,7 +1,7 @@
 // The things that stand on a line, by the lists of a scenario that have them: what they are called, what a new one is, and how one is
 // moved, turned and mirrored. A list that is not named here has things that are made of its schema.
 
-import { plateOf, tidy, withPlate } from "../plate.js";
+import { plateOf, tidy, withPlate } from "../scenario/plate.js";
 import { boxOf, formOf, labelOf, resolve } from "./schema.js";
 
 // A share of the way, to a tenth or less of its length.

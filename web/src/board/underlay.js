@@ -1,10 +1,10 @@
 // A drawing under the line, from a DXF or SVG file: placed and scaled, shown thin beneath what stands on the line. Its lines are gone
 // through one by one, and become belts and guides.
 
-import { h, iconButton } from "../dom.js";
-import { fileButton } from "../measured.js";
-import { readNumber, writeNumber } from "../numbers.js";
-import { tidy } from "../plate.js";
+import { h, iconButton } from "../base/dom.js";
+import { readNumber, writeNumber } from "../base/numbers.js";
+import { fileButton } from "../compare/measured.js";
+import { tidy } from "../scenario/plate.js";
 
 const FILE_MAX = 20e6; // bytes
 const KEPT_MAX = 400e3; // characters in the browser
