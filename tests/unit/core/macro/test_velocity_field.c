@@ -395,7 +395,7 @@ static void draw_moving_scene(scene *s, bf_random *random, int round)
     draw_scene(s, random);
     s->macro.closure = round % 2 == 0 ? SCENE_CONGESTED : SCENE_DISPERSIVE;
     if (round % 3 != 0)
-        (void)helper_scene_add_arc(s, 0.4, 0.15, 0.42, 0.0, 0.5 * M_PI);
+        (void)helper_scene_add_arc(s, 0.4, 0.15, 0.42, 0.0, 90.0);
     for (int k = 0; k < 2 && round % 3 != 0; k++) {
         const double radius = k == 0 ? 0.3 : helper_scene_draw(random, 0.14, 0.43, s->macro.cell);
         vec2 rail[RAIL_POINTS];
