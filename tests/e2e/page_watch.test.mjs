@@ -234,6 +234,7 @@ test("a run's page offers its results, and they are the daemon's bytes", async (
   assert.match(head, { mp4: /^....ftyp/s, webm: /^\x1aE\xdf\xa3/ }[ending]);
   await page.emulateMedia({ media: "print", colorScheme: "dark" });
   assert.equal(await page.getByRole("navigation", { name: "Views" }).isVisible(), false);
+  for (const controls of [".transport", ".scene-row"]) assert.equal(await page.locator(controls).first().isVisible(), false, `${controls} on paper`);
   assert.equal(await page.evaluate(() => getComputedStyle(document.body).color), "rgb(24, 34, 45)", "text is dark on paper");
 });
 

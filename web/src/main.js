@@ -1,16 +1,17 @@
 // The page: which view is shown, whether the daemon is there, and what holds for all views.
 
+// In the order of the cascade: of two rules for the same element the later one holds.
 import "uplot/dist/uPlot.min.css";
 import "../style/base.css";
-import "../style/board.css";
-import "../style/compare.css";
 import "../style/controls.css";
-import "../style/curves.css";
-import "../style/new.css";
-import "../style/print.css";
 import "../style/runs.css";
-import "../style/studies.css";
 import "../style/watch.css";
+import "../style/curves.css";
+import "../style/compare.css";
+import "../style/new.css";
+import "../style/board.css";
+import "../style/studies.css";
+import "../style/print.css";
 
 import { enter, onAccess, signOut } from "./base/access.js";
 import { getJson } from "./base/api.js";
