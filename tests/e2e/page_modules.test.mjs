@@ -371,6 +371,17 @@ test("a search is a text, or conditions on numbers in a planner's words or the m
   assert.equal(where("cargo/mass_kg<=2"), "cargo/mass_kg<=2");
   assert.equal(where("wall friction=1e-3"), "wall_friction=0.001");
   assert.match(searchOf("angle > steep").fault, /What "angle" is compared with must be a number/);
+  // What follows a number is its unit, or nothing that goes unread.
+  assert.equal(where("mass < 2 kg; residence < 4s; feed > 2 parts/s; angle = 50 deg; throughput > 2000 per h; peak < 2 layers"),
+    "mass_kg<2,residence_s/p95<4,rate_per_s>2,angle_deg=50,throughput_per_h>2000,peak_density<2");
+  for (const text of ["mass < 2 kg", "residence < 4s", "feed > 2 parts/s", "angle = 50 deg", "throughput > 2000 per h", "peak < 2 layers"]) assert.equal(searchOf(text).fault, "");
+  assert.equal(searchOf("mass < 500 g").fault, 'After 500 there may be kg, or ; and another condition, not "g"');
+  assert.equal(searchOf("residence < 10 min").fault, 'After 10 there may be s, or ; and another condition, not "min"');
+  for (const text of ["angle > 50, mass < 2", "angle > 50 or mass < 2", "angle > 50 mass < 2", "peak < 2, angle > 50", "peak < 2 or angle > 50"]) {
+    assert.match(searchOf(text).fault, /another condition/, text);
+  }
+  assert.equal(where("constructor = 1"), "constructor=1");
+  assert.deepEqual(searchOf("angle != 5"), { search: "angle != 5", where: "", fault: "" });
 });
 
 test("numbers are read by the decimal mark that they make sense with, and those of two meanings are not taken", () => {

@@ -2,24 +2,32 @@
 // else a text that names, labels or lines contain, as one in quotes is whatever stands in it.
 
 import { readNumber } from "../base/numbers.js";
-import { pointersOfLabels } from "../scenario/parameters.js";
+import { pointersOfLabels, unitOf } from "../scenario/parameters.js";
 
-const CONDITION = /^(.+?)\s*(<=|>=|[<>=≤≥])\s*(.*)$/;
+const CONDITION = /^([\w /~-]+?)\s*(<=|>=|[<>=≤≥])\s*(.*)$/;
 const RELATIONS = { "≤": "<=", "≥": ">=" };
 const NUMBER = /^[-+−]?[\d.,'’\s]*\d(?:e[+-]?\d+)?/i; // what follows it is a unit
 
 // The words of the list's columns and of the parameters that runs are told apart by.
-const NAMES = {
+const NAMES = new Map(Object.entries({
   angle: "angle_deg", speed: "speed_m_s", "belt speed": "speed_m_s", feed: "rate_per_s", duration: "duration_s", mass: "mass_kg",
   throughput: "throughput_per_h", "sustained throughput": "sustained_throughput_per_h", "drained at": "drained_at_s",
   residence: "residence_s/p95", peak: "peak_density", ...pointersOfLabels,
-};
+}));
 
 function nameOf(words) {
-  return NAMES[words.toLowerCase()] ?? words.replaceAll(" ", "_");
+  return NAMES.get(words.toLowerCase()) ?? words.replaceAll(" ", "_");
 }
 
-// { search, where, fault }: fault is "" or says what is wrong with a number.
+// What is wrong with what follows a number, or "". "" and the unit of the member are right, and of what has none a word.
+function faultOfUnit(name, number, typed) {
+  const [, unit] = name.split("/").map(unitOf).findLast(([, one]) => one) ?? ["", ""];
+  const plain = typed.toLowerCase().replaceAll(" ", "").replace(/^(?:parts?|1)?(?:\/|per)/, "/").replace(/^deg(?:rees)?$/, "°").replace(/2$/, "²");
+  if (plain === "" || (unit ? plain === unit.toLowerCase() : /^[^\d,<>=≤≥]*$/.test(typed))) return "";
+  return `After ${number} there may be ${unit || "a unit"}, or ; and another condition, not "${typed}"`;
+}
+
+// { search, where, fault }: fault is "" or says what is wrong with a number or its unit.
 export function searchOf(text) {
   const [, quoted] = /^"(.*)"$/.exec(text) ?? [];
   if (quoted !== undefined) return { search: quoted, where: "", fault: "" };
@@ -27,9 +35,11 @@ export function searchOf(text) {
   if (parts.includes(null)) return { search: text, where: "", fault: "" };
   let fault = "";
   const conditions = parts.map(([, words, relation, rest]) => {
-    const read = readNumber(NUMBER.exec(rest)?.[0].trim() ?? "");
-    if (read.fault) fault ||= `What "${words}" is compared with ${read.fault}`;
-    return `${nameOf(words.trim())}${RELATIONS[relation] ?? relation}${read.value}`;
+    const number = NUMBER.exec(rest)?.[0] ?? "";
+    const name = nameOf(words);
+    const read = readNumber(number);
+    fault ||= read.fault ? `What "${words}" is compared with ${read.fault}` : faultOfUnit(name, number, rest.slice(number.length).trim());
+    return `${name}${RELATIONS[relation] ?? relation}${read.value}`;
   });
   return { search: "", where: conditions.join(","), fault };
 }

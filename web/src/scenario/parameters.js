@@ -6,7 +6,7 @@ import { angleOf, plateOf } from "./plate.js";
 
 const RANKED = /^\/(name|duration_s|belts\/\d+\/velocity_m_s|feeds\/\d+\/rate_per_s)$/;
 const PLATE = /^\/obstacles\/(\d+)\/(path_m|from_m|to_m|end_m|angle_deg|length_m)$/;
-const UNITS = [["_per_m2", "/m²"], ["_per_s", "/s"], ["_m_s2", "m/s²"], ["_m_s", "m/s"], ["_deg", "°"], ["_kg", "kg"], ["_pa", "Pa"],
+const UNITS = [["_per_m2", "/m²"], ["_per_h", "/h"], ["_per_s", "/s"], ["_m_s2", "m/s²"], ["_m_s", "m/s"], ["_deg", "°"], ["_kg", "kg"], ["_pa", "Pa"],
   ["_m", "m"], ["_s", "s"]];
 const UNSAID = new Set(["obstacles", "belts", "feeds", "counters", "photo_eyes", "shape", "hexagonal", "random", "output"]);
 const SAID = {
@@ -17,6 +17,11 @@ const SAID = {
 
 // The pointers of members that have words of their own, by these words.
 export const pointersOfLabels = Object.fromEntries(Object.entries(SAID).map(([pointer, label]) => [label, pointer]));
+
+// [the end of a member's name that says its unit, the unit]
+export function unitOf(name) {
+  return UNITS.find(([end]) => name.endsWith(end)) ?? ["", ""];
+}
 
 // "75°", "0.5 m/s", "yes", "0.75, 0.5 m"; null: the list is too long to be said.
 export function valueText(value, unit = "") {
@@ -79,7 +84,7 @@ function wordsOf(pointer, scenario) {
     if (/^\d+$/.test(name)) said.push(item?.id ?? String(Number(name) + 1));
     else if (!UNSAID.has(name)) said.push(name);
   }
-  const [suffix, unit] = UNITS.find(([end]) => pointer.endsWith(end)) ?? ["", ""];
+  const [suffix, unit] = unitOf(pointer);
   const last = said.pop() ?? "";
   const words = [...said, suffix ? last.slice(0, -suffix.length) : last].join(" ").replaceAll("_", " ");
   return { label: SAID[pointer] ?? words, unit };
