@@ -8,7 +8,7 @@
 ///
 /// Lanes in which nothing waits are passed over. A release is not cut short by a lane that comes before it in the list.
 ///
-/// Bits     times are counted in steps of the run. At t = 0 every lane runs, and none is released.
+/// Bits     times are counted in steps of the run. Before the tick at t = 0 every lane runs, and none is released.
 
 #pragma once
 

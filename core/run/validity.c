@@ -274,8 +274,9 @@ static double belt_capacity(const scene *s, const scene_belt *belt)
 
 // ---- feeds
 
-/// Parts/s that the belt under the line of a feed carries from it when it is packed, 0 off all belts.
-static double feed_capacity(const findings *f, const surroundings *around, const scene_feed *feed)
+/// Parts/s that the belt under the middle of a feed's line carries from it when it is packed, 0 off all belts. Unlike feed_capacity() without
+/// the halves of parts beyond the ends of the line: the limit was measured so.
+static double carried_rate(const findings *f, const surroundings *around, const scene_feed *feed)
 {
     const vec2 middle = vec2_scale(vec2_add(feed->line[0], feed->line[1]), 0.5);
     const size_t under = surroundings_belt_at(around, middle);
@@ -298,7 +299,7 @@ static bf_status sum_feeds(findings *f, bf_error *err)
         if (status != BF_OK)
             return status;
         const double rate = feed_arrivals_largest_rate(arrivals);
-        const double most = feed_capacity(f, &around, &f->s->feeds[k]);
+        const double most = carried_rate(f, &around, &f->s->feeds[k]);
         if (most > 0.0)
             note(f, VALIDITY_FEED, 100.0 * rate / most, "/feeds/%zu", k);
         f->rate += rate;

@@ -29,7 +29,7 @@ typedef struct number_rule {
 void scene__check_numbers(const void *item, const char *pointer, const number_rule *rules, size_t n,
                           bf_faults *faults);
 
-/// Note a list of more than n_max items ("feeds"); pointer is that of the list. Returns true if it is none.
+/// Note a list of more than n_max items ("feeds"); pointer is that of the list. Returns true if it has no more.
 bool scene__check_count(size_t n, size_t n_max, const char *pointer, const char *items,
                         bf_faults *faults);
 

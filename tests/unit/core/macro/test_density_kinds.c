@@ -3,6 +3,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/random.h"
+#include "core/macro/kinds_priv.h"
 #include "core/macro/macro.h"
 #include "core/macro/macro_priv.h"
 #include "tests/unit/core/helper_congested.h"
@@ -13,6 +14,10 @@
 
 #include <math.h>
 #include <string.h>
+
+#define X(suffix) extern const kinds_kernels kinds__kernels_##suffix;
+CPU_EACH_BUILD(X)
+#undef X
 
 enum { STEPS = HELPER_AMOUNT(80, 40), KINDS = 3 };
 
@@ -185,6 +190,32 @@ static void kinds_in_a_queue_that_stands_do_not_mix(void **state)
     scene_fini(&s);
 }
 
+static void every_instruction_set_gives_the_same_bits(void **state)
+{
+    static const kinds_kernels *const builds[] = {
+#define X(suffix) &kinds__kernels_##suffix,
+        CPU_EACH_BUILD(X)
+#undef X
+    };
+
+    for (int is_oblique = 0; is_oblique < 2; is_oblique++) {
+        scene s;
+        uint64_t digest = 0;
+        make_jam(&s, is_oblique);
+        for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
+            macro_solver *solver = create(&s, KINDS, 1);
+            solver->kinds->kernels = *builds[level];
+            fill(&s, solver);
+            draw_fractions(solver, KINDS);
+            helper_macro_advance(solver, STEPS / 2);
+            assert_true(level == CPU_BASE || macro_digest(solver) == digest);
+            digest = macro_digest(solver);
+            macro_destroy(solver);
+        }
+        scene_fini(&s);
+    }
+}
+
 static void threads_and_a_checkpoint_change_no_bit(void **state)
 {
     scene s;
@@ -241,6 +272,7 @@ int main(void)
         cmocka_unit_test(each_kind_keeps_its_mass_and_the_density_its_bits),
         cmocka_unit_test(a_change_of_kinds_goes_with_the_belt_and_stays_a_few_cells_wide),
         cmocka_unit_test(kinds_in_a_queue_that_stands_do_not_mix),
+        cmocka_unit_test(every_instruction_set_gives_the_same_bits),
         cmocka_unit_test(threads_and_a_checkpoint_change_no_bit),
         cmocka_unit_test(what_is_added_and_taken_has_its_kinds),
     };
