@@ -13,6 +13,8 @@ enum {
         50000, ///< runs that a search, another order or a count looks at, the newest of the list
     API_LIST_DOCUMENTS =
         10000, ///< runs whose scenarios a search by conditions reads, the newest of the list
+    API_LIST_DOCUMENT_BYTES =
+        64 << 20, ///< of these scenarios and their key figures; more are refused
     API_LIST_LOOKS =
         20000, ///< runs that a page in the order of creation looks at to find those that were asked for
     API_SORT_KEY_SIZE = 81, ///< bytes of the text of a run's key with its terminator

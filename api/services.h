@@ -125,6 +125,7 @@ typedef struct api_services {
     bf_status (*find)(api_service *service, const char *id, api_run *ret_run, bf_error *err);
     /// True if find() would not wait for the disk now.
     bool (*holds)(api_service *service, const char *id);
+    /// BF_ELIMIT: conditions would read more than API_LIST_DOCUMENT_BYTES.
     bf_status (*list)(api_service *service, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err);
     bf_status (*list_lines)(api_store *store, const api_line_query *query, api_line_list *ret_list,

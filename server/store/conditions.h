@@ -1,6 +1,8 @@
 /// Inside the store: the SQL function by which lists are searched for numbers of scenarios and key figures.
 ///
-///     conditions_hold(an api_conditions as a blob, document, document, ...)   0 or 1
+///     conditions_hold(an api_conditions as a blob, scenario, key figures)   0 or 1
+///
+/// SQLITE_TOOBIG: the statement would read more than API_LIST_DOCUMENT_BYTES of them.
 
 #pragma once
 

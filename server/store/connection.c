@@ -73,6 +73,8 @@ bf_status store__fail(struct sqlite3 *db, int code, bf_error *err)
     switch (code == SQLITE_IOERR_DATA ? SQLITE_CORRUPT : code & 0xff) {
     case SQLITE_NOMEM:
         return bf_fail(err, BF_ENOMEM, "", "the store has no memory");
+    case SQLITE_TOOBIG:
+        return bf_fail(err, BF_ELIMIT, "", "%s", text);
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
         return bf_fail(err, BF_ESYSTEM, "",

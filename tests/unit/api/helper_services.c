@@ -82,6 +82,8 @@ static bf_status do_list(api_service *service, const api_list_query *query, api_
     helper_daemon *d = (void *)service;
 
     d->last_query = *query;
+    if (d->refusal != BF_OK)
+        return bf_fail(err, d->refusal, "", "there is too much to read");
     ret_list->n = 0;
     ret_list->has_more = false;
     ret_list->has_total = query->counts;

@@ -62,7 +62,8 @@ typedef struct helper_daemon {
     size_t n_studies;                                         ///< of them
     char document[4096]; ///< of the study that was accepted last
     char columns[512];   ///< of its trials
-    bf_status refusal;   ///< not BF_OK: submit, submit_study, add_measurement, ready fail with it
+    bf_status
+        refusal; ///< not BF_OK: list, submit, submit_study, add_measurement, ready fail with it
     api_list_query last_query; ///< what list() was asked
     const char *last_key;      ///< what list() says of the last run of a page; NULL: ""
     api_submission submitted;  ///< last accepted, without its buffers

@@ -234,6 +234,24 @@ static void search_order_and_count_reach_the_store(void **state)
     assert_string_equal(ask_daemon.last_query.search, "");
 }
 
+static void conditions_reach_the_store_and_the_next_link(void **state)
+{
+    for (int i = 0; i < 2; i++)
+        ask_add_run(RUN_SUCCEEDED);
+    ask_get("/v1/runs", "where=angle_deg%3E50,mass_kg%3C%3D2&limit=1", NULL, 200);
+    assert_int_equal(ask_daemon.last_query.conditions.n, 2);
+    assert_string_equal(ask_daemon.last_query.conditions.items[1].name, "mass_kg");
+    ask_assert_header("Link", "</v1/runs?limit=1&where=angle_deg%3E50%2Cmass_kg%3C%3D2&cursor=" ID_2
+                              ">; rel=\"next\"");
+    ask_get("/v1/runs", NULL, NULL, 200);
+    assert_int_equal(ask_daemon.last_query.conditions.n, 0);
+    ask_get("/v1/runs", "where=angle_deg", NULL, 400);
+    assert_true(ask_body_has("query parameter 'where': condition 1 must be a name"));
+    ask_daemon.refusal = BF_ELIMIT; // more than the store reads for them
+    ask_get("/v1/runs", "where=angle_deg%3E50", NULL, 400);
+    assert_true(ask_body_has("there is too much to read"));
+}
+
 static void times_of_acceptance_reach_the_store_and_the_next_page(void **state)
 {
     for (int i = 0; i < 2; i++)
@@ -443,6 +461,7 @@ int main(void)
         ASK_TEST(lines_are_listed_with_a_link_to_the_next),
         ASK_TEST(filters_reach_the_store_and_the_next_link),
         ASK_TEST(search_order_and_count_reach_the_store),
+        ASK_TEST(conditions_reach_the_store_and_the_next_link),
         ASK_TEST(times_of_acceptance_reach_the_store_and_the_next_page),
         ASK_TEST(a_cursor_of_another_order_is_refused),
         ASK_TEST(orders_that_there_are_not_name_those_that_there_are),
