@@ -172,7 +172,7 @@ static void note_heap(findings *f, const layout *of)
     if (isfinite(width))
         note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
              of->opening.index);
-    if (isfinite(width) && of->n_plates == 1 && of->bends.value > 0.0)
+    if (isfinite(width) && of->n_plates == 1 && of->least_bends > 0.0)
         note(f, VALIDITY_LANE, width, "/obstacles/%zu", of->opening.index);
     const bool queues = f->s->n_feeds == 0 || f->rate >= QUEUES * full_rate(f, of);
     if (queues && isfinite(of->stagger.value))

@@ -389,6 +389,7 @@ static double angle_of(vec2 direction, vec2 belt)
     return atan2(fabs(vec2_cross(direction, belt)), fabs(vec2_dot(direction, belt))) * 180.0 / M_PI;
 }
 
+/// After measure_plates().
 static void measure_bends(const measuring *m, layout *out)
 {
     double n_bends = 0.0;
@@ -403,6 +404,8 @@ static void measure_bends(const measuring *m, layout *out)
             n_bends++;
         if (n_bends > out->bends.value)
             out->bends = (layout_figure){ n_bends, p->obstacle };
+        if (out->n_plates > 0 && p->obstacle == out->least.index)
+            out->least_bends = n_bends;
     }
 }
 
@@ -563,8 +566,8 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
         measure_openings(&m);
         out.opening = m.opening;
         out.gap = m.gap;
-        measure_bends(&m, &out);
         measure_plates(&m, &out);
+        measure_bends(&m, &out);
         measure_free_ends(&m, &out);
         measure_stagger(&m, &out);
         measure_walls(&m, &out);

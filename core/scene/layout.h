@@ -49,7 +49,8 @@ typedef struct layout {
     size_t n_guides;        ///< obstacles whose pieces all run along their belts
     layout_figure least;    ///< smallest angle of such a piece; index of the obstacle
     layout_figure greatest; ///< largest angle of such a piece; index of the obstacle
-    layout_figure bends;    ///< most bends of a plate; index of the obstacle
+    layout_figure bends;    ///< most bends of an obstacle, guides too; its index
+    double least_bends;     ///< bends of the plate with the smallest angle
     layout_figure opening;  ///< the narrowest, m, INFINITY: none; index of an obstacle at it
     layout_figure gap;      ///< the same of gaps that no part fits through
     layout_figure stagger;  ///< of the two nearest to each other, m, INFINITY: no two; index of one

@@ -105,21 +105,26 @@ static void a_feed_that_fills_its_belt_was_not_compared(void **state)
     }
 }
 
-// A plate at 45 degrees goes on along the belt, 4.5 or 6 diameters beside the wall.
+// A plate at 45 degrees goes on along the belt, 4.5 or 6 diameters beside the wall; or it ends there. A guide elsewhere bends.
 static void a_narrow_lane_beside_a_plate_was_not_compared(void **state)
 {
-    static const double widths[] = { 0.108, 0.144 };
+    static const struct {
+        double width;
+        size_t n_points;
+    } plates[] = { { 0.108, 3 }, { 0.144, 3 }, { 0.108, 2 } };
+    static const vec2 guide[] = { { 0.75, 0.3 }, { 0.85, 0.30015 }, { 0.95, 0.3 } };
 
     (void)state;
-    for (int k = 0; k < 2; k++) {
-        const double tip = 0.6 - widths[k];
+    for (int k = 0; k < 3; k++) {
+        const double tip = 0.6 - plates[k].width;
         const vec2 path[] = { { 0.2, 0.0 }, { 0.2 + tip, tip }, { 0.5 + tip, tip } };
         scene s;
         make_plate(&s, 45.0, 0.2);
-        helper_scene_add_obstacle(&s, path, 3, SCENE_SEALED);
+        helper_scene_add_obstacle(&s, path, plates[k].n_points, SCENE_SEALED);
         memory_free(s.obstacles[0].path);
         s.obstacles[0] = s.obstacles[1];
         s.n_obstacles = 1;
+        helper_scene_add_obstacle(&s, guide, 3, SCENE_SEALED);
         const validity_item item = find_congested(&s, VALIDITY_LANE);
         assert_int_equal(item.figure == VALIDITY_LANE, k == 0);
         if (k == 0)

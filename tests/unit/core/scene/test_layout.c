@@ -172,7 +172,7 @@ static void a_bent_plate_has_the_angles_of_its_pieces(void **state)
     assert_int_equal(of.n_pieces, 2);
     assert_angles(&of, 45.0, atan(2.0) * 180.0 / M_PI);
     assert_near(of.opening.value, 0.2, 1e-12);
-    assert_true(of.bends.value == 1.0);
+    assert_true(of.bends.value == 1.0 && of.least_bends == 1.0);
     make_belt(&s, east[0], east[1]);
     helper_scene_add_obstacle(&s, straight, 3, SCENE_SEALED);
     assert_true(measure(&s).bends.value == 0.0);
