@@ -1,6 +1,7 @@
 // Modules of the page that compute, against the daemon and against values that are derived.
 
 import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
 import test from "node:test";
 
 import { lineOf } from "../../web/src/board/lines.js";
@@ -359,6 +360,24 @@ test("the trials of a point have a mean and its 95 % interval by Student's distr
   const trial = (point, model, values) => ({ point, model, parameters: { "/a": point }, values });
   const points = pointsOf([trial(0, "macro", { f: 1 }), trial(0, "micro", { f: 3 }), trial(0, "macro", { f: 3 }), trial(1, "macro", {})], "f");
   assert.deepEqual(points.map(({ point, model, n, mean: m }) => [point, model, n, m]), [[0, "macro", 2, 2], [0, "micro", 1, 3]]);
+});
+
+test("folders of modules do not need each other in a circle", () => {
+  const root = new URL("../../web/src/", import.meta.url);
+  const files = readdirSync(root, { recursive: true }).filter((name) => name.endsWith(".js") && name.includes("/"));
+  const needs = new Map();
+  for (const file of files) {
+    const [folder] = file.split("/");
+    for (const [, target] of readFileSync(new URL(file, root), "utf8").matchAll(/^(?:import|export) [^;]*from "\.\.\/(\w+)\/[^"]*";$/gm)) {
+      needs.set(folder, (needs.get(folder) ?? new Set()).add(target));
+    }
+  }
+  assert.ok(needs.get("runs").has("base"));
+  const follow = (folder, way) => {
+    assert.ok(!way.includes(folder), [...way, folder].join(" needs "));
+    for (const next of needs.get(folder) ?? []) follow(next, [...way, folder]);
+  };
+  for (const folder of needs.keys()) follow(folder, []);
 });
 
 test("a search is a text, or conditions on numbers in a planner's words or the members' names", () => {

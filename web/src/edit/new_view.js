@@ -17,9 +17,9 @@ import { fileButton } from "../compare/measured.js";
 import { saveBlob } from "../player/picture.js";
 import { segments } from "../player/transport.js";
 import { nameOfVariant } from "../scenario/differences.js";
-import { ScenarioSource } from "../scenario/scenario_source.js";
 import { JsonEditor } from "./json_editor.js";
 import { ScenarioForm } from "./scenario_form.js";
+import { ScenarioSource } from "./scenario_source.js";
 import { SceneEditor } from "./scene_editor.js";
 
 const JUDGE_AFTER_MS = 350;

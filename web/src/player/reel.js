@@ -1,6 +1,6 @@
 // The snapshots of one run in their order of time: what to show at a time, and what to fetch for it.
 
-import { indexBefore } from "../plot/series.js";
+import { indexBefore } from "../base/search.js";
 
 const AHEAD_BYTES = 48e6; // of each run
 const AHEAD_MAX = 48; // snapshots

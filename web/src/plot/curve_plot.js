@@ -5,10 +5,11 @@ import uPlot from "uplot";
 
 import { h, setText, strokeMark } from "../base/dom.js";
 import { fixed, number } from "../base/format.js";
+import { indexBefore } from "../base/search.js";
 import { color, onTheme } from "../base/theme.js";
 import { axisOf, longest } from "./plot_axis.js";
 import { saveButtons } from "./plot_file.js";
-import { indexBefore, valueAt } from "./series.js";
+import { valueAt } from "./series.js";
 
 // A piece of the curve.
 function markOf({ color: name, dash, points }) {

@@ -1,16 +1,6 @@
 // Curves: samples in rising times.
 
-// Index of the last item whose key is not after t, or -1.
-export function indexBefore(items, t, key = (item) => item) {
-  let low = -1;
-  let high = items.length - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (key(items[middle]) <= t) low = middle;
-    else high = middle - 1;
-  }
-  return low;
-}
+import { indexBefore } from "../base/search.js";
 
 // The value of a curve at t, on straight lines between its samples; null before its first sample.
 export function valueAt(times, values, t) {

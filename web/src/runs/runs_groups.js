@@ -4,11 +4,11 @@ import { getJson, isOver, listRuns, listStudies } from "../base/api.js";
 import { h, iconButton, link, setText } from "../base/dom.js";
 import { age, moment } from "../base/format.js";
 import { address } from "../base/router.js";
+import { statePill } from "../base/run_words.js";
 import { parameterAt } from "../scenario/parameters.js";
 import { figureNames, figureUnit } from "../study/figures.js";
 import { methodWords, nameOfStudy, parametersWords, spreadOf, trialsWords, valueWords } from "../study/study_words.js";
 import { columns } from "./runs_columns.js";
-import { statePill } from "./runs_table.js";
 
 const LIMIT = 50; // studies of a page, and runs that an open study shows
 

@@ -5,23 +5,8 @@ import { isOver } from "../base/api.js";
 import { h, iconButton, link, setText } from "../base/dom.js";
 import { age, moment, nameOf } from "../base/format.js";
 import { address } from "../base/router.js";
+import { lineLink, statePill, suspicion } from "../base/run_words.js";
 import { columns, titleOfLabel } from "./runs_columns.js";
-
-export const suspicion = "These results may be wrong. Submit the line again to have it solved anew.";
-
-export function statePill(run) {
-  const pill = h("span", { class: "pill" }, h("i", { class: "dot" }), h("span"));
-  return { pill, show: (current) => {
-    pill.dataset.state = current.status;
-    setText(pill.lastChild, current.status);
-    pill.title = current.error?.detail ?? "";
-  } };
-}
-
-// Where a run's or a study's line is shown: a link, with the run's version of it. A list without one where it has no line.
-export function lineLink({ line, line_version: version }) {
-  return line ? [link(address("runs", "", { line }), version ? `${line}, version ${version}` : line)] : [];
-}
 
 export class RunRow {
   // actions: { onStar, onCancel, onRemove, onSelect }.

@@ -1,7 +1,7 @@
 // What the equipment of a scenario does at a time: how plates are turned and shifted, which of them are there, the states of
 // photo eyes, and which belts are down.
 
-import { indexBefore } from "../plot/series.js";
+import { indexBefore } from "../base/search.js";
 
 const mix = (a, b, share) => (Array.isArray(a) ? a.map((value, k) => mix(value, b[k], share)) : a + (b - a) * share);
 

@@ -4,7 +4,7 @@ import { listStudies } from "../base/api.js";
 import { h, link } from "../base/dom.js";
 import { age, moment } from "../base/format.js";
 import { address } from "../base/router.js";
-import { statePill } from "../runs/runs_table.js";
+import { statePill } from "../base/run_words.js";
 import { methodWords, nameOfStudy, trialsWords } from "./study_words.js";
 
 const PERIOD_MS = 2000;
