@@ -165,6 +165,20 @@ test("things are doubled, mirrored, turned and deleted; rules are told in words 
   await assertAccessible(page, "the board");
 });
 
+test("curves and figures are saved as the reader's spreadsheet opens them", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(tiny());
+  await d.reached(run.id, "succeeded");
+  const page = await openPage(t, d, { locale: "de-DE" });
+  await visit(page, `#/runs/${run.id}`);
+  const link = page.getByRole("link", { name: "Curve, CSV 1,5" });
+  const [download] = await Promise.all([page.waitForEvent("download"), link.click()]);
+  const [head, first, second] = readFileSync(await download.path(), "utf8").split("\r\n");
+  assert.match(head, /^\uFEFFt_s;/);
+  assert.match(first, /^0;1(;|$)/);
+  assert.match(second, /^0,01/);
+});
+
 test("a decimal comma is read, and what may mean two numbers is refused", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d, { locale: "de-DE" });

@@ -2,8 +2,8 @@
 // comes from and by which version. A browser prints it as PDF.
 
 import { h, link } from "../base/dom.js";
+import { saveBlob } from "../base/files.js";
 import { moment } from "../base/format.js";
-import { saveBlob } from "../player/picture.js";
 
 const CONTROLS = "button, select, input, label, .button, .segments, .transport, [hidden], .hidden, .scene-row, .scale, .drop, .row.hint, .of-screen, progress";
 

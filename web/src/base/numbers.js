@@ -4,7 +4,7 @@
 
 const MARKS = [".", ","];
 
-const usesComma = () => new Intl.NumberFormat(globalThis.navigator?.language).format(0.5).includes(",");
+export const usesComma = () => new Intl.NumberFormat(globalThis.navigator?.language).format(0.5).includes(",");
 
 const bare = (text) => text.replace(/[\s'’]/g, "").replace(/^−/, "-");
 

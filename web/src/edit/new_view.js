@@ -4,6 +4,7 @@
 
 import { getJson, post, Problem } from "../base/api.js";
 import { h } from "../base/dom.js";
+import { saveBlob } from "../base/files.js";
 import { fileNameOf, quantity, span } from "../base/format.js";
 import { formatJson } from "../base/json_text.js";
 import { readNumber } from "../base/numbers.js";
@@ -14,7 +15,6 @@ import { lineOf, newLineId, saveLine } from "../board/lines.js";
 import { loadSchemas } from "../board/schema.js";
 import { Underlay } from "../board/underlay.js";
 import { fileButton } from "../compare/measured.js";
-import { saveBlob } from "../player/picture.js";
 import { segments } from "../player/transport.js";
 import { nameOfVariant } from "../scenario/differences.js";
 import { JsonEditor } from "./json_editor.js";

@@ -1,6 +1,7 @@
 // What is seen, as one picture for a report: each belt with its name and time, and the scale of colours.
 
-import { h, link } from "../base/dom.js";
+import { h } from "../base/dom.js";
+import { saveBlob } from "../base/files.js";
 import { number } from "../base/format.js";
 import { color } from "../base/theme.js";
 import { cssColor } from "./colormap.js";
@@ -74,12 +75,6 @@ export function drawPicture(scene, canvas = h("canvas")) {
   });
   if (scene.scale) drawScale(context, scene.scale, height - SCALE * ratio, width, ratio);
   return canvas;
-}
-
-export function saveBlob(blob, name) {
-  const url = URL.createObjectURL(blob);
-  link(url, "", { download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
 export async function savePicture(scene, name) {

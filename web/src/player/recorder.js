@@ -1,7 +1,8 @@
 // A film of what is seen while the clock runs, as MP4 or, where the browser makes none, as WebM: each frame is drawn as a picture
 // onto one canvas, and the browser records that.
 
-import { drawPicture, saveBlob } from "./picture.js";
+import { saveBlob } from "../base/files.js";
+import { drawPicture } from "./picture.js";
 
 const FRAMES_PER_S = 30;
 const BITS_PER_S = 8e6;

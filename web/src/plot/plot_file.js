@@ -1,9 +1,9 @@
 // A plot as a file, for a paper or a slide: its curves as SVG, to be worked on, or as a PNG of what is seen.
 
 import { h, iconButton, svg } from "../base/dom.js";
+import { saveBlob } from "../base/files.js";
 import { fileNameOf, number } from "../base/format.js";
 import { color } from "../base/theme.js";
-import { saveBlob } from "../player/picture.js";
 import { ticksOf } from "../player/scenery.js";
 
 const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM, ROW] = [900, 440, 70, 20, 16, 46, 20];

@@ -4,8 +4,10 @@ import { copy } from "../actions/run_actions.js";
 import { currentToken, isGuest } from "../base/access.js";
 import { ticketed } from "../base/api.js";
 import { h, iconButton, link } from "../base/dom.js";
+import { saveWithCommas } from "../base/files.js";
 import { fixed, modelOf, moment, number, parts, percent, quantity, readable, span } from "../base/format.js";
 import { formatJson } from "../base/json_text.js";
+import { usesComma } from "../base/numbers.js";
 import { tellFault } from "../base/toast.js";
 
 function facts(rows) {
@@ -127,6 +129,8 @@ export function scenarioPanel({ scenario, id }) {
       iconButton("copy", "Copy the JSON", () => copy(text, code), { shown: true })));
 }
 
+const WITH_COMMAS = "CSV 1,5"; // as the reader's spreadsheet opens it
+
 // What can be had of a run: name, what it is, address below the run, name of the file.
 function offers(data, n) {
   const number6 = String(n).padStart(6, "0");
@@ -144,7 +148,7 @@ function offers(data, n) {
     ["Summary", "JSON", "summary", "summary.json"],
     ["Scenario", "JSON", "scenario", "scenario.json"],
     data.run.links.results ? ["Everything", "ZIP", "results.zip", "results.zip"] : null,
-  ].filter(Boolean);
+  ].filter(Boolean).flatMap((one) => (one[1] === "CSV" && usesComma() ? [one, [one[0], WITH_COMMAS, one[2], one[3]]] : [one]));
 }
 
 export class DownloadsPanel {
@@ -178,7 +182,7 @@ export class DownloadsPanel {
       this.showCurl();
     };
     this.links = items.map(([what, format], k) => link("#", format, { "aria-label": `${what}, ${format}`,
-      on: { focus: () => show(k), pointerenter: () => show(k), click: (event) => this.save(event) } }));
+      on: { focus: () => show(k), pointerenter: () => show(k), click: (event) => this.save(event, format) } }));
     const groups = new Map();
     items.forEach(([what], k) => groups.set(what, [...(groups.get(what) ?? []), this.links[k]]));
     this.list.append(
@@ -200,12 +204,17 @@ export class DownloadsPanel {
     this.curl.textContent = `curl -sS${header} -o ${dataset.file} '${href}'`;
   }
 
-  // A link that is clicked is fetched without our headers, so with a token by an address that has a ticket.
-  async save(event) {
-    if (currentToken() === null) return;
+  // A link that is clicked is fetched without our headers, so with a token by an address that has a ticket. What the page makes
+  // of an answer it fetches itself.
+  async save(event, format) {
+    if (currentToken() === null && format !== WITH_COMMAS) return;
     event.preventDefault();
     const chosen = event.currentTarget;
     try {
+      if (format === WITH_COMMAS) {
+        await saveWithCommas(chosen.getAttribute("href"), chosen.dataset.file);
+        return;
+      }
       link(await ticketed(chosen.getAttribute("href")), "", { download: chosen.dataset.file }).click();
     } catch (error) {
       tellFault(error);

@@ -6,7 +6,9 @@ import { saveReport } from "../actions/report.js";
 import { isGuest } from "../base/access.js";
 import { ask, isOver, patch, post, ticketed } from "../base/api.js";
 import { h, iconButton, link, setText } from "../base/dom.js";
+import { saveWithCommas } from "../base/files.js";
 import { age, fileNameOf } from "../base/format.js";
+import { usesComma } from "../base/numbers.js";
 import { address, go, note } from "../base/router.js";
 import { lineLink, statePill } from "../base/run_words.js";
 import { tellFault } from "../base/toast.js";
@@ -221,8 +223,9 @@ export class StudyView {
   }
 
   async download() {
-    const target = await ticketed(`${this.data.path}/trials.csv`);
-    h("a", { href: target, download: `${fileNameOf(this.title)}.csv` }).click();
+    const [target, name] = [`${this.data.path}/trials.csv`, `${fileNameOf(this.title)}.csv`];
+    if (usesComma()) await saveWithCommas(target, name);
+    else h("a", { href: await ticketed(target), download: name }).click();
   }
 
   async remove() {
