@@ -57,7 +57,7 @@ typedef enum validity_figure {
     VALIDITY_SPEED,   ///< of a belt, m/s
     VALIDITY_ACCELERATION, ///< v^2/(2 mu g): belt that the fastest one needs to bring a part to its speed, diameters
     VALIDITY_SCHEDULES, ///< belts whose speed changes in time
-    VALIDITY_COMMANDS,  ///< actions of photo eyes
+    VALIDITY_COMMANDS,  ///< actions of photo eyes, and merges
     VALIDITY_SINKS,     ///< sinks
     VALIDITY_BELTS,     ///< belts that differ in their velocity
     VALIDITY_ARCS,      ///< arcs, those of paths too
