@@ -49,11 +49,11 @@ enum {
     API_CONDITION_NAME_SIZE = 64, ///< bytes of a name with its terminator
 };
 
-/// How the number in the document is to that of the condition.
+/// How the number in the document is to that of the condition; numbers of the same six significant digits are equal.
 typedef enum api_relation {
     API_LESS,     ///< <
     API_AT_MOST,  ///< <=
-    API_EQUAL,    ///< = to six significant digits
+    API_EQUAL,    ///< =
     API_AT_LEAST, ///< >=
     API_GREATER,  ///< >
 } api_relation;

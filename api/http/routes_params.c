@@ -158,7 +158,8 @@ const param routes__run_where = {
             "commas between, a name, "
             "<, <=, =, >= or >, and a number. The name is a member's, or the end of its JSON "
             "pointer; any member of this "
-            "name will do. `angle_deg` is also of a straight plate that is written by its ends, "
+            "name will do; numbers with the same six significant digits are equal. `angle_deg` is "
+            "also of a straight plate that is written by its ends, "
             "`speed_m_s` the speed of a belt",
 };
 

@@ -91,19 +91,22 @@ static bool is_named(const char *pointer, const char *name)
     return n > n_name && pointer[n - n_name - 1] == '/' && strcmp(pointer + n - n_name, name) == 0;
 }
 
+// What was computed, as an angle from two ends, and what was typed are equal to six digits, in all relations.
 static bool is_so(double number, api_relation relation, double limit)
 {
+    const bool is_equal = fabs(number - limit) <= six_digits * fmax(fabs(number), fabs(limit));
+
     switch (relation) {
     case API_LESS:
-        return number < limit;
+        return number < limit && !is_equal;
     case API_AT_MOST:
-        return number <= limit;
+        return number < limit || is_equal;
     case API_EQUAL:
-        return fabs(number - limit) <= six_digits * fmax(fabs(number), fabs(limit));
+        return is_equal;
     case API_AT_LEAST:
-        return number >= limit;
+        return number > limit || is_equal;
     case API_GREATER:
-        return number > limit;
+        return number > limit && !is_equal;
     }
     return false;
 }

@@ -3,8 +3,9 @@
 ///     angle_deg>50, cargo/mass_kg<=2, /duration_s=60
 ///
 /// A name is a member's, or the end of its JSON pointer in whole names; with a slash before it, it is the whole pointer. A
-/// condition holds where any number with this name is so. Two names are of what a document says by other members:
-/// `angle_deg` of a straight plate that is written by its ends, and `speed_m_s` of a belt, |velocity_m_s|.
+/// condition holds where any number with this name is so; numbers with the same six significant digits are equal. Two names are
+/// of what a document says by other members: `angle_deg` of a straight plate that is written by its ends, and `speed_m_s` of a
+/// belt, |velocity_m_s|.
 
 #pragma once
 

@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -47,12 +48,23 @@ static void each_relation_has_its_border(void **state)
     assert_false(hold("duration_s<=59.999"));
 }
 
-// Equal means six digits.
+// Equal means six digits, whichever is the larger one.
 static void what_was_computed_equals_what_is_typed(void **state)
 {
+    static const char *const equal[] = { "0.3500003", "0.3499997" };
+
     (void)state;
-    assert_true(hold("mass_kg=0.3500003"));
+    for (size_t i = 0; i < 2; i++) {
+        const char *const text[] = { "=", "<=", ">=", "<", ">" };
+        for (size_t k = 0; k < 5; k++) {
+            char condition[32];
+            snprintf(condition, sizeof condition, "mass_kg%s%s", text[k], equal[i]);
+            assert_int_equal(hold(condition), k < 3);
+        }
+    }
     assert_false(hold("mass_kg=0.350001"));
+    assert_false(hold("mass_kg>=0.350001"));
+    assert_true(hold("mass_kg<0.350001"));
 }
 
 static void a_name_is_the_end_of_a_pointer_in_whole_names(void **state)
