@@ -159,7 +159,7 @@ test("what the form changes is what is submitted: angle, speed, duration, cell a
   await page.getByLabel("Belt speed").fill("0.3");
   await page.getByLabel("Duration").fill("0.05");
   await page.getByText("Advanced").click();
-  await page.getByLabel("Cell").fill("0.01");
+  await page.getByRole("textbox", { name: "Cell" }).fill("0.01");
   await page.getByLabel("Label").fill("by form");
   await page.getByText("Ready: 6,000 cells, 0.05 s.").waitFor();
   const made = "Example 1, angle 45°, belt speed 0.3 m/s, duration 0.05 s, cell 0.01 m";

@@ -16,7 +16,7 @@ const undisturbed = solve({ after }, interruptible());
 test("kill -9 in the middle: the run ends with the bytes of an undisturbed one (I1, I5)", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 50 });
   const run = await d.submit(interruptible());
-  await d.progressed(run.id, 0.3);
+  await d.progressed(run.id, 0.05); // early, so that its end does not come before the kill
   await d.kill();
   await d.start();
   assert.notEqual((await d.run(run.id)).status, "succeeded");
@@ -53,10 +53,10 @@ test("kill -9 at random moments of a busy life loses no run (I1, I3, I8)", async
 test("a run goes on from its checkpoint, not from the start", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 20 });
   const run = await d.submit(interruptible());
-  await d.progressed(run.id, 0.5);
+  await d.progressed(run.id, 0.3);
   await d.kill();
   await d.start();
-  assert.ok((await d.run(run.id)).progress >= 0.3);
+  assert.ok((await d.run(run.id)).progress >= 0.1);
   const stream = await d.events(run.id);
   const events = await stream.rest();
   let reached = 0;
@@ -70,12 +70,12 @@ test("SIGTERM hands back what runs, and the next start goes on with it", async (
   const d = await daemon(t, { checkpoint_ms: 60_000 });
   const run = await d.submit(interruptible());
   const waiting = await d.submit(tiny());
-  await d.progressed(run.id, 0.3);
+  await d.progressed(run.id, 0.1);
   await d.stop();
   await d.start();
   const back = await d.run(run.id);
   assert.ok(["queued", "running"].includes(back.status), JSON.stringify(back));
-  assert.ok(back.progress >= 0.3, "no checkpoint was taken on the way out");
+  assert.ok(back.progress >= 0.1, "no checkpoint was taken on the way out");
   await d.reached(run.id, "succeeded");
   await d.reached(waiting.id, "succeeded");
   await assertSameResults(d, run.id, await undisturbed);
