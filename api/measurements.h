@@ -1,5 +1,5 @@
-/// Measurements as the services of the API take and return them, and the sizes of what runs, studies and measurements
-/// have in common.
+/// Measurements as the services of the API take and return them, the sizes of what runs, studies and measurements have in
+/// common, and who submits a run or a study.
 
 #pragma once
 

@@ -65,8 +65,11 @@ bf_status handlers__read_sender(const exchange *x, const char *body, size_t n,
     memcpy(sender.owner, x->who.owner, sizeof sender.owner);
     if (x->request->client != NULL)
         snprintf(sender.client, sizeof sender.client, "%s", x->request->client);
-    *ret_sender = sender;
-    return negotiation_read_key(exchange__header(x, "Idempotency-Key"), ret_sender->key, err);
+    const bf_status status =
+        negotiation_read_key(exchange__header(x, "Idempotency-Key"), sender.key, err);
+    if (status == BF_OK)
+        *ret_sender = sender;
+    return status;
 }
 
 void handlers__note_refusal(exchange *x, bf_status status, const api_acceptance *accepted)

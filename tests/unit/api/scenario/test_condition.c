@@ -1,16 +1,11 @@
 // Conditions on numbers of documents: how they are read, and where they hold.
 
 #include "api/scenario/condition.h"
+#include "tests/unit/helper_cmocka.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const char scenario[] =
     "{\"duration_s\":60,\"cargo\":{\"mass_kg\":0.35,\"shape\":{\"type\":\"can\"}},"
@@ -36,7 +31,6 @@ static bool hold(const char *text)
 
 static void each_relation_has_its_border(void **state)
 {
-    (void)state;
     assert_true(hold("duration_s=60"));
     assert_true(hold("duration_s<=60"));
     assert_true(hold("duration_s>=60"));
@@ -53,7 +47,6 @@ static void what_was_computed_equals_what_is_typed(void **state)
 {
     static const char *const equal[] = { "0.3500003", "0.3499997" };
 
-    (void)state;
     for (size_t i = 0; i < 2; i++) {
         const char *const text[] = { "=", "<=", ">=", "<", ">" };
         for (size_t k = 0; k < 5; k++) {
@@ -69,7 +62,6 @@ static void what_was_computed_equals_what_is_typed(void **state)
 
 static void a_name_is_the_end_of_a_pointer_in_whole_names(void **state)
 {
-    (void)state;
     assert_true(hold("cargo/mass_kg<1"));
     assert_true(hold("/cargo/mass_kg<1"));
     assert_false(hold("/mass_kg<1"));
@@ -83,7 +75,6 @@ static void a_name_is_the_end_of_a_pointer_in_whole_names(void **state)
 // The plate of two points has 45 degrees, that of three has none, nor has one that moves (90); the fourth says 75.
 static void angles_of_plates_are_found_however_they_are_written(void **state)
 {
-    (void)state;
     assert_true(hold("angle_deg=45"));
     assert_true(hold("obstacles/0/angle_deg=45"));
     assert_true(hold("angle_deg=75"));
@@ -93,7 +84,6 @@ static void angles_of_plates_are_found_however_they_are_written(void **state)
 
 static void the_speed_of_a_belt_is_the_size_of_its_velocity(void **state)
 {
-    (void)state;
     assert_true(hold("belts/0/speed_m_s=0.5"));
     assert_true(hold("speed_m_s=1"));
     assert_false(hold("speed_m_s>1"));
@@ -101,7 +91,6 @@ static void the_speed_of_a_belt_is_the_size_of_its_velocity(void **state)
 
 static void all_conditions_must_hold_in_any_of_the_documents(void **state)
 {
-    (void)state;
     assert_true(hold("angle_deg>50, throughput_per_h >= 1000 ,incline_deg=5,speed_m_s<0.6"));
     assert_false(hold("angle_deg>50,throughput_per_h>1200"));
     assert_false(hold("angle_deg>80,throughput_per_h>1000"));
@@ -114,7 +103,6 @@ static void what_is_no_document_has_no_numbers(void **state)
     api_conditions conditions;
     bool holds = true;
 
-    (void)state;
     assert_int_equal(condition_list_read("duration_s>=0", &conditions, NULL), BF_OK);
     assert_int_equal(condition_list_hold(&conditions, texts, lengths, 2, &holds, NULL), BF_OK);
     assert_false(holds);
@@ -140,7 +128,6 @@ static void a_fault_says_which_condition(void **state)
     api_conditions conditions = { .n = 3 };
     bf_error err;
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         assert_int_equal(condition_list_read(cases[i].text, &conditions, &err), BF_EINPUT);
         assert_string_equal(err.text, cases[i].fault);
