@@ -47,6 +47,19 @@ test("a rule says which kind its photo eye sees, and follows another id of it, a
   assert.deepEqual(scenario.counters, [{ kind: "glass" }, { kind: "can" }, {}]);
 });
 
+test("a merge is called by its lanes and its limits, also while it is written", () => {
+  const lanes = [{ belt: "a", photo_eye: "e" }, { belt: "b", photo_eye: "f" }];
+  const called = (merge) => nameOfThing({ merges: [{ id: "m", ...merge }] }, null, "merges", 0);
+  assert.equal(called({ lanes }), "m: a, b in turn, 1 part each");
+  assert.equal(called({ lanes, order: "priority", parts: 5 }), "m: a, b by priority, 5 parts each");
+  assert.equal(called({ lanes, time_s: 8 }), "m: a, b in turn, 8 s each");
+  assert.equal(called({ lanes, parts: 5, time_s: 8 }), "m: a, b in turn, 5 parts or 8 s each");
+  for (const unfinished of [undefined, null, [null, { belt: "b" }], 5]) assert.match(called({ lanes: unfinished }), /in turn/);
+  const scenario = { merges: [{ lanes: [null, ...lanes.map((lane) => ({ ...lane }))] }, {}] };
+  rename(scenario, "photo_eyes", "f", "g");
+  assert.deepEqual(scenario.merges[0].lanes.map((lane) => lane?.photo_eye), [undefined, "e", "g"]);
+});
+
 test("a line that is called by the name of its scenario has whole characters and 100 bytes at most", () => {
   assert.equal(lineOf(" hall 2 "), "hall 2");
   // 1 and 25 times 4 bytes.

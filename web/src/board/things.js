@@ -140,9 +140,11 @@ function does({ belt, factor, obstacle, turn_deg: turn, shift_m: shift, present,
   return present ? `${obstacle} comes` : `${obstacle} goes`;
 }
 
-function releases({ lanes = [], order, parts, time_s: time }) {
-  const most = [parts ?? (time ? null : 1), time && `${time} s`].map((one) => (typeof one === "number" ? `${one} part${one === 1 ? "" : "s"}` : one));
-  return `${lanes.map(({ belt }) => belt).join(", ")} ${order === "priority" ? "by priority" : "in turn"}, ${most.filter(Boolean).join(" or ")} each`;
+// Without a limit of its own a release is of one part.
+function releases({ lanes, order, parts, time_s: time }) {
+  const most = time ? parts : parts ?? 1;
+  const limits = [most && `${most} part${most === 1 ? "" : "s"}`, time && `${time} s`].filter(Boolean);
+  return `${[lanes].flat().map((lane) => lane?.belt).join(", ")} ${order === "priority" ? "by priority" : "in turn"}, ${limits.join(" or ")} each`;
 }
 
 // What a thing is called: a rule in words, a merge with its rule, all others by their ids.
@@ -160,7 +162,7 @@ export function rename(scenario, list, from, to) {
   for (const share of (scenario.feeds ?? []).flatMap(({ cargo }) => cargo ?? [])) if (share[member] === from) share[member] = to;
   for (const sink of scenario.sinks ?? []) if (list === "kinds" && sink.kinds) sink.kinds = sink.kinds.map((id) => (id === from ? to : id));
   for (const counter of scenario.counters ?? []) if (list === "kinds" && counter.kind === from) counter.kind = to;
-  for (const lane of (scenario.merges ?? []).flatMap(({ lanes }) => lanes ?? [])) if (lane[member] === from) lane[member] = to;
+  for (const lane of (scenario.merges ?? []).flatMap(({ lanes }) => lanes ?? [])) if (lane?.[member] === from) lane[member] = to;
   for (const { when, do: what } of scenario.actions ?? []) {
     for (const part of [when, what]) if (part?.[member] === from) part[member] = to;
   }
