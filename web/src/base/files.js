@@ -13,7 +13,7 @@ export function saveBlob(blob, name) {
 
 // A table as spreadsheets open it where numbers have a decimal comma: with semicolons between the columns.
 export function withDecimalCommas(csv) {
-  const { data } = Papa.parse(csv.trimEnd());
+  const { data } = Papa.parse(csv.trimEnd(), { delimiter: "," }); // or it would be guessed
   const isNumber = (cell) => cell.trim() !== "" && Number.isFinite(Number(cell));
   return `${Papa.unparse(data.map((row) => row.map((cell) => (isNumber(cell) ? cell.replace(".", ",") : cell))), { delimiter: ";" })}\r\n`;
 }
