@@ -197,7 +197,6 @@ static void parts_with_corners_do_not_push_each_other_through_a_funnel(void **st
     const double angle = 45.0 * degree, m = 0.2 - 0.6 * sqrt(8e-4 / M_PI);
     scene s;
 
-    (void)state;
     make_boxes(&s, angle, 2);
     add_plate(&s, (vec2){ 1.0, 1.0 }, beyond((vec2){ 1.0, 1.0 }, 0.2 / sin(angle), -angle));
     assert_near(1.0 - width_lost(&s, 0), 2.0 * m * -expm1(-2.0 * m / arch_of_boxes(angle, 2, 0.15)),

@@ -417,7 +417,6 @@ static void a_field_made_again_is_the_field_of_a_new_scene(void **state)
 {
     bf_random random;
 
-    (void)state;
     random_init(&random, 5);
     for (int round = 0; round < HELPER_AMOUNT(60, 12); round++) {
         scene s;

@@ -8,15 +8,10 @@
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { LANES = 3, NONE = LANES };
 
@@ -63,7 +58,6 @@ static void lanes_are_released_in_turn_and_those_in_which_nothing_waits_are_pass
 {
     three_lanes of;
 
-    (void)state;
     make_lanes(&of, SCENE_MERGE_IN_TURN, 1);
     merges m = merges_of(&of.scene, 0.1);
     assert_int_equal(released(&of, &m, 0), NONE);
@@ -90,7 +84,6 @@ static void by_priority_the_first_lane_of_the_list_that_waits_is_next(void **sta
 {
     three_lanes of;
 
-    (void)state;
     make_lanes(&of, SCENE_MERGE_PRIORITY, 1);
     merges m = merges_of(&of.scene, 0.1);
     for (size_t k = 0; k < LANES; k++)
@@ -111,7 +104,6 @@ static void a_release_ends_by_parts_or_by_time_or_with_its_lane(void **state)
 {
     three_lanes of;
 
-    (void)state;
     make_lanes(&of, SCENE_MERGE_IN_TURN, 3);
     of.merge.time = 1.0;
     merges m = merges_of(&of.scene, 0.1);
@@ -134,7 +126,6 @@ static void a_gap_passes_from_one_release_to_the_next(void **state)
 {
     three_lanes of;
 
-    (void)state;
     make_lanes(&of, SCENE_MERGE_IN_TURN, 1);
     of.merge.gap = 0.5;
     merges m = merges_of(&of.scene, 0.1);
@@ -233,7 +224,6 @@ static void two_lanes_that_wait_come_in_batches_and_stops_change_no_bit(void **s
     static const run_model models[] = { RUN_MICRO, RUN_MACRO };
     double came[2][2];
 
-    (void)state;
     for (int m = 0; m < 2; m++) {
         scene s;
         make_merge(&s);

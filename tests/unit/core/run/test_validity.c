@@ -84,7 +84,6 @@ static void a_feed_that_fills_its_belt_was_not_compared(void **state)
 {
     static const double shares[] = { 0.79, 0.81 };
 
-    (void)state;
     for (int k = 0; k < 4; k++) {
         scene s;
         make_plate(&s, 45.0, 0.2);
@@ -114,7 +113,6 @@ static void a_narrow_lane_beside_a_plate_was_not_compared(void **state)
     } plates[] = { { 0.108, 3 }, { 0.144, 3 }, { 0.108, 2 } };
     static const vec2 guide[] = { { 0.75, 0.3 }, { 0.85, 0.30015 }, { 0.95, 0.3 } };
 
-    (void)state;
     for (int k = 0; k < 3; k++) {
         const double tip = 0.6 - plates[k].width;
         const vec2 path[] = { { 0.2, 0.0 }, { 0.2 + tip, tip }, { 0.5 + tip, tip } };
@@ -136,7 +134,6 @@ static void the_end_of_a_heap_alone_was_not_compared(void **state)
 {
     scene s;
 
-    (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.warmup = 2.0;
     assert_only(&s, VALIDITY_WARM_UP, 2.0, "/warmup_s");

@@ -3,15 +3,10 @@
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_faults.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 enum { LANES = 3 };
 
