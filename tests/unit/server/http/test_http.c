@@ -211,6 +211,13 @@ static void *release_later(void *context)
     return NULL;
 }
 
+// One thread reads, one handles.
+static void one_thread_each(http_options *options)
+{
+    options->n_threads = 1;
+    options->n_request_threads = 1;
+}
+
 static void requests_under_way_are_answered_when_the_server_stops(void **state)
 {
     enum { N = 8 };
@@ -218,14 +225,14 @@ static void requests_under_way_are_answered_when_the_server_stops(void **state)
     pthread_t releaser;
     int fds[N];
 
-    server = fake_serve(&server_services, one_request_thread);
+    server = fake_serve(&server_services, one_thread_each);
     fake_hold(&server_services, FAKE_HELD_LIST);
     for (int i = 0; i < N; i++) {
         fds[i] = client_connect(http_port(server));
         assert_true(client_send(fds[i], "GET /v1/runs HTTP/1.1\r\n" HOST "\r\n"));
     }
     HELPER_AWAIT(metrics_value(METRICS_REQUESTS_NOW, 0) == n_before + N);
-    // The thread that has counted the last request puts it into the queue before it answers this one.
+    // The thread that has counted the last request puts it into the queue before it answers this one: it is the only one that reads.
     assert_int_equal(
         client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
     assert_int_equal(pthread_create(&releaser, NULL, release_later, &server_services), 0);
