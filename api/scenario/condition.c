@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double six_digits = 1e-6, degrees = 180.0 / 3.14159265358979323846;
+static const double six_digits = 1e-6;
 
 static const char *skip_blanks(const char *text)
 {
@@ -144,7 +144,8 @@ static void note_derived(number_search *s, const json_t *object)
 
     if (json_array_size(path) == 2 && json_object_get(object, "motion") == NULL &&
         read_pair(json_array_get(path, 0), from) && read_pair(json_array_get(path, 1), to))
-        note_said_otherwise(s, "angle_deg", degrees * atan2(to[1] - from[1], to[0] - from[0]));
+        note_said_otherwise(s, "angle_deg",
+                            number_to_degrees(atan2(to[1] - from[1], to[0] - from[0])));
     if (read_pair(json_object_get(object, "velocity_m_s"), velocity))
         note_said_otherwise(s, "speed_m_s", hypot(velocity[0], velocity[1]));
 }

@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/macro/swept_cells.h"
 #include "core/scene/plate_range.h"
+#include "core/scene/scene.h"
 
 #include <float.h>
 #include <math.h>
@@ -86,16 +87,6 @@ static void find_places(const moving_field *p, double t, place *ret_places)
                                  plate_motion_is_present(p->motion, k, t) ? 1.0 : 0.0 };
 }
 
-static scene_rect box_of(const vec2 *path, size_t n)
-{
-    scene_rect box = { path[0].x, path[0].x, path[0].y, path[0].y };
-
-    for (size_t k = 1; k < n; k++)
-        box = (scene_rect){ fmin(box.x_min, path[k].x), fmax(box.x_max, path[k].x),
-                            fmin(box.y_min, path[k].y), fmax(box.y_max, path[k].y) };
-    return box;
-}
-
 // Makes `now` the scene with these places, and the field that of `now`; all of it, or what has changed.
 static void set_places(moving_field *p, const place *places, bool is_all)
 {
@@ -111,7 +102,7 @@ static void set_places(moving_field *p, const place *places, bool is_all)
         of->place = places[k];
         for (size_t m = 0; m < s->obstacles[k].n_points; m++)
             of->path[m] = plate_motion_move(&pose, s->obstacles[k].path[m]);
-        of->around = box_of(of->path, s->obstacles[k].n_points);
+        of->around = scene_rect_around(of->path, s->obstacles[k].n_points);
         if (places[k].presence == 1.0) {
             p->obstacles[p->now.n_obstacles] = s->obstacles[k];
             p->obstacles[p->now.n_obstacles++].path = of->path;

@@ -60,17 +60,11 @@ static void check_arc(const scene_belt *belt, const char *pointer, bf_faults *fa
 static scene_rect bounds_of(const scene_belt *belt)
 {
     const double outer = belt->arc.outer_radius;
-    const vec2 first = belt->arc.is_given ? belt->centre : belt->polygon[0];
-    scene_rect all = { first.x, first.x, first.y, first.y };
+    const vec2 centre = belt->centre;
 
-    if (belt->arc.is_given)
-        return (scene_rect){ first.x - outer, first.x + outer, first.y - outer, first.y + outer };
-    for (size_t k = 1; k < belt->n_points; k++) {
-        const vec2 at = belt->polygon[k];
-        all = (scene_rect){ fmin(all.x_min, at.x), fmax(all.x_max, at.x), fmin(all.y_min, at.y),
-                            fmax(all.y_max, at.y) };
-    }
-    return all;
+    if (!belt->arc.is_given)
+        return scene_rect_around(belt->polygon, belt->n_points);
+    return (scene_rect){ centre.x - outer, centre.x + outer, centre.y - outer, centre.y + outer };
 }
 
 /// The others that may lie within a margin of a belt or section with an outline: the indices of *ret_n. Returns the steps to look

@@ -669,3 +669,13 @@ double scene_macro_step(const scene *s)
                ? scene_fit_step(s, fmin(scene_step_stable(s), turning), false)
                : scene_fit_step(s, fmin(scene_step_positive(s), turning), true);
 }
+
+scene_rect scene_rect_around(const vec2 *points, size_t n)
+{
+    scene_rect box = { points[0].x, points[0].x, points[0].y, points[0].y };
+
+    for (size_t k = 1; k < n; k++)
+        box = (scene_rect){ fmin(box.x_min, points[k].x), fmax(box.x_max, points[k].x),
+                            fmin(box.y_min, points[k].y), fmax(box.y_max, points[k].y) };
+    return box;
+}

@@ -126,3 +126,6 @@ double scene_step_positive(const scene *s);
 
 /// The largest step in which no point of an obstacle that turns moves by more than a cell, s; INFINITY: none turns.
 double scene_step_turning(const scene *s);
+
+/// The least rectangle that holds n >= 1 points.
+scene_rect scene_rect_around(const vec2 *points, size_t n);

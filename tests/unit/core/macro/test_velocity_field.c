@@ -377,17 +377,6 @@ static void the_field_on_a_grid_is_the_plain_rule_at_every_face(void **state)
 
 enum { RAIL_POINTS = 3 }; ///< of a rail along an arc, whose long chords spread q far
 
-/// A rectangle that holds a path.
-static scene_rect around_path(const vec2 *path, size_t n)
-{
-    scene_rect box = { path[0].x, path[0].x, path[0].y, path[0].y };
-
-    for (size_t k = 1; k < n; k++)
-        box = (scene_rect){ fmin(box.x_min, path[k].x), fmax(box.x_max, path[k].x),
-                            fmin(box.y_min, path[k].y), fmax(box.y_max, path[k].y) };
-    return box;
-}
-
 /// A random scene with moving obstacles. With an arc there are rails along it. Paths of as many points as these have are moved towards the origin,
 /// the centre of the arc, or away.
 static void draw_moving_scene(scene *s, bf_random *random, int round)
@@ -405,8 +394,8 @@ static void draw_moving_scene(scene *s, bf_random *random, int round)
     }
     // Beside the middle of the first rail's first chord, which gives fewer corners its q then.
     const vec2 toward = { cos(0.41), sin(0.41) };
-    const vec2 stub[] = { vec2_scale(toward, 0.268), vec2_scale(toward, 0.278) };
-    (void)helper_scene_add_obstacle(s, stub, 2, SCENE_WALL);
+    const vec2 short_rail[] = { vec2_scale(toward, 0.268), vec2_scale(toward, 0.278) };
+    (void)helper_scene_add_obstacle(s, short_rail, 2, SCENE_WALL);
     helper_scene_resolve(s);
     for (size_t k = 0; k < s->n_obstacles; k++)
         s->obstacles[k].is_commanded = k + 1 == s->n_obstacles || random_bits(random) % 2 == 0;
@@ -435,7 +424,7 @@ static void a_field_made_again_is_the_field_of_a_new_scene(void **state)
                 scene_obstacle *o = &s.obstacles[k];
                 const bool changes = o->is_commanded && random_bits(&random) % 3 != 0;
                 const double most = random_bits(&random) % 4 == 0 ? 0.3 : 0.5 * s.macro.cell;
-                scene_rect box = around_path(o->path, o->n_points);
+                scene_rect box = scene_rect_around(o->path, o->n_points);
                 if (changes && random_bits(&random) % 4 == 0)
                     is_there[k] = !is_there[k];
                 const double wider = helper_scene_draw(&random, 0.85, 1.15, 1e-3);
@@ -446,7 +435,7 @@ static void a_field_made_again_is_the_field_of_a_new_scene(void **state)
                             : vec2_add(o->path[m],
                                        (vec2){ helper_scene_draw(&random, -most, most, 1e-4),
                                                helper_scene_draw(&random, -most, most, 1e-4) });
-                const scene_rect after = around_path(o->path, o->n_points);
+                const scene_rect after = scene_rect_around(o->path, o->n_points);
                 box = (scene_rect){ fmin(box.x_min, after.x_min), fmax(box.x_max, after.x_max),
                                     fmin(box.y_min, after.y_min), fmax(box.y_max, after.y_max) };
                 if (changes && (is_there[k] || was_there[k]))
