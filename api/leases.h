@@ -1,6 +1,6 @@
 /// Leases: how workers on other machines take jobs from the service, and send what solving them gives. A job is one
 /// attempt at one run. A worker leases several at once, solves them, delivers the bytes of each one's frames
-/// (core/run/frame.h) in order, and renews its lease; one that is silent for API_LEASE_EXPIRES_S is over, and others
+/// (core/observe/frame.h) in order, and renews its lease; one that is silent for API_LEASE_EXPIRES_S is over, and others
 /// get its jobs.
 
 #pragma once

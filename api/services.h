@@ -19,11 +19,11 @@
 #include "api/run_state.h"
 #include "api/snapshots.h"
 #include "api/studies.h"
+#include "core/advice/prediction.h"
 #include "core/base/buffer.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
-#include "core/run/columns.h"
-#include "core/run/prediction.h"
+#include "core/observe/columns.h"
 #include "core/run/run.h"
 
 #include <stddef.h>
@@ -81,7 +81,7 @@ typedef enum api_text {
 
 /// The stored part of a curve. Zero-initialise; api_curve_fini().
 typedef struct api_curve {
-    bf_buffer columns; ///< of core/run/columns.h, "id,...,left_domain,..."
+    bf_buffer columns; ///< of core/observe/columns.h, "id,...,left_domain,..."
     size_t n;          ///< samples
     size_t n_columns;  ///< columns without t
     bf_buffer t;       ///< n doubles, s

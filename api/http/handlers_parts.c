@@ -5,7 +5,7 @@
 #include "api/results/array_file.h"
 #include "api/results/results.h"
 #include "api/results/results_files.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 
 #include <inttypes.h>
 

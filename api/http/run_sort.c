@@ -3,7 +3,7 @@
 #include "api/json/number.h"
 #include "api/json/text.h"
 #include "core/base/check.h"
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-// Schemas of key figures, from their table (core/figures/figure.h).
+// Schemas of key figures, from their table (core/observe/figure.h).
 
 #include "api/openapi/openapi_priv.h"
 

@@ -6,7 +6,7 @@
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
-#include "core/run/columns.h"
+#include "core/observe/columns.h"
 #include "core/scene/regime.h"
 
 #include <jansson.h>
@@ -20,15 +20,15 @@ static const double two_sided_95 = 1.96; // of the normal distribution
 static const double chance_told = 0.005; // of the mean of what arrives
 static const double nothing = 1e-9;      // relative: figures are written with 12 digits
 
-static bf_status review_side(const scene *s, compare_side *side, bf_error *err)
+static bf_status advise_side(const scene *s, compare_side *side, bf_error *err)
 {
-    run_review *review = memory_alloc(1, sizeof *review);
+    advice *given = memory_alloc(1, sizeof *given);
 
-    if (review == NULL)
+    if (given == NULL)
         return bf_fail_memory(err);
-    const bf_status status = run_review_of(s, side->model, review, err);
-    side->is_compared = status == BF_OK && review->validity.is_compared;
-    memory_free(review);
+    const bf_status status = advice_of(s, side->model, given, err);
+    side->is_compared = status == BF_OK && given->validity.is_compared;
+    memory_free(given);
     return status;
 }
 
@@ -75,7 +75,7 @@ static bf_status make_side(run_model model, scene *s, const json_t *figures, com
                                 .counted_h = (s->duration - s->warmup) / 3600.0 };
     bf_status status = find_arrivals(s, ret_side, err);
     if (status == BF_OK)
-        status = review_side(s, ret_side, err);
+        status = advise_side(s, ret_side, err);
     s->macro = (scene_macro){ 0 };
     s->micro.integrator = (scene_integrator)0;
     s->micro.path = (scene_path)0;

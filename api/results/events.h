@@ -9,7 +9,7 @@
 #include "api/results/key_figures.h"
 #include "api/services.h"
 #include "core/base/buffer.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 
 #include <stdbool.h>
 

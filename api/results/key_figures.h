@@ -1,4 +1,4 @@
-/// Key figures (core/figures/figure.h) as JSON and CSV. What a run cannot say is left out.
+/// Key figures (core/observe/figure.h) as JSON and CSV. What a run cannot say is left out.
 ///
 ///     {"throughput_per_h": 5400, "residence_s": {"mean": 2.5, "p50": ...}, ...,
 ///      "feeds": [{"id": "infeed", "offered": 240, ...}], "counters": [{"id": ...}], "photo_eyes": [{"id": ...}],
@@ -6,13 +6,13 @@
 ///
 /// `belts` has those that a schedule or a photo eye commands, `outlets` those from which cargo leaves the domain where there
 /// are several; each is left out where there is none.
-/// Ids are taken from the columns of the run's curve (core/run/columns.h), which name all of them.
+/// Ids are taken from the columns of the run's curve (core/observe/columns.h), which name all of them.
 
 #pragma once
 
 #include "api/json/json_out.h"
 #include "core/base/status.h"
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 
 #include <stddef.h>
 

@@ -2,7 +2,7 @@
 
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "core/scene/mix.h"
 
 #include <stdbool.h>

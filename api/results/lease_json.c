@@ -10,7 +10,7 @@
 
 enum {
     SECTION_HEADER = 16,
-    FRAME_ALIGNMENT = 8, // core/run/frame.h
+    FRAME_ALIGNMENT = 8, // core/observe/frame.h
 };
 
 #define WORD(name, word) word,

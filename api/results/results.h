@@ -13,7 +13,7 @@
 #include "api/results/results_files.h"
 #include "api/services.h"
 #include "core/base/buffer.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 
 /// Figures of a run that frames do not carry.
 typedef struct results_timing {

@@ -58,7 +58,7 @@ static size_t find_limited_feed(const run_verdict_subject *of)
 }
 
 // Length of the first belt between the line of a feed and the downstream end of the next plate, from which its queue is
-// measured (core/figures/queue.h), m; INFINITY: there is none.
+// measured (core/observe/queue.h), m; INFINITY: there is none.
 static double find_room(const scene *s, const scene_feed *feed)
 {
     const vec2 middle = vec2_scale(vec2_add(feed->line[0], feed->line[1]), 0.5);
@@ -194,7 +194,7 @@ static bf_status say_fed(const run_verdict_subject *of, verdicts *all, bf_error 
 
     if (!isfinite(through) || of->end->t <= s->warmup)
         return BF_OK;
-    const bf_status status = of->review->model == RUN_MICRO
+    const bf_status status = of->advice->model == RUN_MICRO
                                  ? feed_drawn(s, s->warmup, of->end->t, &offered, err)
                                  : feed_offered(s, s->warmup, of->end->t, &offered, err);
     if (status != BF_OK)
@@ -341,7 +341,7 @@ static const validity_item *find_bridges(const validity *known)
 
 static void say_doubt(const run_verdict_subject *of, verdicts *all)
 {
-    const validity *known = &of->review->validity;
+    const validity *known = &of->advice->validity;
     const bool is_macro = known->subject != VALIDITY_PARTS_MODEL;
 
     if (known->is_compared)
@@ -361,7 +361,7 @@ static void say_doubt(const run_verdict_subject *of, verdicts *all)
 
 bf_status run_verdict_find(const run_verdict_subject *of, verdicts *ret_verdicts, bf_error *err)
 {
-    const validity_item *bridges = find_bridges(&of->review->validity);
+    const validity_item *bridges = find_bridges(&of->advice->validity);
     bf_status status = BF_OK;
 
     if (bridges != NULL) {

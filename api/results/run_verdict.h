@@ -18,18 +18,18 @@
 #pragma once
 
 #include "api/results/verdict.h"
-#include "core/figures/figure.h"
-#include "core/run/run.h"
+#include "core/advice/advice.h"
+#include "core/observe/figure.h"
 
 /// The kind of belt_fills, on which too_early rests (compare_verdict.h).
 #define RUN_VERDICT_BELT_FILLS "belt_fills"
 
 /// What is looked at; all borrowed.
 typedef struct run_verdict_subject {
-    const scene *scene;       ///< resolved
-    const run_review *review; ///< of it, with the model
-    const frame_end *end;     ///< of the run
-    const double *values;     ///< key figures, figure_values() of the scene; NULL: there are none
+    const scene *scene;   ///< resolved
+    const advice *advice; ///< of it, with the model
+    const frame_end *end; ///< of the run
+    const double *values; ///< key figures, figure_values() of the scene; NULL: there are none
 } run_verdict_subject;
 
 /// Add the verdicts about a run. BF_ENOMEM.

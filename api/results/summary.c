@@ -6,6 +6,7 @@
 #include "api/scenario/review_members.h"
 #include "api/scenario/scenario.h"
 #include "api/scenario/scenario_members.h"
+#include "core/base/memory.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -34,8 +35,8 @@ typedef struct summary_view {
     double packing_density;
     bf_grid grid;
     scene_closure closure;
-    run_review review;
-    review_warnings warnings; // with those of the review
+    advice advice;
+    review_warnings warnings; // with those of the advice
     const key_figures *figures;
     verdicts verdicts; // about it
     const char *scenario;
@@ -44,7 +45,7 @@ typedef struct summary_view {
 
 static void collect_warnings(summary_view *of)
 {
-    const unsigned doubts = run_doubts(of->model, &of->end);
+    const unsigned doubts = advice_doubts(of->model, &of->end);
     review_warning *item;
 
     if (of->is_stopped) {
@@ -62,19 +63,19 @@ static void collect_warnings(summary_view *of)
                        "not as throughput.",
                  of->end.parts_fallen);
     }
-    if ((doubts & RUN_DOUBT_DENSITY) != 0) {
+    if ((doubts & ADVICE_DOUBT_DENSITY) != 0) {
         item = review_add(&of->warnings, "/macro", "The jam is denser than real parts can be");
         snprintf(item->meaning, sizeof item->meaning, "It looks shorter than it will be.%s",
-                 of->review.validity.is_compared
+                 of->advice.validity.is_compared
                      ? " The outflow is as for moving parts all the same: for scenarios like this "
                        "one they differed by at most 5 % of the parts."
                      : "");
         snprintf(item->detail, sizeof item->detail,
                  "The largest density, %.4g, is above %.4g of close packing.", of->end.peak,
-                 run_density_trusted);
+                 advice_density_trusted);
     }
-    review_append(&of->warnings, &of->review.warnings);
-    if ((doubts & RUN_DOUBT_OVERLAP) != 0) {
+    review_append(&of->warnings, &of->advice.warnings);
+    if ((doubts & ADVICE_DOUBT_OVERLAP) != 0) {
         item = review_add(&of->warnings, "/micro/modulus_reduction",
                           "The parts were computed softer than they are");
         snprintf(item->meaning, sizeof item->meaning,
@@ -84,7 +85,7 @@ static void collect_warnings(summary_view *of)
                  "Parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a "
                  "smaller modulus_reduction makes them harder.",
                  of->end.largest_overlap, 100.0 * of->end.overlap_share,
-                 100.0 * run_overlap_trusted);
+                 100.0 * advice_overlap_trusted);
     }
 }
 
@@ -241,7 +242,7 @@ static const member summary_members[] = {
            "say so",
            .table = &review_warning_members, .offset_n = AT(warnings.n),
            .limit = REVIEW_WARNINGS_MAX, .flags = MEMBER_OPTIONAL),
-    MEMBER("validity", object, AT(review.validity),
+    MEMBER("validity", object, AT(advice.validity),
            "Whether the model was compared for scenarios like this one; missing in summaries of "
            "versions that did not say so",
            .table = &review_validity_members, .flags = MEMBER_OPTIONAL),
@@ -275,39 +276,44 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
         status = scenario_read_resolved(scenario, n_scenario, &s, err);
     if (status != BF_OK)
         return status;
-    summary_view of = { .model = model,
-                        .solver_version = BELTFLOW_VERSION,
-                        .begin = *begin,
-                        .end = *end,
-                        .timing = *timing,
-                        .n_threads = timing->n_threads,
-                        .is_stopped = end->stopped != 0,
-                        .is_fed = s.n_feeds > 0,
-                        .may_end_early = s.until != SCENE_UNTIL_DURATION,
-                        .n_parts = begin->n_parts + (uint64_t)end->parts_entered,
-                        .may_drop = s.may_drop,
-                        .n_left = run_left(end->parts_start + end->parts_entered, end->parts_end,
-                                           end->parts_fallen),
-                        .work_per_s = work_per_s(model, end, timing),
-                        .packing_density = scene_packing_density(&s),
-                        .grid = scene_grid(&s),
-                        .closure = s.macro.closure,
-                        .figures = figures,
-                        .scenario = scenario,
-                        .n_scenario = n_scenario };
-    status = run_review_of(&s, model, &of.review, err);
+    summary_view *of = memory_alloc(1, sizeof *of);
+    if (of == NULL) {
+        scene_fini(&s);
+        return bf_fail_memory(err);
+    }
+    of->model = model;
+    of->solver_version = BELTFLOW_VERSION;
+    of->begin = *begin;
+    of->end = *end;
+    of->timing = *timing;
+    of->n_threads = timing->n_threads;
+    of->is_stopped = end->stopped != 0;
+    of->is_fed = s.n_feeds > 0;
+    of->may_end_early = s.until != SCENE_UNTIL_DURATION;
+    of->n_parts = begin->n_parts + (uint64_t)end->parts_entered;
+    of->may_drop = s.may_drop;
+    of->n_left = run_left(end->parts_start + end->parts_entered, end->parts_end, end->parts_fallen);
+    of->work_per_s = work_per_s(model, end, timing);
+    of->packing_density = scene_packing_density(&s);
+    of->grid = scene_grid(&s);
+    of->closure = s.macro.closure;
+    of->figures = figures;
+    of->scenario = scenario;
+    of->n_scenario = n_scenario;
+    status = advice_of(&s, model, &of->advice, err);
     const run_verdict_subject subject = { .scene = &s,
-                                          .review = &of.review,
+                                          .advice = &of->advice,
                                           .end = end,
                                           .values = figures->n > 0 ? figures->values : NULL };
     if (status == BF_OK)
-        status = run_verdict_find(&subject, &of.verdicts, err);
+        status = run_verdict_find(&subject, &of->verdicts, err);
     scene_fini(&s);
-    if (status != BF_OK)
-        return status;
-    collect_warnings(&of);
-    members_write(&w, &results_summary_members, &of);
-    status = json_out_status(&w, err);
+    if (status == BF_OK) {
+        collect_warnings(of);
+        members_write(&w, &results_summary_members, of);
+        status = json_out_status(&w, err);
+    }
+    memory_free(of);
     if (status != BF_OK)
         buffer_truncate(out, n_before);
     return status;

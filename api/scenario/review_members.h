@@ -1,10 +1,10 @@
-/// What is said about the results of a scenario before it is solved (core/run/run.h, run_review), as JSON:
+/// What is said about the results of a scenario before it is solved (core/advice/advice.h), as JSON:
 /// in the answer of POST /v1/validate and, the same once more, in the summary of a run.
 
 #pragma once
 
 #include "api/json/members.h"
-#include "core/run/run.h"
+#include "core/advice/advice.h"
 
 /// The validity of a model, scenes that are alike, and an item of it; the structs are validity, validity_like and
 /// validity_item.

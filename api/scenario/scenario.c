@@ -4,7 +4,7 @@
 #include "api/json/members.h"
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/scenario_priv.h"
-#include "core/run/columns.h"
+#include "core/observe/columns.h"
 
 #include <stdio.h>
 #include <string.h>

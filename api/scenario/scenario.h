@@ -43,5 +43,5 @@ BF_MUST_CHECK bf_status scenario_read_resolved_tree(const struct json_t *tree, s
 /// Reading it gives the same scene again, bit by bit.
 BF_MUST_CHECK bf_status scenario_write(const scene *s, bf_buffer *out, bf_error *err);
 
-/// Append the columns of the scenario's curve (core/run/columns.h) as "id,...,left_domain,...".
+/// Append the columns of the scenario's curve (core/observe/columns.h) as "id,...,left_domain,...".
 BF_MUST_CHECK bf_status scenario_columns(const scene *s, bf_buffer *out, bf_error *err);

@@ -5,6 +5,7 @@
 #include "api/scenario/scenario.h"
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/scenario_priv.h"
+#include "core/base/memory.h"
 #include "core/scene/placement.h"
 
 #include <jansson.h>
@@ -183,7 +184,7 @@ const member_table submission_part_members = { MEMBER_TABLE("PartAtStart", part_
 typedef struct validation {
     const char *document; // the resolved one
     size_t n_document;
-    run_review review;
+    advice advice;
     bf_grid grid;
     double predicted_s; // NAN: not known
     size_t parts_max;
@@ -195,7 +196,7 @@ static void write_warnings(json_out *w, const member *m, const void *item)
     const validation *of = item;
 
     (void)m;
-    review_write_texts(w, &of->review.warnings);
+    review_write_texts(w, &of->advice.warnings);
 }
 
 static bool has_parts(const void *item)
@@ -227,20 +228,20 @@ static const member_kind member_warnings = { .type = "[string]", .write = write_
 #define AT(place) offsetof(validation, place)
 static const member validation_members[] = {
     MEMBER("valid", true, 0, "Always true: what is not valid is answered with a problem"),
-    MEMBER("model", enum, AT(review.model), "The model that it was checked for",
+    MEMBER("model", enum, AT(advice.model), "The model that it was checked for",
            .words = run_model_words, .type = "#Model"),
     MEMBER("cell_m", point, AT(grid.d1), "Edges of a cell along x and y, as fitted to the domain",
            .unit = "m, m"),
     MEMBER("shape", shape, AT(grid), "Rows of cells along y and columns along x"),
     MEMBER("warnings", warnings, 0,
            "Reasons to doubt the results; the summary will have them, too"),
-    MEMBER("warning_details", array, AT(review.warnings.items),
+    MEMBER("warning_details", array, AT(advice.warnings.items),
            "The same warnings, each with its parts", .table = &review_warning_members,
-           .offset_n = AT(review.warnings.n), .limit = REVIEW_WARNINGS_MAX),
+           .offset_n = AT(advice.warnings.n), .limit = REVIEW_WARNINGS_MAX),
     MEMBER("predicted_s", measure, AT(predicted_s),
            "CPU time that the run will take on one core of the service's machine", .unit = "s",
            .null = "not known in the first second of the service"),
-    MEMBER("validity", object, AT(review.validity),
+    MEMBER("validity", object, AT(advice.validity),
            "Whether the model was compared for scenarios like this one",
            .table = &review_validity_members),
     MEMBER("parts", parts, 0,
@@ -270,10 +271,6 @@ static bf_status predict(const scene *s, run_model model, const prediction_speed
 bf_status submission_validation(const api_submission *submission, const prediction_speed *speed,
                                 size_t parts_max, bf_buffer *out, bf_error *err)
 {
-    validation of = { .document = submission->scenario.bytes,
-                      .n_document = submission->scenario.n,
-                      .predicted_s = (double)NAN,
-                      .parts_max = parts_max };
     json_out w = json_out_to(out);
     scene s;
 
@@ -281,17 +278,27 @@ bf_status submission_validation(const api_submission *submission, const predicti
         scenario_read_resolved(submission->scenario.bytes, submission->scenario.n, &s, err);
     if (status != BF_OK)
         return status;
-    of.grid = scene_grid(&s);
-    status = run_review_of(&s, submission->model, &of.review, err);
+    validation *of = memory_alloc(1, sizeof *of);
+    if (of == NULL) {
+        scene_fini(&s);
+        return bf_fail_memory(err);
+    }
+    of->document = submission->scenario.bytes;
+    of->n_document = submission->scenario.n;
+    of->predicted_s = (double)NAN;
+    of->parts_max = parts_max;
+    of->grid = scene_grid(&s);
+    status = advice_of(&s, submission->model, &of->advice, err);
     if (status == BF_OK)
-        status = predict(&s, submission->model, speed, &of.predicted_s, err);
+        status = predict(&s, submission->model, speed, &of->predicted_s, err);
     if (status == BF_OK && parts_max > 0)
-        status = placement_make(&s, &of.placement, err);
+        status = placement_make(&s, &of->placement, err);
     if (status == BF_OK) {
-        members_write(&w, &submission_validation_members, &of);
+        members_write(&w, &submission_validation_members, of);
         status = json_out_status(&w, err);
     }
-    placement_fini(&of.placement);
+    placement_fini(&of->placement);
+    memory_free(of);
     scene_fini(&s);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "api/json/json_out.h"
 #include "api/scenario/review_members.h"
 #include "api/study/study_verdict.h"
+#include "core/advice/advice.h"
 #include "core/base/memory.h"
 #include "core/study/calibration.h"
 #include "core/study/study_front.h"
@@ -149,21 +150,21 @@ static bf_status write_warnings(json_out *w, study_document *d, const study *s, 
     const run_model model =
         d->method.type == STUDY_SCREEN ? RUN_MACRO : study_document_model(d, p.model);
     bf_faults *faults = memory_alloc(1, sizeof *faults);
-    run_review *review = memory_alloc(1, sizeof *review);
+    advice *given = memory_alloc(1, sizeof *given);
     scene scene_;
 
-    bf_status status = faults == NULL || review == NULL
+    bf_status status = faults == NULL || given == NULL
                            ? bf_fail_memory(err)
                            : study_document_scene(d, p.at, 0, model, &scene_, faults, err);
     if (status == BF_OK) {
-        status = run_review_of(&scene_, model, review, err);
+        status = advice_of(&scene_, model, given, err);
         scene_fini(&scene_);
     }
     if (status == BF_OK) {
         json_out_key(w, "warnings");
-        review_write_texts(w, &review->warnings);
+        review_write_texts(w, &given->warnings);
     }
-    memory_free(review);
+    memory_free(given);
     memory_free(faults);
     return status;
 }

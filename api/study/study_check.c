@@ -3,7 +3,7 @@
 #include "api/scenario/scenario.h"
 #include "api/study/study_priv.h"
 #include "core/feed/arrivals.h"
-#include "core/run/columns.h"
+#include "core/observe/columns.h"
 #include "core/scene/regime.h"
 
 #include <jansson.h>

@@ -14,7 +14,7 @@
 #include "api/json/members.h"
 #include "api/measurements.h"
 #include "core/base/faults.h"
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 #include "core/run/run.h"
 #include "core/scene/scene.h"
 #include "core/study/study.h"

@@ -4,7 +4,7 @@
 #include "api/study/study_priv.h"
 #include "api/study/study_submission.h"
 #include "core/base/memory.h"
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 
 #include <stdio.h>
 

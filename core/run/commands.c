@@ -1,7 +1,7 @@
 #include "core/run/commands.h"
 
 #include "core/base/memory.h"
-#include "core/run/run_priv.h"
+#include "core/run/schedule.h"
 
 #include <string.h>
 
@@ -54,7 +54,7 @@ bf_status commands_note(commands *c, size_t eye, uint32_t kind, bool is_blocked,
     for (size_t k = 0; k < c->scene->n_actions && status == BF_OK; k++) {
         const scene_action *a = &c->scene->actions[k];
         if (a->eye == eye && a->kind == kind && a->when_blocked == is_blocked)
-            status = insert(c, (command){ step + run__steps_until(a->delay, c->dt), k }, err);
+            status = insert(c, (command){ step + schedule_steps_until(a->delay, c->dt), k }, err);
     }
     return status;
 }

@@ -1,7 +1,7 @@
 #include "core/run/macro_flows.h"
 
 #include "core/base/memory.h"
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 
 #include <math.h>
 

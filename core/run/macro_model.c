@@ -13,6 +13,7 @@
 #include "core/run/macro_sinks.h"
 #include "core/run/macro_start.h"
 #include "core/run/run_priv.h"
+#include "core/run/schedule.h"
 #include "core/scene/belt_slope.h"
 #include "core/scene/counter.h"
 #include "core/scene/surroundings.h"
@@ -319,7 +320,7 @@ static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **r
     }
     const double dt = scene_macro_step(s);
     *ret_plan = (run_plan){ .dt = dt,
-                            .n_steps = run__steps_until(s->duration, dt),
+                            .n_steps = schedule_steps_until(s->duration, dt),
                             .grid = run->grid,
                             .n_parts = n_parts,
                             .n_advance = 1,

@@ -1,6 +1,6 @@
 #include "core/run/merges.h"
 
-#include "core/run/run_priv.h"
+#include "core/run/schedule.h"
 
 #include <math.h>
 
@@ -29,13 +29,14 @@ uint64_t merges_go_on(merges *m, size_t merge, const merges_eye *eyes, uint64_t 
     if (now.is_open != 0) {
         const bool is_full = eye->n_left - now.n_left >= of->parts;
         const bool is_late =
-            isfinite(of->time) && step - now.since >= run__steps_until(of->time, m->dt);
+            isfinite(of->time) && step - now.since >= schedule_steps_until(of->time, m->dt);
         if (is_full || is_late || !eye->is_blocked)
             now = (merges_state){ .lane = now.lane, .since = step };
     }
     // No release ended at t = 0.
-    const bool may_open = now.is_open == 0 &&
-                          (now.since == 0 || step - now.since >= run__steps_until(of->gap, m->dt));
+    const bool may_open =
+        now.is_open == 0 &&
+        (now.since == 0 || step - now.since >= schedule_steps_until(of->gap, m->dt));
     for (size_t k = 1; k <= of->n_lanes && may_open && now.is_open == 0; k++) {
         const size_t lane =
             of->order == SCENE_MERGE_PRIORITY ? k - 1 : ((size_t)now.lane + k) % of->n_lanes;

@@ -8,8 +8,10 @@
 #include "core/run/beam.h"
 #include "core/run/micro_feeds.h"
 #include "core/run/micro_press.h"
+#include "core/run/micro_setup.h"
 #include "core/run/micro_sinks.h"
 #include "core/run/run_priv.h"
+#include "core/run/schedule.h"
 #include "core/scene/belt.h"
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
@@ -84,8 +86,7 @@ static double bound_radius(const scene_shape *shape, const shape_footprint *foot
     return 2.0 * farthest; // no two points of it are farther apart
 }
 
-static bf_status fill_run(const scene *s, const run__micro_setup *setup, micro_run *run,
-                          bf_error *err)
+static bf_status fill_run(const scene *s, const micro_setup *setup, micro_run *run, bf_error *err)
 {
     const micro_def *def = &setup->def;
 
@@ -139,12 +140,12 @@ static uint64_t choose_tick(const micro_run *run, double dt)
     return (uint64_t)fmax(floor(most / dt), 1.0);
 }
 
-static bf_status create_checked(const scene *s, const run__micro_setup *setup, micro_run **ret_run,
+static bf_status create_checked(const scene *s, const micro_setup *setup, micro_run **ret_run,
                                 bf_error *err)
 {
     bf_faults faults = { 0 };
 
-    run__micro_check_setup(s, setup, &faults);
+    micro_setup_check(s, setup, &faults);
     bf_status status = faults_status(&faults, err);
     if (status != BF_OK)
         return status;
@@ -161,14 +162,14 @@ static bf_status create_checked(const scene *s, const run__micro_setup *setup, m
 static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **ret_solver,
                             run_plan *ret_plan, bf_error *err)
 {
-    run__micro_setup setup;
+    micro_setup setup;
     micro_run *run = NULL;
 
-    bf_status status = run__micro_init_setup(s, w, n_threads, &setup, err);
+    bf_status status = micro_setup_init(s, w, n_threads, &setup, err);
     if (status != BF_OK)
         return status;
     status = create_checked(s, &setup, &run, err);
-    run__micro_fini_setup(&setup);
+    micro_setup_fini(&setup);
     if (status != BF_OK)
         return status;
     const size_t n_parts = micro_parts(run->solver);
@@ -178,7 +179,7 @@ static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **r
     const double dt = micro_dt(run->solver);
     *ret_plan =
         (run_plan){ .dt = dt,
-                    .n_steps = run__steps_until(run->scene->duration, dt),
+                    .n_steps = schedule_steps_until(run->scene->duration, dt),
                     .grid = run->grid,
                     .n_parts = n_parts,
                     .n_values = (uint32_t)(is_planar ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL) +
@@ -574,7 +575,7 @@ static uint64_t digest_run(const void *solver)
 }
 
 const run_backend run__micro = {
-    .check_scenario = run__micro_check,
+    .check_scenario = micro_setup_check_scenario,
     .create = create_run,
     .destroy = destroy_run,
     .advance = advance_run,

@@ -1,4 +1,4 @@
-// The microscopic model's scenarios: its limits, and from scenario to definition of the solver.
+#include "core/run/micro_setup.h"
 
 #include "core/base/faults.h"
 #include "core/base/memory.h"
@@ -78,7 +78,7 @@ static bf_status make_inlets(const scene *s, surroundings *ret_inlets, bf_error 
     return status;
 }
 
-static bf_status set_surroundings(const scene *s, run__micro_setup *setup, bf_error *err)
+static bf_status set_surroundings(const scene *s, micro_setup *setup, bf_error *err)
 {
     const bf_status status = make_inlets(s, &setup->inlets, err);
     const bool has_inlets = setup->inlets.n_belts > 0;
@@ -111,10 +111,10 @@ static bf_status set_expected(const scene *s, micro_def *def, bf_error *err)
     return status;
 }
 
-bf_status run__micro_init_setup(const scene *s, bf_world *w, int n_threads, run__micro_setup *setup,
-                                bf_error *err)
+bf_status micro_setup_init(const scene *s, bf_world *w, int n_threads, micro_setup *setup,
+                           bf_error *err)
 {
-    *setup = (run__micro_setup){ .def = micro_def_default() };
+    *setup = (micro_setup){ .def = micro_def_default() };
     bf_status status = placement_of(s, &setup->placement, err);
     if (status != BF_OK)
         return status;
@@ -133,7 +133,7 @@ bf_status run__micro_init_setup(const scene *s, bf_world *w, int n_threads, run_
     setup->def.n_threads = n_threads;
     if ((status = set_surroundings(s, setup, err)) != BF_OK ||
         (status = set_expected(s, &setup->def, err)) != BF_OK) {
-        run__micro_fini_setup(setup);
+        micro_setup_fini(setup);
         return status;
     }
     if (setup->def.hardens)
@@ -149,13 +149,13 @@ bf_status run__micro_init_setup(const scene *s, bf_world *w, int n_threads, run_
     return BF_OK;
 }
 
-void run__micro_fini_setup(run__micro_setup *setup)
+void micro_setup_fini(micro_setup *setup)
 {
     if (setup == NULL)
         return;
     placement_fini(&setup->placement);
     surroundings_fini(&setup->inlets);
-    *setup = (run__micro_setup){ .def = { .n_parts = 0 } };
+    *setup = (micro_setup){ .def = { .n_parts = 0 } };
 }
 
 static bf_status check_count(const scene *s, double dt, bf_error *err)
@@ -229,7 +229,7 @@ static void check_results(const scene *s, const micro_def *def, bf_faults *fault
             SCENE_DENSITY_WORK_MAX);
 }
 
-void run__micro_check_setup(const scene *s, const run__micro_setup *setup, bf_faults *faults)
+void micro_setup_check(const scene *s, const micro_setup *setup, bf_faults *faults)
 {
     bf_error err;
 
@@ -241,16 +241,16 @@ void run__micro_check_setup(const scene *s, const run__micro_setup *setup, bf_fa
     }
 }
 
-void run__micro_check(const scene *s, bf_faults *faults)
+void micro_setup_check_scenario(const scene *s, bf_faults *faults)
 {
-    run__micro_setup setup = { .def = { .n_parts = 0 } };
+    micro_setup setup = { .def = { .n_parts = 0 } };
     bf_world w;
     bf_error err;
 
-    if (world_init(&w, s, &err) == BF_OK && run__micro_init_setup(s, &w, 1, &setup, &err) == BF_OK)
-        run__micro_check_setup(s, &setup, faults);
+    if (world_init(&w, s, &err) == BF_OK && micro_setup_init(s, &w, 1, &setup, &err) == BF_OK)
+        micro_setup_check(s, &setup, faults);
     else
         faults_add_error(faults, &err);
-    run__micro_fini_setup(&setup);
+    micro_setup_fini(&setup);
     world_fini(&w);
 }

@@ -1,15 +1,15 @@
 #include "core/run/photo_eyes.h"
 
 #include "core/base/memory.h"
-#include "core/run/run_priv.h"
+#include "core/run/schedule.h"
 
 photo_eyes photo_eyes_of(const scene *s, double dt)
 {
     photo_eyes eyes = { .n = s->n_eyes };
 
     for (size_t k = 0; k < s->n_eyes; k++) {
-        eyes.n_block[k] = run__steps_until(s->eyes[k].block_time, dt);
-        eyes.n_clear[k] = run__steps_until(s->eyes[k].clear_time, dt);
+        eyes.n_block[k] = schedule_steps_until(s->eyes[k].block_time, dt);
+        eyes.n_clear[k] = schedule_steps_until(s->eyes[k].clear_time, dt);
     }
     for (size_t k = 0; k < s->n_actions; k++)
         if (s->actions[k].kind != SCENE_KIND_ANY)

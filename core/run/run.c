@@ -4,8 +4,8 @@
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/base/memory.h"
-#include "core/figures/figures.h"
-#include "core/run/columns.h"
+#include "core/observe/columns.h"
+#include "core/observe/figures.h"
 #include "core/run/control.h"
 #include "core/run/run_priv.h"
 #include "core/run/schedule.h"
@@ -61,29 +61,17 @@ struct run {
 
 const char *const run_model_words[] = { "macro", "micro", NULL };
 
-const double run_density_trusted = 1.4;
-const double run_overlap_trusted = 0.05;
-
 static const double rounding_of_parts = 1e-10; // of sums of densities, relative
 
 static const run_backend *const backends[RUN_MODEL_COUNT] = {
     [RUN_MACRO] = &run__macro, [RUN_MICRO] = &run__micro
 };
 
-run_load run__measure(const run *r)
+run_work run_work_of(const run *r)
 {
-    return r->backend->measure(r->solver);
-}
+    const run_load load = r->backend->measure(r->solver);
 
-unsigned run_doubts(run_model model, const frame_end *end)
-{
-    unsigned doubts = 0;
-
-    if (model == RUN_MACRO && end->peak > run_density_trusted)
-        doubts |= RUN_DOUBT_DENSITY;
-    if (end->overlap_share > run_overlap_trusted)
-        doubts |= RUN_DOUBT_OVERLAP;
-    return doubts;
+    return (run_work){ load.relaxed, load.n_fields, load.n_tracers };
 }
 
 double run_left(double came, double inside, double fallen)
@@ -96,15 +84,6 @@ double run_left(double came, double inside, double fallen)
 bool run_model_is_available(run_model model)
 {
     return model < RUN_MODEL_COUNT && backends[model] != NULL;
-}
-
-uint64_t run__steps_until(double t, double dt)
-{
-    double steps = t / dt;
-    double nearest = nearbyint(steps);
-    bool is_whole = fabs(steps - nearest) <= 1e-9 + 1e-12 * steps;
-
-    return (uint64_t)(is_whole ? nearest : ceil(steps));
 }
 
 void run_check(const scene *s, run_model model, bf_faults *faults)
@@ -155,7 +134,7 @@ bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_r
         status = r->backend->create(s, &r->world, n_threads, &r->solver, &r->plan, err);
     if (status == BF_OK) {
         r->control = control_of(s, &r->world, r->backend, &r->plan);
-        r->parts_start = run__measure(r).parts;
+        r->parts_start = r->backend->measure(r->solver).parts;
         status = allocate_results(r, err);
     }
     if (status != BF_OK) {
@@ -327,7 +306,7 @@ static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
 
 static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_error *err)
 {
-    const run_load load = run__measure(r);
+    const run_load load = r->backend->measure(r->solver);
     frame f = { .type = FRAME_END,
                 .end = { .stopped = is_stopped,
                          .reason = r->reason,
@@ -403,7 +382,7 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
 
     if (status != BF_OK)
         return status;
-    const run_load load = run__measure(r);
+    const run_load load = r->backend->measure(r->solver);
     r->peak = fmax(r->peak, load.peak);
     r->t[r->n_waiting++] = time_now(r);
     fill_columns(r, &load, values);

@@ -12,9 +12,7 @@
 
 #include "core/base/faults.h"
 #include "core/base/status.h"
-#include "core/run/frame.h"
-#include "core/run/review.h"
-#include "core/run/validity.h"
+#include "core/observe/frame.h"
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
@@ -67,21 +65,6 @@ bool run_model_is_available(run_model model);
 /// many, parts inside obstacles, results too large. No memory is noted like a fault, with BF_ENOMEM.
 void run_check(const scene *s, run_model model, bf_faults *faults);
 
-/// What is to be said about the results of a scenario before it is solved.
-typedef struct run_review {
-    run_model model;          ///< with which it would be solved
-    validity validity;        ///< of the model
-    review_warnings warnings; ///< reasons to doubt the results
-} run_review;
-
-/// Review a resolved and checked scenario for a model: cargo that begins behind a plate (review_plates.h); rates of
-/// feeds that belts cannot carry (feed_capacity());
-/// actions in a circle, where a belt is stopped by its own cargo in a beam, and nothing but photo eyes above belts
-/// that stand likewise starts it again; failures that are too rare for the run; of the macroscopic model a step at which densities may become negative, see
-/// scene_step_positive(), and what lies outside its validity. BF_ENOMEM.
-BF_MUST_CHECK bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
-                                      bf_error *err);
-
 /// Digest of everything that the results of a resolved scenario depend on, with a model.
 uint64_t run_definition(const scene *s, run_model model);
 
@@ -99,21 +82,14 @@ BF_MUST_CHECK bf_status run_resume(const scene *s, run_model model, int n_thread
 /// sink->take are returned; emitting FRAME_ERROR for them is the caller's part.
 BF_MUST_CHECK bf_status run_execute(run *r, const run_sink *sink, bf_error *err);
 
-/// Above this density (1 is close packing) the macroscopic model differs noticeably from the microscopic
-/// one.
-extern const double run_density_trusted;
+/// What a run had to do so far beside its steps; zeros of the microscopic model.
+typedef struct run_work {
+    double relaxed;   ///< cells whose pressure was relaxed, each time that one was
+    double n_fields;  ///< fields that plates and belts have made anew
+    double n_tracers; ///< tracers of cargo's time that there are
+} run_work;
 
-/// Above this overlap, relative to the radius, parts are too soft: the outflow depends on their stiffness.
-extern const double run_overlap_trusted;
-
-/// Warnings about the results of a run beyond those of run_review_of(); flags.
-typedef enum run_doubt {
-    RUN_DOUBT_DENSITY = 1, ///< the density rose above run_density_trusted
-    RUN_DOUBT_OVERLAP = 2, ///< overlaps rose above run_overlap_trusted
-} run_doubt;
-
-/// The warnings about a run with a model, as run_doubt flags.
-unsigned run_doubts(run_model model, const frame_end *end);
+run_work run_work_of(const run *r);
 
 /// Free a run. NULL is fine. Always returns NULL.
 run *run_destroy(run *r);

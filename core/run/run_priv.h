@@ -1,4 +1,4 @@
-/// Inside core/run: a model as a table of functions, and the setup of the microscopic solver.
+/// Inside core/run: a model as a table of functions.
 
 #pragma once
 
@@ -7,10 +7,10 @@
 #include "core/base/grid.h"
 #include "core/base/status.h"
 #include "core/feed/balance.h"
-#include "core/figures/figures.h"
 #include "core/micro/micro.h"
-#include "core/run/frame.h"
-#include "core/run/passages.h"
+#include "core/observe/figures.h"
+#include "core/observe/frame.h"
+#include "core/observe/passages.h"
 #include "core/run/photo_eyes.h"
 #include "core/scene/placement.h"
 #include "core/scene/scene.h"
@@ -42,7 +42,7 @@ typedef struct run_load {
     double peak;        ///< largest density; 0 where the model knows it at snapshots only
     double smooth_peak; ///< same by a mollifier that is no narrower than a part
     uint64_t n_rows;    ///< rows of FRAME_PARTS, see frame_parts
-    double relaxed, n_fields, n_tracers; ///< of macro_totals, and tracers there are; else 0
+    double relaxed, n_fields, n_tracers; ///< of run_work; 0 where the model has none
 } run_load;
 
 /// A part that left the domain, or fell off the belts.
@@ -136,31 +136,3 @@ extern const run_backend run__macro;
 
 /// The microscopic model.
 extern const run_backend run__micro;
-
-/// What is in the domain now.
-struct run;
-run_load run__measure(const struct run *r);
-
-/// A definition of the microscopic solver with what it borrows; must stay where it is.
-/// run__micro_fini_setup().
-typedef struct run__micro_setup {
-    micro_def def;                     ///< ready, with the step that the run takes
-    micro_kind kinds[SCENE_KINDS_MAX]; ///< def.kinds
-    surroundings inlets;               ///< def.domain, edges and belts where a feed lies on a side
-    scene_placement placement;         ///< def.poses, def.part_kinds
-} run__micro_setup;
-
-/// The definition of a checked scenario; w is its world, NULL if no solver is made. BF_ENOMEM, BF_EINPUT as placement_of(); *setup is
-/// then empty.
-BF_MUST_CHECK bf_status run__micro_init_setup(const scene *s, bf_world *w, int n_threads,
-                                              run__micro_setup *setup, bf_error *err);
-
-/// Free what the setup owns and zero it. NULL is fine.
-void run__micro_fini_setup(run__micro_setup *setup);
-
-/// run_backend.check_scenario of the microscopic model, and the part of it that needs its definition.
-void run__micro_check(const scene *s, bf_faults *faults);
-void run__micro_check_setup(const scene *s, const run__micro_setup *setup, bf_faults *faults);
-
-/// Steps until the first one at or past time t; rounding errors do not add a step.
-uint64_t run__steps_until(double t, double dt);

@@ -1,8 +1,15 @@
 #include "core/run/schedule.h"
 
-#include "core/run/run_priv.h"
-
 #include <math.h>
+
+uint64_t schedule_steps_until(double t, double dt)
+{
+    double steps = t / dt;
+    double nearest = nearbyint(steps);
+    bool is_whole = fabs(steps - nearest) <= 1e-9 + 1e-12 * steps;
+
+    return (uint64_t)(is_whole ? nearest : ceil(steps));
+}
 
 // The due times first + k every, k = 0, 1, ..., with from <= t < to; s.
 typedef struct span {
@@ -14,7 +21,7 @@ typedef struct span {
 
 static uint64_t due(const span *s, double k, double dt)
 {
-    return run__steps_until(s->first + k * s->every, dt);
+    return schedule_steps_until(s->first + k * s->every, dt);
 }
 
 // The first step after `step` at which something of a span is due; UINT64_MAX: none is.

@@ -20,3 +20,6 @@ typedef enum schedule_of {
 
 /// The first step after `step` at which something is due; steps are of dt, s.
 uint64_t schedule_next(const scene_output *output, schedule_of of, uint64_t step, double dt);
+
+/// Steps of dt until the first one at or past time t, s; rounding errors do not add a step.
+uint64_t schedule_steps_until(double t, double dt);

@@ -100,7 +100,7 @@ typedef struct scene_cargo {
 typedef enum scene_until {
     SCENE_UNTIL_DURATION, ///< never
     SCENE_UNTIL_DRAINED,  ///< when no feed will deliver any more part and the domain is empty
-    SCENE_UNTIL_STEADY,   ///< when the throughput is known well enough: core/figures/steady.h
+    SCENE_UNTIL_STEADY,   ///< when the throughput is known well enough: core/observe/steady.h
     SCENE_UNTIL_COUNT
 } scene_until;
 

@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 
 #include <stdbool.h>
 

@@ -1,7 +1,10 @@
 #include "server/cli/cmd.h"
 
+#include "core/advice/advice.h"
+
 #include <argp.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 static error_t take_option(int key, char *argument, struct argp_state *state)
 {
@@ -10,18 +13,21 @@ static error_t take_option(int key, char *argument, struct argp_state *state)
 
 static cmd_exit print_warnings(const char *command, const scene *s, run_model model)
 {
-    run_review review;
+    advice *given = calloc(1, sizeof *given);
     bf_error err = { 0 };
 
-    if (run_review_of(s, model, &review, &err) != BF_OK)
+    if ((given == NULL ? bf_fail_memory(&err) : advice_of(s, model, given, &err)) != BF_OK) {
+        free(given);
         return cmd_fail(command, &err);
-    for (size_t k = 0; k < review.warnings.n; k++) {
-        const review_warning *item = &review.warnings.items[k];
+    }
+    for (size_t k = 0; k < given->warnings.n; k++) {
+        const review_warning *item = &given->warnings.items[k];
         fprintf(stderr, "warning: %s: %s. %s%s%s\n", item->pointer, item->title, item->meaning,
                 item->detail[0] == '\0' ? "" : " ", item->detail);
     }
-    if (review.validity.like.n > 0)
-        fprintf(stderr, "%s\n", review.validity.like.text);
+    if (given->validity.like.n > 0)
+        fprintf(stderr, "%s\n", given->validity.like.text);
+    free(given);
     return CMD_DONE;
 }
 

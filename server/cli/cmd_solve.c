@@ -212,22 +212,22 @@ static void print_result(const solving *s)
 static bf_status print_verdicts(const solving *s, bf_error *err)
 {
     verdicts *all = calloc(1, sizeof *all);
-    run_review *review = calloc(1, sizeof *review);
+    advice *given = calloc(1, sizeof *given);
     bf_status status = BF_OK;
 
-    if (all == NULL || review == NULL)
+    if (all == NULL || given == NULL)
         status = bf_fail_memory(err);
     if (status == BF_OK)
-        status = run_review_of(&s->scene, s->arguments->subject.model, review, err);
+        status = advice_of(&s->scene, s->arguments->subject.model, given, err);
     const run_verdict_subject of = { .scene = &s->scene,
-                                     .review = review,
+                                     .advice = given,
                                      .end = &s->end,
                                      .values = (const double *)(const void *)s->figures.bytes };
     if (status == BF_OK)
         status = run_verdict_find(&of, all, err);
     for (size_t k = 0; status == BF_OK && k < all->n; k++)
         printf("%s\n", all->items[k].text);
-    free(review);
+    free(given);
     free(all);
     return status;
 }

@@ -3,7 +3,7 @@
 #include "api/json/json_in.h"
 #include "api/json/number.h"
 #include "api/scenario/scenario.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "core/run/run.h"
 #include "server/base/file_io.h"
 #include "server/run/confinement.h"
@@ -261,7 +261,7 @@ int cmd_worker(int argc, char **argv)
         .options = options,
         .parser = take_option,
         .doc = "Solve one job: a job frame and perhaps a checkpoint on standard input, frames of "
-               "the results on standard output (core/run/frame.h).\v"
+               "the results on standard output (core/observe/frame.h).\v"
                "SIGTERM lets it write a checkpoint and end.",
     };
     worker_arguments arguments = { .checkpoint_ms = 5000 };

@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -15,7 +15,7 @@
 #pragma once
 
 #include "core/base/status.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 
 #include <stddef.h>
 

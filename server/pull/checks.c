@@ -7,7 +7,7 @@
 #include "server/pull/pull_priv.h"
 
 #include "core/base/memory.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 

@@ -1,6 +1,6 @@
 #include "server/run/executor.h"
 
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 
 bf_status executor_encode(const executor_work *work, bf_buffer *out, bf_error *err)
 {

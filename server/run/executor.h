@@ -1,7 +1,7 @@
 /// Where runs are solved: what the supervisor needs of child processes, of workers on other machines, or
 /// of anything else that can run the solver.
 ///
-/// A job is one attempt at one run. It sends back the bytes of frames (core/run/frame.h), which the
+/// A job is one attempt at one run. It sends back the bytes of frames (core/observe/frame.h), which the
 /// supervisor takes with poll() at its own speed: bytes that it does not take stay with the executor, which
 /// must then hold the sender back (a full pipe, an HTTP request that is not answered yet) instead of
 /// storing without bound.

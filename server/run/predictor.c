@@ -3,10 +3,10 @@
 #include "server/run/predictor.h"
 
 #include "api/scenario/scenario.h"
+#include "core/advice/prediction_learn.h"
 #include "core/base/check.h"
 #include "core/base/digest.h"
 #include "core/base/memory.h"
-#include "core/run/prediction_learn.h"
 #include "server/base/clock.h"
 #include "server/base/lock.h"
 #include "server/base/log.h"

@@ -1,8 +1,8 @@
-/// The predictor: says of runs that have not ended how long they will take (core/run/prediction.h).
+/// The predictor: says of runs that have not ended how long they will take (core/advice/prediction.h).
 ///
 /// It measures how fast this machine is with each kind of solver when it is first needed, some 30 ms, and with all of them when
 /// it is first asked for the speed, or after five seconds. Whenever it is asked, it learns from what the runs that have ended
-/// since then took (core/run/prediction_learn.h), at first from the newest PREDICTOR_LEARNED in the store. Of the trials of a
+/// since then took (core/advice/prediction_learn.h), at first from the newest PREDICTOR_LEARNED in the store. Of the trials of a
 /// study it learns from one that ended after a run that was not of it. A run is predicted when somebody asks for the first
 /// time, which takes some milliseconds; so one that nobody looks at costs nothing. What was found is kept in memory, of
 /// the PREDICTOR_RUNS_MAX runs and studies that were asked for last. Where measuring fails it is tried again for the next run.
@@ -14,7 +14,7 @@
 
 #pragma once
 
-#include "core/run/prediction.h"
+#include "core/advice/prediction.h"
 #include "server/store/store.h"
 
 #include <stdbool.h>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "server/store/work.h"
 
 #include <stdbool.h>

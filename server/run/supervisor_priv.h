@@ -7,7 +7,7 @@
 #pragma once
 
 #include "api/results/key_figures.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "server/base/liveness.h"
 #include "server/base/lock.h"
 #include "server/base/metrics.h"

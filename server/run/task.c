@@ -2,9 +2,9 @@
 
 #include "api/results/results.h"
 #include "api/scenario/scenario.h"
+#include "core/advice/plausible.h"
 #include "core/base/check.h"
 #include "core/base/memory.h"
-#include "core/run/plausible.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 

@@ -5,7 +5,7 @@
 #include "api/snapshots.h"
 #include "core/base/buffer.h"
 #include "core/base/status.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "server/store/connection.h"
 
 #include <stddef.h>

@@ -6,7 +6,7 @@
 #include "server/store/store_priv.h"
 
 #include "core/base/memory.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 
 #include <string.h>
 #include <zstd.h>

@@ -1,6 +1,6 @@
 // Jobs: their children, and the files that keep what those send.
 
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/worker/worker_priv.h"

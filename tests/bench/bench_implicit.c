@@ -15,7 +15,7 @@
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "core/base/team.h"
-#include "core/run/run_priv.h"
+#include "core/run/micro_setup.h"
 #include "tests/bench/resident.h"
 #include "tests/unit/core/helper_outflow.h"
 
@@ -175,14 +175,14 @@ static void show_memory(void)
     printf("memory: %.0f bytes for each part\n", (resident_peak_bytes() - before) / (double)j.n);
 }
 
-static void read_mix(scene *ret_scene, run__micro_setup *ret_setup)
+static void read_mix(scene *ret_scene, micro_setup *ret_setup)
 {
     const example *mix = examples_find("mixed-cargo");
     bf_faults faults = { 0 };
     bf_error err;
 
     if (mix == NULL || scenario_read(mix->document, mix->n, ret_scene, &faults, &err) != BF_OK ||
-        run__micro_init_setup(ret_scene, NULL, 1, ret_setup, &err) != BF_OK)
+        micro_setup_init(ret_scene, NULL, 1, ret_setup, &err) != BF_OK)
         fail("the example cannot be read");
 }
 
@@ -190,7 +190,7 @@ static void show_mix(void)
 {
     const double steps[] = { 0.0, 2e-4, 5e-4, 1e-3 };
     double expected[HELPER_OUTFLOW_SAMPLES], u[HELPER_OUTFLOW_SAMPLES];
-    run__micro_setup setup;
+    micro_setup setup;
     scene s;
 
     read_mix(&s, &setup);
@@ -212,7 +212,7 @@ static void show_mix(void)
         if (gap > most_gap)
             fail("the curve is not that of the explicit method");
     }
-    run__micro_fini_setup(&setup);
+    micro_setup_fini(&setup);
     scene_fini(&s);
 }
 

@@ -8,9 +8,9 @@
 //     bench_prediction speed                           how fast this machine is, for each kind
 
 #include "api/scenario/scenario.h"
+#include "core/advice/prediction_learn.h"
 #include "core/base/buffer.h"
 #include "core/base/check.h"
-#include "core/run/prediction_learn.h"
 #include "server/base/file_io.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How far off predictions of the time of a run are (core/run/prediction.h), on the ready scenarios and on random ones.
+"""How far off predictions of the time of a run are (core/advice/prediction.h), on the ready scenarios and on random ones.
 
     tests/bench/prediction.py                  judge: scenarios of a seed that the costs were not fitted to
     tests/bench/prediction.py --learn          judge how much better they are when runs were learned from
@@ -202,7 +202,7 @@ def main():
             costs = fit([row for row in rows + ready if row["kind"] == kind])
             cells = ", ".join(f"[PREDICTION_{term}] = {cost:.2e}" for term, cost in zip(TERMS, costs) if cost > 0)
             print(f"    [PREDICTION_{kind.upper()}] = {{ {cells} }},")
-        print("reference_s of core/run/prediction_measure.c, times what they are:",
+        print("reference_s of core/advice/prediction_measure.c, times what they are:",
               subprocess.check_output([PROGRAM, "speed"], text=True).replace("\n", " "))
         return 0
     are_ready_good = judge("ready", ready, 1.0)

@@ -24,5 +24,5 @@ char *fuzz_text(const uint8_t *bytes, size_t n);
 /// read, too. False: they are shorter than an envelope.
 bool fuzz_seal_checkpoint(uint8_t *bytes, size_t n);
 
-/// Same for a frame (core/run/frame.h), whose length is that of the n bytes.
+/// Same for a frame (core/observe/frame.h), whose length is that of the n bytes.
 bool fuzz_seal_frame(uint8_t *bytes, size_t n);

@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/fuzz.h"
 
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,12 +1,13 @@
-"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, base <- compare <- figures,
-scene <- world <- macro, micro <- run, inside api json <- scenario <- results <- study <- http <- openapi, inside server base <- http, store <- run,
+"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- observe <- study, base <- compare <- observe,
+scene <- world <- macro, micro <- run <- advice, inside api json <- scenario <- results <- study <- http <- openapi, inside server base <- http, store <- run,
 study <- daemon, run <- pull <- slurm <- daemon, run <- worker <- cli; and every outside header is included only where it belongs."""
 
 import re
 
 import tree
 
-API_CORE = {"core/base", "core/scene", "core/figures", "core/run", "core/compare", "core/study"}
+API_CORE = {"core/base", "core/scene", "core/observe", "core/run", "core/advice", "core/compare",
+            "core/study"}
 API = {"api", "api/json", "api/scenario", "api/results", "api/study", "api/http", "api/openapi"}
 
 # Folder: the folders of ours that it may include from.
@@ -15,19 +16,21 @@ ARROWS = {
     "core/convex": {"core/base", "core/convex"},
     "core/scene": {"core/base", "core/scene"},
     "core/feed": {"core/base", "core/scene", "core/feed"},
-    "core/figures": {"core/base", "core/scene", "core/feed", "core/compare", "core/figures"},
+    "core/observe": {"core/base", "core/scene", "core/feed", "core/compare", "core/observe"},
     "core/world": {"core/base", "core/scene", "core/world"},
     "core/macro": {"core/base", "core/scene", "core/world", "core/macro"},
     "core/micro": {"core/base", "core/convex", "core/scene", "core/world", "core/micro"},
     "core/micro/disk": {"core/base", "core/scene", "core/world", "core/micro", "core/micro/disk"},
     "core/micro/body": {"core/base", "core/convex", "core/scene", "core/world", "core/micro", "core/micro/body"},
-    "core/run": {"core/base", "core/scene", "core/world", "core/feed", "core/figures", "core/macro", "core/micro",
+    "core/run": {"core/base", "core/scene", "core/world", "core/feed", "core/observe", "core/macro", "core/micro",
                  "core/run"},
+    "core/advice": {"core/base", "core/scene", "core/feed", "core/observe", "core/macro", "core/micro", "core/run",
+                    "core/advice"},
     "core/compare": {"core/base", "core/compare"},
-    "core/study": {"core/base", "core/feed", "core/figures", "core/study"},
-    "api": {"core/base", "core/scene", "core/run", "core/study", "api"},
+    "core/study": {"core/base", "core/feed", "core/observe", "core/study"},
+    "api": {"core/base", "core/scene", "core/observe", "core/run", "core/advice", "core/study", "api"},
     "api/json": {"core/base", "core/scene", "api/json"},
-    "api/scenario": {"core/base", "core/scene", "core/run", "api", "api/json", "api/scenario"},
+    "api/scenario": {"core/base", "core/scene", "core/observe", "core/run", "core/advice", "api", "api/json", "api/scenario"},
     "api/study": API_CORE | {"core/feed", "api", "api/json", "api/scenario", "api/results", "api/study"},
     "api/results": API_CORE | {"core/feed", "api", "api/json", "api/scenario", "api/results"},
     "api/http": API_CORE | API - {"api/openapi"},

@@ -24,7 +24,7 @@ ALLOWED = {
     "SHUT_RDWR": ("POSIX", r"server/http/.*"),
     "SHUT_WR": ("POSIX", r"server/http/.*"),
     "overlap_share": ("largest overlap by a radius, `largest_overlap_share` of a summary", r".*"),
-    "share": ("`share` of a kind in a mix, a member of scenarios", r"((core|api)/scen|core/feed/|core/run/(validity|crossings)).*"),
+    "share": ("`share` of a kind in a mix, a member of scenarios", r"((core|api)/scen|core/feed/|core/(advice/validity|run/crossings)).*"),
     "scene_range_share": ("the same", r"(core|api)/scen.*"),
     "share_rule": ("the same", r"core/scene/check\.c"),
     "queue_share": ("a setting", r"server/daemon/.*"),

@@ -9,7 +9,7 @@ chance to stop (the sizes of avalanches are geometric), so that a cell's probabi
     h = stops / parts that passed before them
 
 with the interval of a Poisson count, and that a queue stops within 1,000 parts 1 - (1 - h)^1000. Without names the
-command writes the table of core/run/bridges.h. It also says how h falls with the opening: in
+command writes the table of core/advice/bridges.h. It also says how h falls with the opening: in
 experiments exponentially with its power of the dimension, here w^2 (Thomas and Durian, Phys. Rev. Lett. 114 (2015) 178001),
 without an opening from which on it is 0 (Janda et al., EPL 84 (2008) 44002).
 """
@@ -101,12 +101,12 @@ def shape(layout, cells):
 
 
 def write_table(cells):
-    """core/run/bridges_table.c from the cells of all rows."""
+    """core/advice/bridges_table.c from the cells of all rows."""
     def listed(values):
         return ", ".join(f"{value:.2f}" for value in values)
 
     text = [
-        "// Written by tests/validation/bridges.py.", "", '#include "core/run/bridges.h"', "", "// clang-format off",
+        "// Written by tests/validation/bridges.py.", "", '#include "core/advice/bridges.h"', "", "// clang-format off",
         f"const double bridges_angles[BRIDGES_ANGLES] = {{ {listed(sorted(ANGLES))} }};",
         f"const double bridges_frictions[BRIDGES_FRICTIONS] = {{ {listed(map(sum, FRICTIONS))} }};",
         f"const double bridges_openings[BRIDGES_OPENINGS] = {{ {listed(OPENINGS)} }};", "",
@@ -120,7 +120,7 @@ def write_table(cells):
                 text.append(f"            {{ {told} }},")
             text.append("        },")
         text.append("    },")
-    (TREE / "core/run/bridges_table.c").write_text("\n".join(text + ["};", "// clang-format on", ""]))
+    (TREE / "core/advice/bridges_table.c").write_text("\n".join(text + ["};", "// clang-format on", ""]))
 
 
 def main():

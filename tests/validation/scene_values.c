@@ -1,12 +1,12 @@
-// The figures by which scenes are compared (core/run/comparisons.h), for table.py: a line for each scenario that is named,
+// The figures by which scenes are compared (core/advice/comparisons.h), for table.py: a line for each scenario that is named,
 // with its values as C has them.
 //
 //     scene_values macro|micro scenario.json...
 
 #include "api/scenario/scenario.h"
+#include "core/advice/comparisons.h"
 #include "core/base/buffer.h"
 #include "core/base/check.h"
-#include "core/run/comparisons.h"
 #include "server/base/file_io.h"
 
 #include <math.h>

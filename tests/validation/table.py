@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes core/run/comparisons_table.c: the lines of lines.py and the goods of goods.py, and how far off each model was.
+"""Writes core/advice/comparisons_table.c: the lines of lines.py and the goods of goods.py, and how far off each model was.
 
 What was solved before is taken from the folder of results. Rows that fail, through which nothing passes or of which validity tells
 no figure are left out, and so are boxes among the goods, which take hours with contacts 100 times as hard. Goods have twice as
@@ -18,10 +18,10 @@ import lines
 from fed import TREE, options_of
 from solver import Failed, Program
 
-TABLE = TREE / "core/run/comparisons_table.c"
+TABLE = TREE / "core/advice/comparisons_table.c"
 HEAD = """// Written by tests/validation/table.py: scenes that were solved for comparison, in the order of comparisons_columns.
 
-#include "core/run/comparisons.h"
+#include "core/advice/comparisons.h"
 
 #include <math.h>
 

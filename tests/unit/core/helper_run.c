@@ -1,8 +1,8 @@
 #include "tests/unit/core/helper_run.h"
 
+#include "core/advice/plausible.h"
 #include "core/base/check.h"
 #include "core/base/digest.h"
-#include "core/run/plausible.h"
 
 #include <math.h>
 #include <stdlib.h>

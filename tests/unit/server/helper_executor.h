@@ -6,7 +6,7 @@
 
 #pragma once
 
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "server/run/executor.h"
 
 #include <stdbool.h>

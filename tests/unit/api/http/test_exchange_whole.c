@@ -2,7 +2,7 @@
 // does not grow with what they show.
 
 #include "api/http/exchange.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "tests/unit/api/helper_ask.h"
 #include "tests/unit/helper_cmocka.h"
 

@@ -27,7 +27,7 @@
 // A run that is told of, with the words of its verdicts.
 typedef struct told {
     scene scene;
-    run_review review;
+    advice advice;
     frame_end end;
     double values[FIGURE_COUNT + FIGURE_COUNT];
     verdicts verdicts;
@@ -41,7 +41,7 @@ static told *begin(const char *document, run_model model)
     assert_non_null(t);
     assert_int_equal(scenario_read_resolved(text.bytes, text.n, &t->scene, NULL), BF_OK);
     buffer_fini(&text);
-    assert_int_equal(run_review_of(&t->scene, model, &t->review, NULL), BF_OK);
+    assert_int_equal(advice_of(&t->scene, model, &t->advice, NULL), BF_OK);
     assert_true(figure_values(&t->scene) <= sizeof t->values / sizeof *t->values);
     for (size_t k = 0; k < figure_values(&t->scene); k++)
         t->values[k] = (double)NAN;
@@ -58,7 +58,7 @@ static void set(told *t, figure_id id, double value)
 static const verdict *say(told *t, const char *kind)
 {
     const run_verdict_subject of = {
-        .scene = &t->scene, .review = &t->review, .end = &t->end, .values = t->values
+        .scene = &t->scene, .advice = &t->advice, .end = &t->end, .values = t->values
     };
 
     t->verdicts.n = 0;
@@ -262,7 +262,7 @@ static void a_run_that_is_too_short_says_how_long_it_has_to_be(void **unused)
     assert_non_null(
         strstr(say(t, "too_short")->text, "What arrives when and where is left to chance"));
     assert_non_null(strstr(say(t, "too_short")->advice, "duration_s be about 655,"));
-    t->review.validity.is_compared = false;
+    t->advice.validity.is_compared = false;
     assert_ptr_equal(say(t, "not_compared"), &t->verdicts.items[2]);
     finish(t);
 }

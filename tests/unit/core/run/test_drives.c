@@ -1,6 +1,6 @@
 // Runs of both models with a plate whose drive stalls: what they tell of it, and resuming.
 
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 #include "core/run/run.h"
 #include "core/scene/plate_drive.h"
 #include "tests/unit/core/helper_run.h"

@@ -1,12 +1,13 @@
 // Goods before a plate at the defaults: parts overlap little, none gets through, harder parts pass as fast; and what
 // happens where a number makes them too soft.
 
+#include "core/advice/advice.h"
 #include "core/base/memory.h"
 #include "core/micro/hardness.h"
 #include "core/micro/micro.h"
 #include "core/run/micro_press.h"
+#include "core/run/micro_setup.h"
 #include "core/run/run.h"
-#include "core/run/run_priv.h"
 #include "core/scene/shape.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
@@ -104,8 +105,8 @@ static micro_solver *start(const micro_def *def)
 
 static void check_soft(const goods *of)
 {
-    run__micro_setup setup;
-    run_review review;
+    micro_setup setup;
+    static advice given;
     micro_press press;
     scene s;
     bf_error err = { 0 };
@@ -113,12 +114,12 @@ static void check_soft(const goods *of)
 
     make_heap(&s, of);
     s.micro.modulus_reduction = 1e6;
-    assert_int_equal(run_review_of(&s, RUN_MICRO, &review, NULL), BF_OK);
-    for (size_t k = 0; k < review.warnings.n; k++)
+    assert_int_equal(advice_of(&s, RUN_MICRO, &given, NULL), BF_OK);
+    for (size_t k = 0; k < given.warnings.n; k++)
         is_warned =
-            is_warned || strcmp(review.warnings.items[k].pointer, "/micro/modulus_reduction") == 0;
+            is_warned || strcmp(given.warnings.items[k].pointer, "/micro/modulus_reduction") == 0;
     assert_true(is_warned);
-    assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
+    assert_int_equal(micro_setup_init(&s, NULL, 1, &setup, NULL), BF_OK);
     micro_solver *solver = start(&setup.def);
     assert_false(micro_press_now(solver, &press));
     assert_int_equal(micro_advance(solver, 10000, &err), BF_ENUMERIC);
@@ -130,7 +131,7 @@ static void check_soft(const goods *of)
     assert_int_equal(micro_press_fail(&s, &press, 1.0, &err), BF_ENUMERIC);
     assert_non_null(strstr(err.text, "the plate 'obstacle-1'"));
     micro_destroy(solver);
-    run__micro_fini_setup(&setup);
+    micro_setup_fini(&setup);
     scene_fini(&s);
 }
 
@@ -203,11 +204,11 @@ static void a_part_that_is_squeezed_out_fails_with_the_plate(void **state)
 // k d^2/2 = M v^2/2 + F d.
 static void the_expected_overlap_stops_the_line(void **state)
 {
-    run__micro_setup setup;
+    micro_setup setup;
     scene s;
 
     make_line(&s, &can, 15.0);
-    assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
+    assert_int_equal(micro_setup_init(&s, NULL, 1, &setup, NULL), BF_OK);
     const micro_def *def = &setup.def;
     const double r = can.shape.radius, length = def->domain.x_max - def->domain.x_min;
     const double mass = 2.0 * length * can.mass / (2.0 * r), v = s.belts[0].velocity.x;
@@ -217,7 +218,7 @@ static void the_expected_overlap_stops_the_line(void **state)
     const double energy = 0.5 * mass * v * v + 1.0 * 9.81 * mass * overlap;
     assert_near(overlap, 0.02 * r, 1e-9 * r);
     assert_near(0.5 * k * overlap * overlap, energy, 1e-9 * energy);
-    run__micro_fini_setup(&setup);
+    micro_setup_fini(&setup);
     scene_fini(&s);
 }
 
@@ -245,13 +246,13 @@ static void light_parts_take_steps_as_long_as_heavy_ones(void **state)
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
         double steps[2];
         for (int light = 0; light < 2; light++) {
-            run__micro_setup setup;
+            micro_setup setup;
             scene s;
             make_line(&s, all[k], 15.0);
             s.cargo[0].mass = light ? 1e-4 : all[k]->mass;
-            assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
+            assert_int_equal(micro_setup_init(&s, NULL, 1, &setup, NULL), BF_OK);
             steps[light] = setup.def.dt;
-            run__micro_fini_setup(&setup);
+            micro_setup_fini(&setup);
             scene_fini(&s);
         }
         assert_true(steps[1] > 0.9 * steps[0]);
@@ -261,12 +262,12 @@ static void light_parts_take_steps_as_long_as_heavy_ones(void **state)
 // Begun too soft, contacts become harder; a solver that takes a state of half the way ends with the same bits.
 static void parts_that_press_harder_than_foreseen_become_harder(void **state)
 {
-    run__micro_setup setup;
+    micro_setup setup;
     bf_buffer saved = { 0 };
     scene s;
 
     make_heap(&s, &can);
-    assert_int_equal(run__micro_init_setup(&s, NULL, 1, &setup, NULL), BF_OK);
+    assert_int_equal(micro_setup_init(&s, NULL, 1, &setup, NULL), BF_OK);
     setup.def.modulus_reduction = 3e4;
     micro_solver *whole = start(&setup.def), *resumed = start(&setup.def);
     assert_int_equal(micro_advance(whole, 505, NULL), BF_OK);
@@ -281,7 +282,7 @@ static void parts_that_press_harder_than_foreseen_become_harder(void **state)
     buffer_fini(&saved);
     micro_destroy(whole);
     micro_destroy(resumed);
-    run__micro_fini_setup(&setup);
+    micro_setup_fini(&setup);
     scene_fini(&s);
 }
 

@@ -109,69 +109,6 @@ static void a_mollifier_that_covers_too_many_cells_is_refused(void **state)
     assert_macro_refuses(&s, BF_ELIMIT, "/macro/mollifier_per_m2", "80 cells");
 }
 
-static void results_beyond_what_can_be_trusted_are_doubted(void **state)
-{
-    frame_end end = { .peak = 1.4, .overlap_share = 0.05 };
-
-    assert_int_equal(run_doubts(RUN_MACRO, &end), 0);
-    end.peak = 1.41;
-    assert_int_equal(run_doubts(RUN_MACRO, &end), RUN_DOUBT_DENSITY);
-    end.overlap_share = 0.051; // and the density (18) of parts has no such bound
-    assert_int_equal(run_doubts(RUN_MICRO, &end), RUN_DOUBT_OVERLAP);
-}
-
-static void assert_warned_of_step(double step, size_t n)
-{
-    run_review review;
-    scene s;
-
-    helper_scene_example(&s, 60.0, SCENE_SEALED);
-    s.macro.step = step;
-    assert_int_equal(run_review_of(&s, RUN_MACRO, &review, NULL), BF_OK);
-    assert_int_equal(review.warnings.n, n);
-    if (n > 0) {
-        assert_string_equal(review.warnings.items[0].pointer, "/macro/step_s");
-        assert_non_null(strstr(review.warnings.items[0].detail, "0.0021097"));
-    }
-    assert_int_equal(run_review_of(&s, RUN_MICRO, &review, NULL), BF_OK);
-    assert_int_equal(review.validity.subject, VALIDITY_PARTS_MODEL);
-    assert_int_equal(review.warnings.n, review.validity.n + review.validity.n_never);
-    scene_fini(&s);
-}
-
-// 0.005 m / (2 (0.395 m/s + 0.79 m/s)) = 2.1097 ms.
-static void a_macroscopic_step_that_may_make_densities_negative_is_warned_of(void **state)
-{
-    assert_warned_of_step(0.0021, 0);
-    assert_warned_of_step(0.00211, 1);
-}
-
-// A funnel is one thing that the review says beside the step, and it says it in the words of the validity.
-static void a_review_warns_of_all_that_lies_outside_the_validity(void **state)
-{
-    static const vec2 second[] = { { 0.7, 0.6 }, { 0.75, 0.58 } };
-    run_review review;
-    scene s;
-
-    helper_scene_example(&s, 60.0, SCENE_SEALED);
-    helper_scene_add_obstacle(&s, second, 2, SCENE_SEALED);
-    s.macro.step = 0.00211;
-    helper_scene_resolve(&s);
-    assert_int_equal(run_review_of(&s, RUN_MACRO, &review, NULL), BF_OK);
-    assert_false(review.validity.is_compared);
-    assert_true(review.validity.n >= 2);
-    assert_int_equal(review.warnings.n, 1 + review.validity.n);
-    for (size_t k = 0; k < review.validity.n; k++) {
-        assert_string_equal(review.warnings.items[k + 1].title, review.validity.items[k].title);
-        assert_string_equal(review.warnings.items[k + 1].meaning, review.validity.items[k].meaning);
-        assert_string_equal(review.warnings.items[k + 1].pointer, review.validity.items[k].pointer);
-    }
-    assert_int_equal(run_review_of(&s, RUN_MICRO, &review, NULL), BF_OK);
-    assert_int_equal(review.validity.subject, VALIDITY_PARTS_MODEL);
-    assert_int_equal(review.warnings.n, review.validity.n + review.validity.n_never);
-    scene_fini(&s);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -181,9 +118,6 @@ int main(void)
         cmocka_unit_test(slopes_that_do_not_hold_cargo_are_refused),
         cmocka_unit_test(too_many_macroscopic_steps_are_refused_with_figure_and_limit),
         cmocka_unit_test(a_mollifier_that_covers_too_many_cells_is_refused),
-        cmocka_unit_test(results_beyond_what_can_be_trusted_are_doubted),
-        cmocka_unit_test(a_macroscopic_step_that_may_make_densities_negative_is_warned_of),
-        cmocka_unit_test(a_review_warns_of_all_that_lies_outside_the_validity),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

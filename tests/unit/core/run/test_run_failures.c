@@ -2,8 +2,8 @@
 // nothing.
 
 #include "core/base/memory.h"
-#include "core/figures/figure.h"
-#include "core/run/columns.h"
+#include "core/observe/columns.h"
+#include "core/observe/figure.h"
 #include "core/run/run.h"
 #include "core/scene/belt_stops.h"
 #include "tests/unit/core/helper_run.h"

@@ -1,8 +1,8 @@
 // Whole runs of both models over two belts with a gap: what is bridged, what falls, and what is told of it.
 
-#include "core/figures/figure.h"
+#include "core/advice/validity.h"
+#include "core/observe/figure.h"
 #include "core/run/run.h"
-#include "core/run/validity.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"

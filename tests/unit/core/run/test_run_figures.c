@@ -1,7 +1,7 @@
 // Key figures of whole runs of both models, on belts where they follow by hand.
 
 #include "core/base/memory.h"
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 #include "core/run/run.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"

@@ -1,7 +1,7 @@
 // Runs of both models with sinks: what they take, when, of which kind, and that nothing is lost.
 
 #include "core/base/memory.h"
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 #include "core/run/macro_sinks.h"
 #include "core/run/run.h"
 #include "tests/unit/core/helper_run.h"

@@ -3,7 +3,7 @@
 #include "core/run/run.h"
 
 #include "core/base/memory.h"
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"

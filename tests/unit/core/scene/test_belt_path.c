@@ -3,7 +3,7 @@
 #include "core/scene/belt_path.h"
 
 #include "core/base/memory.h"
-#include "core/figures/figure.h"
+#include "core/observe/figure.h"
 #include "core/scene/belt.h"
 #include "core/scene/surroundings.h"
 #include "core/world/world.h"

@@ -1,6 +1,6 @@
 // Unit tests of `beltflow worker`: a job and a checkpoint in, frames out.
 
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "core/run/run.h"
 #include "server/base/file_io.h"
 #include "server/cli/cmd.h"

@@ -2,7 +2,7 @@
 // executor. No sockets, no threads, no solver.
 
 #include "core/base/memory.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 #include "server/base/solver.h"

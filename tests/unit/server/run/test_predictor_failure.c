@@ -1,6 +1,6 @@
 // The predictor when a kind of solver cannot be measured: this prediction_measure() stands in the library's place.
 
-#include "core/run/prediction.h"
+#include "core/advice/prediction.h"
 #include "server/run/predictor.h"
 #include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_store.h"

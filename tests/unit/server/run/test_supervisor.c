@@ -1,7 +1,7 @@
 // Tests of the supervisor with a real store and, where nothing else is said, the real program.
 
 #include "api/scenario/scenario.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "core/run/run.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"

@@ -1,7 +1,7 @@
 // Tests of the supervisor with workers that fail or are at fault, and of what limits a run.
 
 #include "api/scenario/scenario.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "core/run/run.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"

@@ -4,7 +4,7 @@
 #include "tests/unit/server/helper_jobs.h"
 
 #include "api/scenario/scenario.h"
-#include "core/run/plausible.h"
+#include "core/advice/plausible.h"
 
 #include <math.h>
 #include <string.h>

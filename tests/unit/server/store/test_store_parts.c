@@ -2,7 +2,7 @@
 // server/store/store.h.
 
 #include "core/base/memory.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <math.h>

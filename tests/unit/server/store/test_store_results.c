@@ -4,7 +4,7 @@
 
 #include "api/results/events.h"
 #include "core/base/memory.h"
-#include "core/run/frame.h"
+#include "core/observe/frame.h"
 #include "server/store/store_priv.h"
 
 #include <stdio.h>

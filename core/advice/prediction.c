@@ -1,0 +1,179 @@
+#include "core/advice/prediction.h"
+
+#include "core/advice/prediction_load.h"
+#include "core/macro/mollifier.h"
+#include "core/run/micro_setup.h"
+#include "core/scene/belt.h"
+#include "core/scene/mix.h"
+
+#include <math.h>
+
+const char *const prediction_kind_words[] = { "roe",
+                                              "muscl",
+                                              "congested",
+                                              "planar_verlet",
+                                              "planar_implicit",
+                                              "spatial_verlet",
+                                              "spatial_implicit",
+                                              NULL };
+
+/// Seconds for each amount. tests/bench/prediction.py fits them, and says how far off predictions are.
+static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
+    [PREDICTION_ROE] = { [PREDICTION_RUN] = 3.99e-03,
+                         [PREDICTION_ROW_STEPS] = 5.82e-08,
+                         [PREDICTION_COVERED_STEPS] = 9.15e-10,
+                         [PREDICTION_SATURATED_STEPS] = 8.36e-10,
+                         [PREDICTION_SAMPLE_CELLS] = 2.16e-08,
+                         [PREDICTION_TRACER_STEPS] = 6.22e-08 },
+    [PREDICTION_MUSCL] = { [PREDICTION_RUN] = 1.03e-03,
+                           [PREDICTION_ROW_STEPS] = 1.64e-07,
+                           [PREDICTION_COVERED_STEPS] = 1.41e-09,
+                           [PREDICTION_SATURATED_STEPS] = 2.56e-09,
+                           [PREDICTION_SAMPLE_CELLS] = 2.00e-08,
+                           [PREDICTION_TRACER_STEPS] = 8.74e-08 },
+    [PREDICTION_CONGESTED] = { [PREDICTION_CELLS] = 4.82e-07,
+                               [PREDICTION_ROW_STEPS] = 4.96e-08,
+                               [PREDICTION_CELL_STEPS] = 1.44e-09,
+                               [PREDICTION_COVERED_STEPS] = 2.45e-09,
+                               [PREDICTION_RELAXED] = 9.26e-10,
+                               [PREDICTION_COUPLED] = 7.08e-09,
+                               [PREDICTION_FIELD_CELLS] = 3.93e-08,
+                               [PREDICTION_SAMPLE_CELLS] = 4.82e-09,
+                               [PREDICTION_TRACER_STEPS] = 6.21e-08,
+                               [PREDICTION_KIND_STEPS] = 3.7e-09 },
+    [PREDICTION_PLANAR_VERLET] = { [PREDICTION_STEPS] = 9.30e-08,
+                                   [PREDICTION_PART_STEPS] = 2.43e-09,
+                                   [PREDICTION_PAIR_STEPS] = 1.37e-08 },
+    [PREDICTION_PLANAR_IMPLICIT] = { [PREDICTION_SNAPSHOT_CELLS] = 1.30e-08,
+                                     [PREDICTION_STEPS] = 6.24e-07,
+                                     [PREDICTION_PART_STEPS] = 6.96e-08,
+                                     [PREDICTION_PAIR_STEPS] = 2.59e-08 },
+    [PREDICTION_SPATIAL_VERLET] = { [PREDICTION_CELLS] = 1.40e-05,
+                                    [PREDICTION_STEPS] = 1.26e-06,
+                                    [PREDICTION_PART_STEPS] = 1.52e-08,
+                                    [PREDICTION_ROUND_STEPS] = 3.78e-08,
+                                    [PREDICTION_PAIR_STEPS] = 8.12e-07 },
+    [PREDICTION_SPATIAL_IMPLICIT] = { [PREDICTION_SNAPSHOT_CELLS] = 4.68e-09,
+                                      [PREDICTION_STEPS] = 1.13e-06,
+                                      [PREDICTION_PART_STEPS] = 4.10e-07,
+                                      [PREDICTION_ROUND_STEPS] = 6.40e-07,
+                                      [PREDICTION_PAIR_STEPS] = 3.10e-07 },
+};
+
+static prediction_kind kind_of_micro(const micro_def *def)
+{
+    const bool is_implicit = def->integrator == MICRO_IMPLICIT;
+
+    if (micro_def_is_planar(def))
+        return is_implicit ? PREDICTION_PLANAR_IMPLICIT : PREDICTION_PLANAR_VERLET;
+    return is_implicit ? PREDICTION_SPATIAL_IMPLICIT : PREDICTION_SPATIAL_VERLET;
+}
+
+// The fraction of the parts that are cylinders.
+static double round_fraction(const scene *s)
+{
+    const size_t of = 1000;
+    size_t counts[SCENE_KINDS_MAX], n_round = 0;
+
+    mix_count(s, of, counts);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        n_round += s->cargo[k].shape.type == SCENE_CYLINDER ? counts[k] : 0;
+    return (double)n_round / (double)of;
+}
+
+static void set_macro(const scene *s, const prediction_load *load, prediction_work *work)
+{
+    const bf_grid grid = scene_grid(s);
+    const double steps = load->time / scene_macro_step(s);
+    const double cells = steps / (grid.d1 * grid.d2) / load->time;
+    const bool is_everywhere = s->macro.heaviside != SCENE_HEAVISIDE_SHARP;
+    const double area = grid.d1 * grid.d2 * (double)grid_cells(&grid) * load->time;
+    // On a single belt without plates a heap goes on as dense as it was placed.
+    const bool may_jam = s->n_obstacles > 0 || s->n_sections > 1;
+    double *amounts = work->amounts;
+
+    work->kind = s->macro.closure == SCENE_CONGESTED     ? PREDICTION_CONGESTED
+                 : s->macro.scheme == SCENE_SCHEME_MUSCL ? PREDICTION_MUSCL
+                                                         : PREDICTION_ROE;
+    amounts[PREDICTION_STEPS] = steps;
+    amounts[PREDICTION_ROW_STEPS] = (double)grid.n2 * steps;
+    amounts[PREDICTION_CELL_STEPS] = (double)grid_cells(&grid) * steps;
+    amounts[PREDICTION_COVERED_STEPS] = load->area * cells;
+    amounts[belt_are_forward(s->n_sections, s->belts) ? PREDICTION_RELAXED : PREDICTION_COUPLED] =
+        work->kind == PREDICTION_CONGESTED ? load->relaxed : 0.0;
+    amounts[PREDICTION_FIELD_CELLS] = load->fields * (double)grid_cells(&grid);
+    if (s->n_feeds > 0)
+        amounts[PREDICTION_SAMPLE_CELLS] = load->area / (grid.d1 * grid.d2) / s->output.curve_every;
+    amounts[PREDICTION_TRACER_STEPS] = load->tracers / load->time * steps;
+    if (scene_tells_kinds(s))
+        amounts[PREDICTION_KIND_STEPS] =
+            (double)s->n_cargo * (load->area + load->saturated_area) * cells;
+    if (work->kind != PREDICTION_CONGESTED)
+        amounts[PREDICTION_SATURATED_STEPS] =
+            (is_everywhere ? area
+             : may_jam     ? load->saturated_area
+                           : 0.0) *
+            cells * mollifier_reach(s->macro.mollifier, scene_cell_edge(s));
+}
+
+static bf_status set_micro(const scene *s, const prediction_load *load, prediction_work *work,
+                           bf_error *err)
+{
+    micro_setup setup;
+    double *amounts = work->amounts;
+
+    const bf_status status = micro_setup_init(s, NULL, 1, &setup, err);
+    if (status != BF_OK)
+        return status;
+    const double per_s = 1.0 / setup.def.dt;
+    const int iterations = micro_iterations(&setup.def);
+    const double times = iterations > 0 ? iterations : 1.0;
+    work->kind = kind_of_micro(&setup.def);
+    micro_setup_fini(&setup);
+    amounts[PREDICTION_STEPS] = load->time * per_s;
+    amounts[PREDICTION_PART_STEPS] = load->parts * per_s;
+    amounts[PREDICTION_ROUND_STEPS] =
+        work->kind >= PREDICTION_SPATIAL_VERLET ? round_fraction(s) * load->parts * per_s : 0.0;
+    amounts[PREDICTION_PAIR_STEPS] = load->pairs * per_s * times;
+    return BF_OK;
+}
+
+bf_status prediction_work_of(const scene *s, run_model model, prediction_work *ret_work,
+                             bf_error *err)
+{
+    prediction_load load;
+
+    bf_status status = prediction_load_of(s, &load, err);
+    if (status != BF_OK)
+        return status;
+    *ret_work = (prediction_work){ .kind = PREDICTION_KIND_COUNT };
+    // What depends on the grid; a snapshot of either model has one.
+    const bf_grid grid = scene_grid(s);
+    const double n_cells = (double)grid_cells(&grid);
+    const double n_snapshots = scene_snapshots(s) * load.time / s->duration;
+    ret_work->amounts[PREDICTION_RUN] = 1.0;
+    ret_work->amounts[PREDICTION_CELLS] = n_cells;
+    ret_work->amounts[PREDICTION_SNAPSHOT_CELLS] = n_cells * n_snapshots;
+    if (model == RUN_MICRO)
+        return set_micro(s, &load, ret_work, err);
+    set_macro(s, &load, ret_work);
+    return BF_OK;
+}
+
+void prediction_seconds_of_terms(const prediction_work *work, const prediction_speed *speed,
+                                 double *ret_seconds)
+{
+    for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
+        ret_seconds[i] = speed->factors[work->kind] * costs[work->kind][i] *
+                         exp(speed->corrections[work->kind][i]) * work->amounts[i];
+}
+
+double prediction_seconds(const prediction_work *work, const prediction_speed *speed)
+{
+    double terms[PREDICTION_TERM_COUNT], seconds = 0.0;
+
+    prediction_seconds_of_terms(work, speed, terms);
+    for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
+        seconds += terms[i];
+    return seconds;
+}

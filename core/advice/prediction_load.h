@@ -1,0 +1,36 @@
+/// The load of a run: how much cargo there will be, and how much of it is saturated, over the time of the run.
+///
+///     A run of the same scenario by the macroscopic model with the closure `congested` on coarse cells takes
+///     milliseconds. Its density rho_k(t) in cells of the area a, normalised as in core/README.md, is integrated over time:
+///
+///     parts = int sum_k rho_k a rho_max dt,   saturated = the same over cells with rho_k >= 0.7,
+///     pairs = int sum_k rho_k^2 a rho_max dt,   in proportion to the neighbours of all parts,
+///     area = int sum_k a dt over cells with rho_k >= 0.01,   saturated_area = the same over those with rho_k >= 0.7,
+///     relaxed, fields, tracers = what that run had to do (run_work_of()); relaxed cells brought to the cells of the scenario
+///
+/// A run that would be too much work even so is followed for a part of its duration; the mean of the last third of that
+/// stands for the rest.
+///
+/// Units    SI.
+
+#pragma once
+
+#include "core/scene/scene.h"
+
+/// The load of a run.
+typedef struct prediction_load {
+    double time;           ///< simulated until the end, s
+    double parts;          ///< in the domain, parts s
+    double saturated;      ///< of them in a jam, parts s
+    double pairs;          ///< each with the density around it, parts s
+    double area;           ///< that cargo covers, m2 s
+    double saturated_area; ///< of that a jam's, m2 s
+    double relaxed; ///< cells of the scenario whose pressure is relaxed, each time that one is
+    double fields;  ///< of the scenario that plates and belts have made anew
+    double tracers; ///< of cargo's time, tracers s
+} prediction_load;
+
+/// Predict the load of a scenario that was checked for one of the models. BF_ENOMEM, and errors of run_create() and
+/// run_execute().
+BF_MUST_CHECK bf_status prediction_load_of(const scene *s, prediction_load *ret_load,
+                                           bf_error *err);
