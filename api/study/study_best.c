@@ -229,7 +229,9 @@ static bf_status write_found(json_out *w, study_document *d, const study *s, boo
     status = write_verdicts(w, d, s, &choice, is_in, err);
     if (d->has_own_second && d->method.type != STUDY_CALIBRATE && d->n_parameters > 0) {
         // The points between which two objectives leave the choice.
-        (void)study_front(s, &choice, is_on);
+        size_t n;
+        if (status == BF_OK)
+            status = study_front(s, &choice, is_on, &n, err);
         json_out_key(w, "front");
         json_out_array(w);
         for (size_t point = 0; point < study_points(s); point++)

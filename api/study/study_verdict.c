@@ -182,12 +182,13 @@ static void say_value(verdict *v, const about *a, double value, double half_widt
 }
 
 // What two objectives leave to choose.
-static void say_front(const about *a, bool *are_meant)
+static bf_status say_front(const about *a, bool *are_meant, bf_error *err)
 {
-    const size_t n = study_front(a->study, a->choice, are_meant);
+    size_t n;
 
-    if (n < 2)
-        return;
+    const bf_status status = study_front(a->study, a->choice, are_meant, &n, err);
+    if (status != BF_OK || n < 2)
+        return status;
     verdict *v = verdict_add(a->verdicts, "front");
     verdict_say(v, "What is gained in ");
     say_figure(v, a->document, 0);
@@ -197,6 +198,7 @@ static void say_front(const about *a, bool *are_meant)
     say_points(v, a, are_meant);
     verdict_say(v, "; each other point is worse in both, or in one and not better in the other.");
     verdict_rests_on(v, "points", "", (double)n);
+    return BF_OK;
 }
 
 // The mean of a point with half of its interval, and its place.
@@ -433,11 +435,11 @@ static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
             "is best may be luck.");
         verdict_advise(v, "Ask for at least 5 replications.");
     }
-    const bf_status status = say_through(a, are_meant, &is_whole, err);
+    bf_status status = say_through(a, are_meant, &is_whole, err);
+    if (status == BF_OK && d->has_own_second)
+        status = say_front(a, are_meant, err);
     if (status != BF_OK)
         return status;
-    if (d->has_own_second)
-        say_front(a, are_meant);
     // Beyond the range no point is better where one lets everything through, or has nothing of what is to be least, but in a
     // second objective.
     const bool is_least =

@@ -121,6 +121,14 @@ static void a_demand_needs_the_confidence_of_all_points(void **state)
     study_destroy(s);
 }
 
+static size_t find_front(study *s, const study_choice *choice, bool *is_on)
+{
+    size_t n;
+
+    assert_int_equal(study_front(s, choice, is_on, &n, NULL), BF_OK);
+    return n;
+}
+
 // More of the first and less of the second is better: 1 is worse than 2 in both, 4 equal in the first and worse in the second,
 // and 3 has no second value.
 static void the_front_has_the_points_that_no_other_is_better_than(void **state)
@@ -130,8 +138,28 @@ static void the_front_has_the_points_that_no_other_is_better_than(void **state)
     bool is_in[POINTS], is_on[POINTS];
     study *s = solve(&grid, values, seconds);
     const study_choice c = choose(s, is_in);
-    assert_int_equal(study_front(s, &c, is_on), 2);
+    assert_int_equal(find_front(s, &c, is_on), 2);
     assert_true(is_on[0] && !is_on[1] && is_on[2] && !is_on[3] && !is_on[4]);
+    study_destroy(s);
+}
+
+// Steps of 0.5 of the first, and of 0.5 % of 2 s: 0 to 2 are alike in the first, 0 and 1 in the second, and 2 is worse there; 3 is a step
+// worse in the first and 0.4 of a step better in the second, 4 two steps worse and one better.
+static void a_front_leaves_out_differences_that_do_not_matter(void **state)
+{
+    static const double values[POINTS] = { 100.0, 99.99, 99.7, 99.4, 98.9 },
+                        seconds[POINTS] = { 2.024, 2.022, 2.031, 2.021, 2.0 };
+    bool is_in[POINTS], is_on[POINTS];
+    study_definition d = grid;
+    d.indifference = 0.5;
+    study *s = solve(&d, values, seconds);
+    study_choice c = choose(s, is_in);
+    c.best = SIZE_MAX;
+    assert_int_equal(find_front(s, &c, is_on), 2);
+    assert_true(is_on[0] && !is_on[1] && !is_on[2] && !is_on[3] && is_on[4]);
+    c.best = 1; // alike 0, and named
+    assert_int_equal(find_front(s, &c, is_on), 2);
+    assert_true(!is_on[0] && is_on[1] && !is_on[2] && !is_on[3] && is_on[4]);
     study_destroy(s);
 }
 
@@ -261,6 +289,7 @@ int main(void)
         cmocka_unit_test(a_demand_is_met_by_the_least_point),
         cmocka_unit_test(a_demand_needs_the_confidence_of_all_points),
         cmocka_unit_test(the_front_has_the_points_that_no_other_is_better_than),
+        cmocka_unit_test(a_front_leaves_out_differences_that_do_not_matter),
         cmocka_unit_test(without_replications_nothing_is_known_of_chance),
         cmocka_unit_test(chance_leaves_points_equal),
         cmocka_unit_test(a_study_without_values_chooses_nothing),
