@@ -522,11 +522,6 @@ static const char *const merge_order_words[] = { "in_turn", "priority", NULL };
 HAS_WORDS(merge_order_words, SCENE_MERGE_ORDER_COUNT);
 
 #define AT(place) offsetof(scene_merge, place)
-static bool has_no_part_limit(const void *item)
-{
-    return ((const scene_merge *)item)->parts == SCENE_PARTS_ANY;
-}
-
 static const member merge_members[] = {
     MEMBER("id", text, AT(id), "its name", .default_text = "merge-1, merge-2, ...", .least = 1,
            .limit = SCENE_ID_SIZE),
@@ -536,9 +531,8 @@ static const member merge_members[] = {
            "which lane that waits is released next: the one behind the last one, or the first of "
            "the list",
            .words = merge_order_words, .flags = MEMBER_INIT),
-    MEMBER("parts", count, AT(parts), "most parts of a release", .range = &scene_range_count,
-           .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_part_limit,
-           .default_text = "1; with time_s no limit"),
+    MEMBER("parts", whole, AT(parts), "most parts of a release", .range = &scene_range_count,
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "1; with time_s no limit"),
     MEMBER("time_s", number, AT(time), "how long a release lasts at most", .unit = "s",
            .range = &scene_range_time, .flags = MEMBER_OMIT_EMPTY, .default_text = "no limit"),
     MEMBER("gap_s", number, AT(gap), "from the end of a release to the next one", .unit = "s",

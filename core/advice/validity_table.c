@@ -220,7 +220,7 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                              "constant speeds alone",
                              { UP_TO(0.0, NULL), UP_TO(0.0, NULL), NEVER } },
     [VALIDITY_COMMANDS] = { NULL,
-                            "The number of actions by photo eyes is",
+                            "The number of actions by photo eyes and of merges is",
                             "",
                             "",
                             NULL,

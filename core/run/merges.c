@@ -27,7 +27,7 @@ uint64_t merges_go_on(merges *m, size_t merge, const merges_eye *eyes, uint64_t 
     const uint64_t was_held = now.held;
 
     if (now.is_open != 0) {
-        const bool is_full = eye->n_left - now.n_left >= of->parts;
+        const bool is_full = (double)(eye->n_left - now.n_left) >= of->parts;
         const bool is_late =
             isfinite(of->time) && step - now.since >= schedule_steps_until(of->time, m->dt);
         if (is_full || is_late || !eye->is_blocked)

@@ -46,11 +46,7 @@ static void check_span(const scene_feed *f, const char *feed, bf_faults *faults)
     if (!(f->end > f->start))
         faults_add(faults, at, "must be after start_s, %.15g s, not %.15g s", f->start, f->end);
     snprintf(at, sizeof at, "%s/count", feed);
-    if (f->count != INFINITY &&
-        !(f->count >= scene_range_count.minimum && f->count <= scene_range_seed.maximum &&
-          f->count == floor(f->count)))
-        faults_add(faults, at, "must be a whole number of at least %g, not %.15g",
-                   scene_range_count.minimum, f->count);
+    scene__check_limit(f->count, at, faults);
 }
 
 static void check_whole(uint32_t n, size_t most, const char *feed, const char *member,

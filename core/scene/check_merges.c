@@ -69,8 +69,7 @@ void scene__check_merges(const scene *s, bf_faults *faults)
         if ((unsigned)merge->order >= SCENE_MERGE_ORDER_COUNT)
             faults_add(faults, at, "is not an order of lanes");
         snprintf(at, sizeof at, "%s/parts", pointer);
-        if (merge->parts == 0)
-            faults_add(faults, at, "must be at least 1");
+        scene__check_limit(merge->parts, at, faults);
         snprintf(at, sizeof at, "%s/time_s", pointer);
         if (merge->time != INFINITY)
             range_check(&scene_range_time, merge->time, at, faults);

@@ -103,6 +103,14 @@ bool scene__check_count(size_t n, size_t n_max, const char *pointer, const char 
     return false;
 }
 
+void scene__check_limit(double n_parts, const char *pointer, bf_faults *faults)
+{
+    if (n_parts != INFINITY && !(n_parts >= scene_range_count.minimum &&
+                                 n_parts <= scene_range_seed.maximum && n_parts == floor(n_parts)))
+        faults_add(faults, pointer, "must be a whole number of at least %g, not %.15g",
+                   scene_range_count.minimum, n_parts);
+}
+
 bool scene__check_times(const double *times, size_t n, const char *pointer, bool may_repeat,
                         bf_faults *faults)
 {

@@ -73,17 +73,14 @@ typedef struct scene_lane {
     size_t eye;  ///< index into scene.photo_eyes: where its parts wait, and are counted
 } scene_lane;
 
-/// No limit of parts.
-#define SCENE_PARTS_ANY UINT32_MAX
-
 /// Lanes that are released one at a time (core/run/merges.h).
 typedef struct scene_merge {
     char id[SCENE_ID_SIZE];  ///< unique among merges (default "merge-<n>", n from 1)
     size_t n_lanes;          ///< 2 to SCENE_LANES_MAX (no default)
     scene_lane *lanes;       ///< see there
     scene_merge_order order; ///< see there (default SCENE_MERGE_IN_TURN)
-    uint32_t
-        parts; ///< most parts of a release, >= 1 (default 1, with a limit of time SCENE_PARTS_ANY)
+    double
+        parts; ///< most parts of a release, a whole number >= 1 (default 1, with a limit of time INFINITY)
     double time; ///< s, > 0, that a release lasts at most (default INFINITY)
     double gap;  ///< s, >= 0, from the end of a release to the next one (default 0)
 } scene_merge;

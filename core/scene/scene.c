@@ -151,7 +151,7 @@ void scene_lane_init(scene_lane *lane)
 
 void scene_merge_init(scene_merge *merge)
 {
-    *merge = (scene_merge){ .parts = SCENE_PARTS_ANY, .time = INFINITY };
+    *merge = (scene_merge){ .parts = INFINITY, .time = INFINITY };
 }
 
 void scene_sink_init(scene_sink *sink)
@@ -327,7 +327,7 @@ static void resolve_feeds_and_eyes(scene *s)
     for (size_t k = 0; k < s->n_merges; k++) {
         scene_merge *merge = &s->merges[k];
         fill_in_numbered(merge->id, "merge", k);
-        if (merge->parts == SCENE_PARTS_ANY && merge->time == INFINITY)
+        if (merge->parts == INFINITY && merge->time == INFINITY)
             merge->parts = 1;
         for (size_t i = 0; i < merge->n_lanes; i++) {
             if (merge->lanes[i].belt >= s->n_belts)

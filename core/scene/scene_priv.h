@@ -33,6 +33,9 @@ void scene__check_numbers(const void *item, const char *pointer, const number_ru
 bool scene__check_count(size_t n, size_t n_max, const char *pointer, const char *items,
                         bf_faults *faults);
 
+/// Note a number of parts that is not whole, or below 1; INFINITY, no limit, is none of these.
+void scene__check_limit(double n_parts, const char *pointer, bf_faults *faults);
+
 /// What an id is, with the most characters as %d.
 #define ID_TEXT "must be 1 to %d letters, digits, '_', '.' and '-'"
 

@@ -193,7 +193,7 @@ static void the_parcels_of_two_infeeds_come_in_turn(void **unused)
 
     (void)unused;
     assert_int_equal(s.merges[0].order, SCENE_MERGE_IN_TURN);
-    assert_int_equal(s.merges[0].parts, 1);
+    assert_true(s.merges[0].parts == 1.0);
     assert_true(s.belts[3].arc.is_given);
     scene_fini(&s);
 }

@@ -222,6 +222,7 @@ static const struct {
       "is not the id of a photo eye" },
     { "/merges/0/order", MERGE(LANES ", 'order': 'by_turn'"), "\"in_turn\"" },
     { "/merges/0/parts", MERGE(LANES ", 'parts': 0"), "at least 1" },
+    { "/merges/0/parts", MERGE(LANES ", 'parts': 1.5"), "whole number" },
     { "/merges/0/time_s", MERGE(LANES ", 'time_s': 0"), "above 0" },
     { "/merges/0/gap_s", MERGE(LANES ", 'gap_s': -1"), "at least 0" },
     { "/actions/0/do/hold", ACTION(CLEAR, "'feed': 'in', 'hold': 1"), "true or false" },
@@ -238,11 +239,14 @@ static void a_merge_names_its_lanes_and_keeps_its_rule(void **unused)
     assert_true(s.merges[0].time == INFINITY && s.merges[0].gap == 0.0);
     scene_fini(&s);
     s = read_text(MERGE(LANES ", 'order': 'priority', 'time_s': 8, 'gap_s': 0.5"));
-    assert_true(s.merges[0].order == SCENE_MERGE_PRIORITY && s.merges[0].parts == SCENE_PARTS_ANY);
+    assert_true(s.merges[0].order == SCENE_MERGE_PRIORITY && s.merges[0].parts == INFINITY);
     assert_true(s.merges[0].time == 8.0 && s.merges[0].gap == 0.5);
     scene_fini(&s);
     s = read_text(MERGE(LANES ", 'time_s': 8, 'parts': 5"));
     assert_true(s.merges[0].time == 8.0 && s.merges[0].parts == 5);
+    scene_fini(&s);
+    s = read_text(MERGE(LANES ", 'parts': 4294967295"));
+    assert_true(s.merges[0].parts == 4294967295.0);
     scene_fini(&s);
 }
 
