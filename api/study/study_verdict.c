@@ -235,7 +235,8 @@ static void say_demand(const about *a, bool *are_meant)
     if (!c->is_met) {
         verdict_say(v, "None of ");
         say_points(v, a, are_meant);
-        verdict_say(v, is_open ? " is sure to; the nearest is " : " does; the nearest is ");
+        verdict_say(v, is_open ? " is sure to meet the demand; the nearest is "
+                               : " meets the demand; the nearest is ");
     } else {
         verdict_say(v, "The least is ");
     }

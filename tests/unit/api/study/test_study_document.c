@@ -478,7 +478,8 @@ static void a_demand_says_where_it_is_met_or_what_is_nearest(void **state)
     };
     static const char *const not_met[] = {
         "\"set\":[],\"demand\":9000,\"is_met\":false,",
-        "{\"kind\":\"demand_not_met\",\"text\":\"None of angle_deg 36 to 72 does; the nearest is "
+        "{\"kind\":\"demand_not_met\",\"text\":\"None of angle_deg 36 to 72 meets the demand; the "
+        "nearest is "
         "angle_deg 54, with 7,200 parts/h. Demanded is throughput_per_h of at least 9,000 parts/h. "
         "Vary ",
         NULL
@@ -511,12 +512,13 @@ static void a_demand_that_chance_leaves_open_is_not_told_as_met(void **state)
                                      "'type': 'grid'", ", 'replications': 2"));
     study *s = begin_study(&d);
     static const double throughputs[] = { 5000.0, 5100.0, 7100.0, 7200.0 };
-    static const char *const texts[] = { "\"is_met\":false,",
-                                         "{\"kind\":\"demand_not_met\",\"text\":\"None of "
-                                         "angle_deg 36, 54 is sure to; the nearest is "
-                                         "angle_deg 54, with 7,150 ± 635 parts/h. ",
-                                         "\"advice\":\"6 more runs of each may decide it.\"",
-                                         NULL };
+    static const char *const texts[] = {
+        "\"is_met\":false,",
+        "{\"kind\":\"demand_not_met\",\"text\":\"None of "
+        "angle_deg 36, 54 is sure to meet the demand; the nearest is "
+        "angle_deg 54, with 7,150 ± 635 parts/h. ",
+        "\"advice\":\"6 more runs of each may decide it.\"", NULL
+    };
     bf_buffer out = { 0 };
     assert_int_equal(study_trials(s), 4);
     for (size_t k = 0; k < 4; k++)
