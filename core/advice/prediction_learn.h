@@ -14,9 +14,9 @@
 
 #include "core/advice/prediction.h"
 
-#define PREDICTION_PRIOR        0.4
-#define PREDICTION_PRIOR_COMMON 0.3
-#define PREDICTION_NOISE        0.1
+#define PREDICTION_PRIOR        0.3
+#define PREDICTION_PRIOR_COMMON 0.2
+#define PREDICTION_NOISE        0.15
 #define PREDICTION_DRIFT        0.02
 
 /// What is known of the corrections; plain numbers.

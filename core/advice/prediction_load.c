@@ -4,12 +4,16 @@
 
 #include <math.h>
 
-/// Cells are about as long as this, or as the scenario's where those are longer: 4 cm let the congested closure find the parts in the domain
-/// to 11 % in all ready scenarios, in time and number.
-#define CELL 0.04
+/// The cells of the coarse run, m: the finest with which the whole run is followed within its budget, from COARSER times the scenario's
+/// to CELL_MAX. Where even those are too much work the run is followed for a part.
+#define CELL_MAX 0.06
+#define COARSER  1.4
 
-/// Cell-steps up to which a run is followed, what a step costs besides its cells, and cells that there may be.
-#define WORK_MAX  1e6
+/// The budget in cell-steps: this part of what the scenario itself takes, within these limits; and what a step costs besides its
+/// cells, and the cells that there may be.
+#define WORK_PART 0.05
+#define WORK_MIN  1e6
+#define WORK_MAX  3e6
 #define STEP_WORK 300.0
 #define CELLS_MAX 1e5
 
@@ -41,7 +45,7 @@ typedef struct trace {
     size_t n;
     double cell_area; // m2
     double packing;   // parts/m2
-    double step_work; // cells and STEP_WORK
+    double step_work, work_max;
     uint64_t step;
     unsigned n_asked;
     double t; // of the end
@@ -87,25 +91,40 @@ static unsigned find_requested(void *context)
 {
     trace *so_far = context;
 
-    if ((double)so_far->step * so_far->step_work > WORK_MAX)
+    if ((double)so_far->step * so_far->step_work > so_far->work_max)
         return RUN_STOP;
     return so_far->n_asked++ % QUESTIONS == 0 ? RUN_REPORT : RUN_GO_ON;
 }
 
+// Cells, and STEP_WORK, times steps of a scenario.
+static double work_of(const scene *s, double *ret_step_work)
+{
+    const bf_grid grid = scene_grid(s);
+
+    *ret_step_work = (double)grid_cells(&grid) + STEP_WORK;
+    return *ret_step_work * s->duration / scene_step_stable(s);
+}
+
 /// The same scenario on coarse cells. It borrows all arrays.
-static scene coarse_of(const scene *s, double *ret_step_work)
+static scene coarse_of(const scene *s, double *ret_step_work, double *ret_work_max)
 {
     const double area = (s->domain.x_max - s->domain.x_min) * (s->domain.y_max - s->domain.y_min);
+    const double edge = scene_cell_edge(s);
     scene coarse = *s;
 
-    coarse.macro.cell = fmax(fmax(CELL, sqrt(area / CELLS_MAX)), scene_cell_edge(s));
-    const bf_grid grid = scene_grid(&coarse);
-    *ret_step_work = (double)grid_cells(&grid) + STEP_WORK;
     coarse.macro.closure = SCENE_CONGESTED;
     coarse.macro.step = 0.0;
-    const double followed = WORK_MAX / *ret_step_work * scene_step_stable(&coarse);
-    const double every = fmin(s->duration, followed) / MOMENTS;
+    const double work_max =
+        fmin(fmax(WORK_MIN, WORK_PART * work_of(&coarse, ret_step_work)), WORK_MAX);
+    coarse.macro.cell = fmax(fmin(COARSER * edge, fmax(CELL_MAX, edge)), sqrt(area / CELLS_MAX));
+    double work = work_of(&coarse, ret_step_work);
+    while (work > work_max && coarse.macro.cell < CELL_MAX) {
+        coarse.macro.cell = fmin(CELL_MAX, 1.1 * coarse.macro.cell);
+        work = work_of(&coarse, ret_step_work);
+    }
+    const double every = s->duration * fmin(1.0, work_max / work) / MOMENTS;
     coarse.output = (scene_output){ .curve_every = every, .snapshot_every = every };
+    *ret_work_max = work_max;
     return coarse;
 }
 
@@ -142,12 +161,13 @@ static prediction_load sum_up(const trace *of, const scene *s, double finer, boo
 
 bf_status prediction_load_of(const scene *s, prediction_load *ret_load, bf_error *err)
 {
-    double step_work;
-    const scene coarse = coarse_of(s, &step_work);
+    double step_work, work_max;
+    const scene coarse = coarse_of(s, &step_work, &work_max);
     const bf_grid grid = scene_grid(&coarse);
     trace t = { .cell_area = grid.d1 * grid.d2,
                 .packing = scene_packing_density(s),
-                .step_work = step_work };
+                .step_work = step_work,
+                .work_max = work_max };
     const run_sink sink = { &t, take_frame, find_requested };
     run *r = NULL;
 
@@ -158,6 +178,6 @@ bf_status prediction_load_of(const scene *s, prediction_load *ret_load, bf_error
     run_destroy(r);
     if (status == BF_OK)
         *ret_load = sum_up(&t, s, scene_cell_edge(&coarse) / scene_cell_edge(s),
-                           (double)t.step * t.step_work <= WORK_MAX);
+                           (double)t.step * step_work <= work_max);
     return status;
 }
