@@ -3,7 +3,7 @@
 #include "core/base/number_text.h"
 #include "core/feed/arrivals.h"
 #include "core/feed/capacity.h"
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 
 #include <math.h>
 
@@ -259,7 +259,7 @@ static void say_jams(const run_verdict_subject *of, verdicts *all)
         blocked = fmax(blocked, value_of(of, FIGURE_STATE_BLOCKED, k));
     bool may = of->scene->n_actions > 0 || of->scene->n_merges > 0;
     for (size_t k = 0; k < of->scene->n_belts; k++)
-        may |= belt_speeds_may_change(&of->scene->belts[k]);
+        may |= belt_range_may_change(&of->scene->belts[k]);
     const bool is_bridge = blocked > blocked_least && of->scene->n_obstacles > 0 && !may;
     verdict *v = verdict_add(all, is_bridge ? "bridges" : "pauses");
     if (is_bridge)
@@ -320,7 +320,7 @@ static void say_chance(const run_verdict_subject *of, verdicts *all)
     if (!isfinite(needs))
         return;
     for (size_t k = 0; k < of->scene->n_belts; k++)
-        fail = fail || belt_stops_are_drawn(&of->scene->belts[k].stops);
+        fail = fail || belt_range_stops_by_chance(&of->scene->belts[k]);
     verdict *v = verdict_add(all, "too_short");
     verdict_say(v, "%s, and the run is too short to say how far that moved its throughput.",
                 fail ? "Belts fail by chance" : "What arrives when and where is left to chance");

@@ -2,7 +2,7 @@
 
 #include "core/base/polygon.h"
 #include "core/scene/belt_path.h"
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/mix.h"
 #include "core/scene/placement.h"
 #include "core/scene/surroundings.h"
@@ -108,7 +108,7 @@ static bool review_side(borders *b, size_t belt, size_t corner, double turn,
     const vec2 velocity = belt_velocity(of, vec2_scale(vec2_add(start, end), 0.5));
     vec2 way = vec2_scale(velocity, 1.0 / vec2_length(velocity));
 
-    if (belt_speeds_may_reverse(of) && vec2_dot(way, out) < 0.0)
+    if (belt_range_may_reverse(of) && vec2_dot(way, out) < 0.0)
         way = vec2_scale(way, -1.0);
     if (!(vec2_dot(way, out) > TOWARDS_SINE))
         return false;

@@ -8,8 +8,8 @@
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
 #include "core/feed/arrivals.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/belt_slope.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/mix.h"
 #include "core/scene/plate_motion.h"
 #include "core/scene/plate_range.h"
@@ -236,7 +236,7 @@ static void note_speeds(findings *f)
         for (size_t i = 0; i < schedule->n_times; i++)
             note(f, VALIDITY_SPEED, speed * fabs(schedule->factors[i]),
                  "/belts/%zu/speed_schedule/factor/%zu", k, i);
-        n_schedules += belt_speeds_may_change(belt);
+        n_schedules += belt_range_may_change(belt);
     }
     for (size_t k = 0; k < f->s->n_actions; k++) {
         const scene_action *a = &f->s->actions[k];

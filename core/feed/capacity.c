@@ -1,6 +1,6 @@
 #include "core/feed/capacity.h"
 
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@ static vec2 velocity_at(const surroundings *around, vec2 at)
     if (belt >= around->n_belts)
         return (vec2){ 0.0, 0.0 };
     return vec2_scale(belt_velocity(&around->belts[belt], at),
-                      belt_speeds_largest(&around->belts[belt]));
+                      belt_range_largest(&around->belts[belt]));
 }
 
 double feed_capacity(const scene *s, const scene_feed *feed)

@@ -1,7 +1,7 @@
 #include "core/macro/closed_lines.h"
 
 #include "core/base/polygon.h"
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 
 #include <math.h>
 
@@ -15,7 +15,7 @@ static vec2 shift_of(const surroundings *around, const scene_obstacle *obstacle)
 {
     // The line is the same whatever happens: cargo beside it is then still on its side.
     const bool moves = scene_obstacle_moves(obstacle) ||
-                       belt_speeds_may_reverse_any(around->n_belts, around->belts);
+                       belt_range_may_reverse_any(around->n_belts, around->belts);
     vec2 sum = { 0.0, 0.0 }, first = { 0.0, 0.0 };
     double length = 0.0;
 

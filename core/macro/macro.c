@@ -7,6 +7,7 @@
 #include "core/macro/macro_priv.h"
 #include "core/macro/muscl.h"
 #include "core/macro/tracers.h"
+#include "core/scene/belt_range.h"
 
 #include <math.h>
 #include <string.h>
@@ -65,7 +66,7 @@ static largest_factors find_largest_factors(const macro_def *def)
     largest_factors f = { .n_belts = def->n_belts, .of_all = 1.0 };
 
     for (size_t k = 0; k < def->n_belts; k++) {
-        f.of[k] = belt_speeds_largest(&def->belts[k]);
+        f.of[k] = belt_range_largest(&def->belts[k]);
         f.of_all = fmax(f.of_all, f.of[k]);
     }
     f.of[def->n_belts] = 1.0;

@@ -6,7 +6,7 @@
 ///     eta(x) = sigma/(2 pi) exp(-sigma |x|^2 / 2)
 ///
 /// Where the speeds of belts change, v and I are multiplied by the size of the factor of the belt under the face in the step
-/// (core/scene/belt_speeds.h): a belt that stands neither carries nor disperses. Of a belt that runs backwards v is that of
+/// (core/world/belt_speeds.h): a belt that stands neither carries nor disperses. Of a belt that runs backwards v is that of
 /// the other direction (moving_field.h).
 ///
 /// Static and dynamic flux are upwinded separately (Roe). SCENE_SCHEME_ROE: first order, an x1 sweep and then an

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/swept_cells.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/plate_range.h"
 #include "core/scene/scene.h"
 
@@ -150,7 +151,7 @@ static bf_status init_belts(moving_field *p, const bf_world *w, bf_error *err)
 {
     const scene *s = p->scene;
 
-    if (!belt_speeds_may_reverse_any(s->n_sections, s->belts))
+    if (!belt_range_may_reverse_any(s->n_sections, s->belts))
         return BF_OK;
     p->speeds = &w->belts;
     p->belts = memory_alloc(s->n_sections, sizeof *p->belts);

@@ -17,7 +17,7 @@
 #include "core/macro/closed_lines.h"
 #include "core/macro/regions.h"
 #include "core/scene/belt.h"
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -171,7 +171,7 @@ static sampler *sampler_alloc(const scene *s, const velocity_field *f)
     k->marks = memory_alloc(grid.n1 + 1, sizeof *k->marks);
     k->due = memory_alloc(s->n_obstacles + s->n_sections + 1, sizeof *k->due);
     k->is_made_again =
-        scene_has_moving_obstacles(s) || belt_speeds_may_reverse_any(s->n_sections, s->belts);
+        scene_has_moving_obstacles(s) || belt_range_may_reverse_any(s->n_sections, s->belts);
     bool is_whole = k->segments && k->near && k->borders && k->active && k->marks && k->due &&
                     arc_faces_init(&k->arcs, s, &grid) == BF_OK;
     if (k->is_made_again)
@@ -461,7 +461,7 @@ static bool is_behind_gap(const surroundings *around, vec2 centre, vec2 to_face)
     const vec2 before = vec2_add(centre, vec2_scale(to_face, 2.0));
     const size_t belt = surroundings_belt_at(around, before);
     const double goes = vec2_dot(surroundings_velocity_at(around, belt, before), to_face);
-    const bool reverses = belt < around->n_belts && belt_speeds_may_reverse(&around->belts[belt]);
+    const bool reverses = belt < around->n_belts && belt_range_may_reverse(&around->belts[belt]);
 
     return (goes < 0.0 || (goes > 0.0 && reverses)) && is_off_at(around, vec2_add(centre, to_face));
 }
@@ -637,7 +637,7 @@ static velocity_field *field_alloc(const scene *s)
     f->sampler = is_whole ? sampler_alloc(s, f) : NULL;
     is_whole = f->sampler != NULL;
     if (is_whole &&
-        (is_congested(s) || has_arcs(s) || !belt_speeds_are_constant(s->n_sections, s->belts))) {
+        (is_congested(s) || has_arcs(s) || !belt_range_is_constant(s->n_sections, s->belts))) {
         f->belt1 = memory_alloc(n_faces1, sizeof *f->belt1);
         f->belt2 = memory_alloc(n_faces2, sizeof *f->belt2);
         is_whole = f->belt1 && f->belt2;

@@ -29,7 +29,7 @@
 /// Walls of the domain are closed lines, and so are sides with a feed, whose density enters in the cells beside them
 /// (core/feed/density_entry.h).
 ///
-/// All velocities are linear in v_T, so that a belt whose speed changes (core/scene/belt_speeds.h) scales them by
+/// All velocities are linear in v_T, so that a belt whose speed changes (core/world/belt_speeds.h) scales them by
 /// its factor: where there is such a belt, the field says which belt each face has its velocity from.
 
 #pragma once

@@ -4,8 +4,8 @@
 #include "core/micro/contact_law.h"
 #include "core/micro/implicit_step.h"
 #include "core/scene/belt.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/belt_slope.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
 
@@ -42,7 +42,7 @@ static bool has_stop(const micro_def *def)
 {
     const surroundings around = { .domain = def->domain };
     bool stops = def->n_obstacles > 0 || def->n_belts != 1 || def->belts[0].turn != 0.0 ||
-                 belt_speeds_may_change(&def->belts[0]) || def->n_actions > 0;
+                 belt_range_may_change(&def->belts[0]) || def->n_actions > 0;
 
     for (int side = 0; side < SCENE_SIDE_COUNT && !stops; side++)
         stops = def->edges[side] == SCENE_EDGE_WALL &&
@@ -65,7 +65,7 @@ static load find_load(const micro_def *def)
         const double own = belt->arc.is_given ? belt->arc.outer_radius * belt_arc_angle(&belt->arc)
                                               : length_along(d, belt->velocity);
         length += has_stop(def) ? own : 0.0;
-        speed = fmax(speed, belt_largest_speed(belt) * belt_speeds_largest(belt));
+        speed = fmax(speed, belt_largest_speed(belt) * belt_range_largest(belt));
     }
     // Belts follow each other, across a domain or along it.
     length = fmin(length, d->x_max - d->x_min + d->y_max - d->y_min);

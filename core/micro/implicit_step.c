@@ -4,8 +4,8 @@
 #include "core/micro/contact_law.h"
 #include "core/micro/hardness.h"
 #include "core/scene/belt.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/belt_slope.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
@@ -88,7 +88,7 @@ static extremes extremes_of(const micro_def *def)
     e.damping = hardness_dashpot(def, e.damping, e.stiffness, 1.0 / e.mass);
     for (size_t k = 0; k < def->n_belts; k++)
         e.speed =
-            fmax(e.speed, belt_largest_speed(&def->belts[k]) * belt_speeds_largest(&def->belts[k]));
+            fmax(e.speed, belt_largest_speed(&def->belts[k]) * belt_range_largest(&def->belts[k]));
     return e;
 }
 

@@ -5,7 +5,7 @@
 ///     fallen                            parts that fell off the belts since t = 0; where scene.may_drop
 ///     <feed>.offered, .admitted, .waiting, .discarded    of each feed, see feed_balance
 ///     <photo eye>.blocked               of each photo eye: 1 or 0
-///     <belt>.speed_m_s                  of each belt that belt_speeds_may_change(), along its direction
+///     <belt>.speed_m_s                  of each belt that belt_range_may_change(), along its direction
 ///     <failure>.failed                  of each kind of failure: 1 while the belt is down by it, or 0
 ///     <belt>.left                       parts that left the domain from it since t = 0; of each outlet, where there are several, or sinks
 ///     <sink>.taken                      parts that the sink took since t = 0; of each sink

@@ -1,7 +1,7 @@
 #include "core/observe/figure.h"
 
 #include "core/scene/belt_path.h"
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 
 #define OF(scope_, models_) .scope = FIGURE_OF_##scope_, .models = FIGURE_BY_##models_
 
@@ -186,7 +186,7 @@ figure_id figure_first(figure_scope scope)
 // Whether a belt is one of a scope.
 static bool is_of(const scene_belt *belt, figure_scope scope)
 {
-    return scope == FIGURE_OF_OUTLET ? belt->is_outlet : belt_speeds_may_change(belt);
+    return scope == FIGURE_OF_OUTLET ? belt->is_outlet : belt_range_may_change(belt);
 }
 
 static size_t belts_of(const scene *s, figure_scope scope)

@@ -20,7 +20,7 @@ typedef enum figure_scope {
     FIGURE_OF_FEED,    ///< each feed
     FIGURE_OF_COUNTER, ///< each counter
     FIGURE_OF_EYE,     ///< each photo eye
-    FIGURE_OF_BELT,    ///< each belt that belt_speeds_may_change()
+    FIGURE_OF_BELT,    ///< each belt that belt_range_may_change()
     FIGURE_OF_FAILURE, ///< each kind of failure, in the order of their belts
     FIGURE_OF_OUTLET, ///< with feeds, each belt that cargo leaves the domain from, where there are several, or sinks
     FIGURE_OF_SINK, ///< each sink
@@ -113,7 +113,7 @@ extern const figure figure_table[FIGURE_COUNT];
 /// The first figure of a scope; of FIGURE_SCOPES, FIGURE_COUNT.
 figure_id figure_first(figure_scope scope);
 
-/// What there is of a scope in a scene: 1, its feeds, counters, photo eyes, belts that belt_speeds_may_change(), kinds of
+/// What there is of a scope in a scene: 1, its feeds, counters, photo eyes, belts that belt_range_may_change(), kinds of
 /// failures, outlets, or sinks.
 size_t figure_items(const scene *s, figure_scope scope);
 

@@ -1,6 +1,7 @@
 #include "core/observe/figures_priv.h"
 
 #include "core/base/memory.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/counter.h"
 
 #include <math.h>
@@ -65,7 +66,7 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
         f->eyes[k].last_end = (double)NAN;
     f->n_belts = figure_items(s, FIGURE_OF_BELT);
     for (size_t k = 0; k < s->n_belts; k++)
-        f->n_stops = belt_stops_are_any(&s->belts[k].stops) ? f->n_belts : f->n_stops;
+        f->n_stops = belt_range_may_stop(&s->belts[k]) ? f->n_belts : f->n_stops;
     f->n_failures = figure_items(s, FIGURE_OF_FAILURE);
     f->n_through = f->has_exits ? s->n_counters + figure_items(s, FIGURE_OF_OUTLET) : 0;
     f->n_flows = f->n_through + s->n_sinks;

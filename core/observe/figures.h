@@ -15,8 +15,8 @@
 #include "core/base/status.h"
 #include "core/feed/balance.h"
 #include "core/observe/figure.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/scene.h"
+#include "core/world/belt_speeds.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -122,7 +122,7 @@ struct figures {
     size_t n_through;                          ///< with feeds, counters and outlets; else 0
     size_t n_flows;                            ///< these, and sinks
     flow_sums *flows;                          ///< of each counter, outlet and sink
-    size_t n_belts; ///< that belt_speeds_may_change(), as all that fail or have breaks do
+    size_t n_belts; ///< that belt_range_may_change(), as all that fail or have breaks do
     belt_sums belts[SCENE_BELTS_MAX]; ///< of each of them
     size_t n_stops;                   ///< of `stops`: n_belts, or 0 where nothing stops any
     stop_sums stops[SCENE_BELTS_MAX]; ///< of each of them

@@ -1,5 +1,7 @@
 #include "core/run/control.h"
 
+#include "core/scene/belt_range.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -15,7 +17,7 @@ control control_of(const scene *s, bf_world *w, const run_backend *backend, cons
     bool has_stops = s->n_merges > 0;
 
     for (size_t k = 0; k < s->n_belts; k++)
-        has_stops = has_stops || belt_stops_are_any(&s->belts[k].stops);
+        has_stops = has_stops || belt_range_may_stop(&s->belts[k]);
     const bool needs_ticks = has_stops || s->n_feeds > 0 || s->n_eyes > 0 || s->n_sinks > 0 ||
                              s->until != SCENE_UNTIL_DURATION || scene_has_moving_obstacles(s);
 

@@ -5,7 +5,7 @@
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
 #include "core/feed/line_cells.h"
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/mix.h"
 #include "core/scene/regime.h"
 #include "core/scene/surroundings.h"
@@ -213,7 +213,7 @@ static bf_status create_eye(crossings *c, size_t index, bf_error *err)
         const vec2 along = vec2_scale(velocity, 1.0 / speed);
         const double length = length_of_parts(s, along);
         status = measure(s, beam, along, length, &eye->ways[0], err);
-        if (status == BF_OK && belt_speeds_may_reverse_any(s->n_belts, s->belts))
+        if (status == BF_OK && belt_range_may_reverse_any(s->n_belts, s->belts))
             status = measure(s, beam, vec2_scale(along, -1.0), length, &eye->ways[1], err);
     }
     eye->from = (draws){ 0, s->substream, digest_add(DIGEST_START, of->id, strlen(of->id)) };

@@ -14,6 +14,7 @@
 #include "core/run/macro_start.h"
 #include "core/run/run_priv.h"
 #include "core/run/schedule.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/belt_slope.h"
 #include "core/scene/counter.h"
 #include "core/scene/surroundings.h"
@@ -224,7 +225,7 @@ static bf_status create_solver(const scene *s, bf_world *w, int n_threads, macro
 {
     velocity_field *f = NULL;
     const bool changes =
-        scene_has_moving_obstacles(s) || belt_speeds_may_reverse_any(s->n_sections, s->belts);
+        scene_has_moving_obstacles(s) || belt_range_may_reverse_any(s->n_sections, s->belts);
     bf_status status =
         changes ? moving_field_create(s, w, &run->moving, err) : velocity_field_create(s, &f, err);
 

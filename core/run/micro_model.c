@@ -13,6 +13,7 @@
 #include "core/run/run_priv.h"
 #include "core/run/schedule.h"
 #include "core/scene/belt.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
 #include "core/scene/mix.h"
@@ -135,7 +136,7 @@ static uint64_t choose_tick(const micro_run *run, double dt)
     double speed = 0.0;
 
     for (size_t k = 0; k < s->n_sections; k++)
-        speed = fmax(speed, belt_largest_speed(&s->belts[k]) * belt_speeds_largest(&s->belts[k]));
+        speed = fmax(speed, belt_largest_speed(&s->belts[k]) * belt_range_largest(&s->belts[k]));
     const double most = fmin(longest_tick, 0.25 * smallest_radius(run) / speed);
     return (uint64_t)fmax(floor(most / dt), 1.0);
 }

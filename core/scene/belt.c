@@ -2,7 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 
 #include <float.h>
 
@@ -21,8 +21,7 @@ bool belt_are_forward(size_t n_belts, const scene_belt *belts)
 
     for (size_t k = 0; k < n_belts; k++)
         are = are && belts[k].velocity.y == 0.0 && belts[k].velocity.x >= 0.0 &&
-              belts[k].turn == 0.0 && belts[k].incline == 0.0 &&
-              !belt_speeds_may_reverse(&belts[k]);
+              belts[k].turn == 0.0 && belts[k].incline == 0.0 && !belt_range_may_reverse(&belts[k]);
     return are;
 }
 

@@ -3,7 +3,7 @@
 #include "core/base/polygon.h"
 #include "core/scene/belt.h"
 #include "core/scene/belt_path.h"
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/plate_range.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene_priv.h"
@@ -221,7 +221,7 @@ void scene__check_belts(const scene *s, bf_faults *faults)
         else if (belt->incline != 0.0 && vec2_length(belt->velocity) == 0.0)
             faults_add(faults, pointer, "needs a velocity_m_s, in whose direction the belt rises");
         snprintf(pointer, sizeof pointer, "/belts/%zu", k);
-        belt_speeds_check(belt, pointer, faults);
+        belt_range_check(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
         if (belt->n_points != 0 && !belt->arc.is_given && belt->path.n_points == 0)
             (void)scene__check_polygon(belt->polygon, belt->n_points, pointer, faults);

@@ -1,6 +1,6 @@
 #include "core/scene/regime.h"
 
-#include "core/scene/belt_stops.h"
+#include "core/scene/belt_range.h"
 
 #include <math.h>
 
@@ -49,7 +49,7 @@ uint32_t scene_gap_shape(const scene *s)
 bool scene_has_chance(const scene *s, bool is_density)
 {
     for (size_t k = 0; k < s->n_belts; k++)
-        if (belt_stops_are_drawn(&s->belts[k].stops))
+        if (belt_range_stops_by_chance(&s->belts[k]))
             return true;
     // An eye may command something that draws the gaps between a density's parts.
     for (size_t k = 0; k < s->n_actions && is_density; k++)

@@ -5,7 +5,7 @@
 #include "core/scene/arc_lanes.h"
 #include "core/scene/belt.h"
 #include "core/scene/belt_path.h"
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/goods.h"
 #include "core/scene/placement.h"
 #include "core/scene/plate_range.h"
@@ -602,7 +602,7 @@ typedef struct speeds {
 // Belts that run apart, or come to, empty a cell between them through all its faces, where a plate turns cargo aside.
 static bool may_part(const scene *s)
 {
-    bool may = s->n_belts > 1 && belt_speeds_may_reverse_any(s->n_belts, s->belts);
+    bool may = s->n_belts > 1 && belt_range_may_reverse_any(s->n_belts, s->belts);
 
     // Sections of a path follow each other.
     for (size_t k = 0; s->n_obstacles > 0 && k < s->n_sections; k++)
@@ -624,7 +624,7 @@ static speeds speeds_of(const scene *s)
     for (size_t k = 0; k < s->n_sections; k++) {
         const scene_belt *belt = &s->belts[k];
         const double faces = is_parting ? 4.0 : belt_has_lanes(belt) ? M_SQRT2 : 2.0;
-        const double largest = belt_speeds_largest(belt);
+        const double largest = belt_range_largest(belt);
         const double speedup = belt_has_lanes(belt) ? arc_lanes_speedup(s, belt, edge) : 1.0;
         const double face = speedup * belt_largest_speed(belt) * largest;
         of.face = fmax(of.face, face);

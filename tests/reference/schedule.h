@@ -1,5 +1,5 @@
 /// The displacement of a belt whose speed changes, by recursion over its schedule: an oracle for
-/// core/scene/belt_speeds.h.
+/// core/world/belt_speeds.h.
 
 #pragma once
 

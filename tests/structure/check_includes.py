@@ -6,8 +6,8 @@ import re
 
 import tree
 
-API_CORE = {"core/base", "core/scene", "core/observe", "core/run", "core/advice", "core/compare",
-            "core/study"}
+API_CORE = {"core/base", "core/scene", "core/world", "core/observe", "core/run", "core/advice",
+            "core/compare", "core/study"}
 API = {"api", "api/json", "api/scenario", "api/results", "api/study", "api/http", "api/openapi"}
 
 # Folder: the folders of ours that it may include from.
@@ -16,7 +16,7 @@ ARROWS = {
     "core/convex": {"core/base", "core/convex"},
     "core/scene": {"core/base", "core/scene"},
     "core/feed": {"core/base", "core/scene", "core/feed"},
-    "core/observe": {"core/base", "core/scene", "core/feed", "core/compare", "core/observe"},
+    "core/observe": {"core/base", "core/scene", "core/world", "core/feed", "core/compare", "core/observe"},
     "core/world": {"core/base", "core/scene", "core/world"},
     "core/macro": {"core/base", "core/scene", "core/world", "core/macro"},
     "core/micro": {"core/base", "core/convex", "core/scene", "core/world", "core/micro"},

@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/macro/congested/congested_priv.h"
 #include "core/scene/belt.h"
+#include "core/scene/belt_range.h"
 #include "core/scene/belt_slope.h"
 
 #include <math.h>
@@ -259,7 +260,7 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     c->kernels = kernels_of(cpu_best());
     c->is_forward = belt_are_forward(def->n_belts, def->belts);
     // Of belts that run backwards each may run onto another one.
-    c->has_drives = belt_speeds_may_reverse_any(def->n_belts, def->belts);
+    c->has_drives = belt_range_may_reverse_any(def->n_belts, def->belts);
     for (size_t k = 0; k < def->n_belts; k++)
         c->has_drives = c->has_drives || def->belts[k].incline != 0.0;
     c->jam_density = def->jam_density;

@@ -5,7 +5,7 @@
 #include "core/observe/columns.h"
 #include "core/observe/figure.h"
 #include "core/run/run.h"
-#include "core/scene/belt_stops.h"
+#include "core/world/belt_stops.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"

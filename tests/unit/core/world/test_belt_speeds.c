@@ -1,6 +1,7 @@
 // Unit tests of belts whose speed changes: ramps, jumps, means over steps, and schedules at fault.
 
-#include "core/scene/belt_speeds.h"
+#include "core/scene/belt_range.h"
+#include "core/world/belt_speeds.h"
 
 #include "core/base/memory.h"
 #include "core/base/random.h"
@@ -47,7 +48,7 @@ static void without_a_schedule_the_factor_is_1(void **state)
     double factors[2];
 
     assert_true(speeds.are_constant);
-    assert_true(belt_speeds_largest(&belt) == 1.0);
+    assert_true(belt_range_largest(&belt) == 1.0);
     ASSERT_FACTORS(&speeds, { 0.0, 1.0 }, { 1e9, 1.0 });
     belt_speeds_in_step(&speeds, 77, 0.1, factors);
     assert_true(factors[0] == 1.0 && factors[1] == 1.0);
@@ -64,7 +65,7 @@ static void a_target_is_reached_by_a_ramp(void **state)
     ASSERT_FACTORS(&speeds, { 0.0, 1.0 }, { 1.0, 1.0 }, { 1.0625, 0.75 }, { 1.125, 0.5 },
                    { 1.9, 0.5 }, { 2.0, 0.5 }, { 2.25, 1.0 }, { 2.5, 1.5 }, { 4.0, 1.5 },
                    { 4.125, 1.0 }, { 4.375, 0.0 }, { 100.0, 0.0 });
-    assert_true(belt_speeds_largest(&belt) == 1.5);
+    assert_true(belt_range_largest(&belt) == 1.5);
     belt_speeds_fini(&speeds);
 }
 
@@ -100,7 +101,7 @@ static void a_factor_at_0_holds_from_the_start(void **state)
     belt_speeds speeds = speeds_of(&belt);
 
     ASSERT_FACTORS(&speeds, { 0.0, 0.0 }, { 1.0, 0.0 }, { 1.125, 0.25 }, { 1.25, 0.5 });
-    assert_true(belt_speeds_largest(&belt) == 0.5);
+    assert_true(belt_range_largest(&belt) == 0.5);
     belt_speeds_fini(&speeds);
 }
 
@@ -158,7 +159,7 @@ static void random_schedules_agree_with_the_recursion_over_them(void **state)
             double factors[2];
             belt_speeds_in_step(&speeds, n, dt, factors);
             assert_near(factors[0], schedule_mean(&belt, n, dt), 1e-11);
-            assert_true(factors[0] >= 0.0 && factors[0] <= belt_speeds_largest(&belt) + 1e-15);
+            assert_true(factors[0] >= 0.0 && factors[0] <= belt_range_largest(&belt) + 1e-15);
         }
         belt_speeds_fini(&speeds);
     }
@@ -195,85 +196,6 @@ static void without_memory_there_are_no_speeds(void **state)
     }
 }
 
-static const bf_faults *faults_of(const scene_belt *belt)
-{
-    static bf_faults faults;
-
-    faults = (bf_faults){ .n = 0 };
-    belt_speeds_check(belt, "/b", &faults);
-    return &faults;
-}
-
-static void assert_fault(const scene_belt *belt, bf_status code, const char *pointer)
-{
-    const bf_faults *faults = faults_of(belt);
-
-    assert_int_equal(faults->n, 1);
-    assert_int_equal(faults->items[0].code, code);
-    assert_string_equal(faults->items[0].pointer, pointer);
-}
-
-static void accelerations_are_positive(void **state)
-{
-    const double bad[] = { 0.0, -1.0, NAN, -INFINITY, 1e300 };
-
-    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
-        scene_belt belt = belt_with(bad[k], INFINITY, 0, NULL, NULL);
-        assert_fault(&belt, BF_EINPUT, "/b/acceleration_m_s2");
-        belt = belt_with(INFINITY, bad[k], 0, NULL, NULL);
-        assert_fault(&belt, BF_EINPUT, "/b/deceleration_m_s2");
-    }
-}
-
-static void times_rise_and_factors_are_finite(void **state)
-{
-    static const struct {
-        double times[3], factors[3];
-        const char *pointer; // NULL: no fault
-    } schedules[] = {
-        { { 0.0, 1.0, 2.0 }, { 0.0, 1.0, 2.0 }, NULL },
-        { { -1.0, 1.0, 2.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/0" },
-        { { 0.0, 2.0, 1.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/2" },
-        { { 0.0, 1.0, 1.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/2" },
-        { { 0.0, NAN, 1.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/1" },
-        { { 0.0, 1.0, INFINITY }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/2" },
-        { { 0.0, 1.0, 2.0 }, { 1.0, -0.1, 1.0 }, NULL },
-        { { 0.0, 1.0, 2.0 }, { 1.0, -INFINITY, 1.0 }, "/b/speed_schedule/factor/1" },
-        { { 0.0, 1.0, 2.0 }, { 1.0, NAN, 1.0 }, "/b/speed_schedule/factor/1" },
-        { { 0.0, 1.0, 2.0 }, { 1.0, 1.0, INFINITY }, "/b/speed_schedule/factor/2" },
-        // 0.5 m/s times 2001 are more than 1000 m/s.
-        { { 0.0, 1.0, 2.0 }, { 2001.0, 1.0, 1.0 }, "/b/speed_schedule/factor/0" },
-        { { 0.0, 1.0, 2.0 }, { -2001.0, 1.0, 1.0 }, "/b/speed_schedule/factor/0" },
-        { { 0.0, 1.0, 2.0 }, { 2000.0, 1.0, 1.0 }, NULL },
-    };
-
-    for (size_t k = 0; k < sizeof schedules / sizeof *schedules; k++) {
-        double times[3], factors[3];
-        memcpy(times, schedules[k].times, sizeof times);
-        memcpy(factors, schedules[k].factors, sizeof factors);
-        const scene_belt belt = belt_with(1.0, 1.0, 3, times, factors);
-        if (schedules[k].pointer != NULL)
-            assert_fault(&belt, BF_EINPUT, schedules[k].pointer);
-        else
-            assert_int_equal(faults_of(&belt)->n, 0);
-    }
-}
-
-static void there_is_a_factor_for_each_time_and_not_too_many(void **state)
-{
-    static double times[SCENE_SPEEDS_MAX + 1], factors[SCENE_SPEEDS_MAX + 1];
-    scene_belt belt = belt_with(1.0, 1.0, 3, times, factors);
-
-    for (int k = 0; k <= SCENE_SPEEDS_MAX; k++)
-        times[k] = k;
-    belt.speed_schedule.n_factors = 2;
-    assert_fault(&belt, BF_EINPUT, "/b/speed_schedule");
-    belt = belt_with(1.0, 1.0, SCENE_SPEEDS_MAX, times, factors);
-    assert_int_equal(faults_of(&belt)->n, 0);
-    belt = belt_with(1.0, 1.0, SCENE_SPEEDS_MAX + 1, times, factors);
-    assert_fault(&belt, BF_ELIMIT, "/b/speed_schedule");
-}
-
 // A belt at 0.5 m/s that actions may command, with a jump to 0 at 10 s by its own schedule.
 static scene_belt commanded_belt(void)
 {
@@ -291,7 +213,7 @@ static void a_command_ramps_and_replaces_the_schedule(void **state)
     belt_speeds speeds = speeds_of(&belt);
 
     assert_false(speeds.are_constant);
-    assert_true(belt_speeds_largest(&belt) == 1.5);
+    assert_true(belt_range_largest(&belt) == 1.5);
     // Down by 1/s to 0.5 at 2.5 s; the schedule would stop it at 10 s.
     belt_speeds_command(&speeds, 0, 2.0, 0.5);
     ASSERT_FACTORS(&speeds, { 2.0, 1.0 }, { 2.25, 0.75 }, { 2.5, 0.5 }, { 20.0, 0.5 });
@@ -339,27 +261,13 @@ static void a_belt_reverses_over_rest(void **state)
                    { 8.25, -0.25 }, { 1e9, -0.25 });
     // By the areas of the triangles between 2 and 5 s: 1/2 forward, 1 backwards.
     assert_near(belt_speeds_mean(&speeds, 0, 2.0, 5.0), -0.5 / 3.0, 1e-15);
-    assert_true(belt_speeds_largest(&belt) == 1.0 && belt_speeds_may_reverse(&belt));
+    assert_true(belt_range_largest(&belt) == 1.0 && belt_range_may_reverse(&belt));
     belt_speeds_fini(&speeds);
     belt.acceleration = belt.deceleration = INFINITY;
     speeds = speeds_of(&belt);
     ASSERT_FACTORS(&speeds, { nextafter(2.0, 0.0), 1.0 }, { 2.0, -1.0 }, { 6.0, 0.5 },
                    { 7.5, -1.0 });
     belt_speeds_fini(&speeds);
-}
-
-static void a_belt_may_reverse_by_its_schedule_or_by_a_command(void **state)
-{
-    double times[] = { 1.0, 2.0 }, targets[] = { 0.0, 2.0 };
-    scene_belt belt = belt_with(1.0, 1.0, 2, times, targets);
-
-    assert_false(belt_speeds_may_reverse(&belt));
-    belt.is_commanded = belt.command_reverses = true;
-    assert_true(belt_speeds_may_reverse(&belt));
-    assert_true(belt_speeds_may_reverse_any(1, &belt));
-    belt.is_commanded = belt.command_reverses = false;
-    targets[1] = -0.001;
-    assert_true(belt_speeds_may_reverse(&belt));
 }
 
 // Back from 1 at 2 s: at rest at 3 s and at -1 at 5 s, from where a command at 4 s, at -0.5, brakes by 1/s and speeds up to 0.5.
@@ -415,13 +323,9 @@ int main(void)
         cmocka_unit_test(random_schedules_agree_with_the_recursion_over_them),
         cmocka_unit_test(off_every_belt_the_factor_is_1),
         cmocka_unit_test(without_memory_there_are_no_speeds),
-        cmocka_unit_test(accelerations_are_positive),
-        cmocka_unit_test(times_rise_and_factors_are_finite),
-        cmocka_unit_test(there_is_a_factor_for_each_time_and_not_too_many),
         cmocka_unit_test(a_command_ramps_and_replaces_the_schedule),
         cmocka_unit_test(a_belt_stands_between_knots_without_speed),
         cmocka_unit_test(a_belt_reverses_over_rest),
-        cmocka_unit_test(a_belt_may_reverse_by_its_schedule_or_by_a_command),
         cmocka_unit_test(a_command_reverses_over_rest),
         cmocka_unit_test(saved_commands_come_back_with_the_same_bits),
     };

@@ -1,10 +1,10 @@
 // Unit tests of what stops belts: failures at given and at drawn times, breaks, operating time, and entries at fault.
 
-#include "core/scene/belt_stops.h"
+#include "core/world/belt_stops.h"
 
 #include "core/base/memory.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/ranges.h"
+#include "core/world/belt_speeds.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_cmocka.h"
 
@@ -325,92 +325,6 @@ static void without_memory_there_are_no_stops(void **state)
     }
 }
 
-static void assert_fault(const scene_stops *stops, bf_status code, const char *pointer)
-{
-    bf_faults faults = { .n = 0 };
-
-    belt_stops_check(stops, "/belts/0", &faults);
-    assert_int_equal(faults.n, pointer != NULL ? 1 : 0);
-    if (pointer == NULL)
-        return;
-    assert_string_equal(faults.items[0].pointer, pointer);
-    assert_int_equal(faults.items[0].code, code);
-}
-
-static void times_and_shapes_are_in_range(void **state)
-{
-    const scene_drawn_time good = { 10.0, SCENE_TIME_EXPONENTIAL, 1.0 };
-    const struct {
-        scene_drawn_time between, repair;
-        const char *pointer;
-    } cases[] = {
-        { good, good, NULL },
-        { fixed(-1.0), good, "/belts/0/failures/0/mtbf_s" },
-        { fixed(0.0), good, "/belts/0/failures/0/mtbf_s" },
-        { good, fixed(0.0), "/belts/0/failures/0/mttr_s" },
-        { good, fixed(NAN), "/belts/0/failures/0/mttr_s" },
-        { { 9.0, SCENE_TIME_WEIBULL, 0.19 }, good, "/belts/0/failures/0/mtbf_shape" },
-        { { 9.0, SCENE_TIME_WEIBULL, 0.2 }, { 9.0, SCENE_TIME_WEIBULL, 100.0 }, NULL },
-        { good, { 9.0, SCENE_TIME_WEIBULL, 101.0 }, "/belts/0/failures/0/mttr_shape" },
-    };
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scene_failure f = drawn("f", cases[k].between, cases[k].repair);
-        assert_fault(&(scene_stops){ .n_failures = 1, .failures = &f, .until = 10.0 }, BF_EINPUT,
-                     cases[k].pointer);
-    }
-}
-
-static void lists_rise_and_do_not_overlap(void **state)
-{
-    double t[] = { 1.0, 4.0, 6.0 }, lasts[] = { 2.0, 1.0, 1.0 };
-    scene_failure f = { .id = "f",
-                        .type = SCENE_FAILURE_LISTED,
-                        .n_times = 3,
-                        .times = t,
-                        .n_durations = 3,
-                        .durations = lasts };
-    const scene_stops stops = { .n_failures = 1, .failures = &f, .until = 10.0 };
-    assert_fault(&stops, BF_EINPUT, NULL);
-    lasts[1] = 2.0; // until the next one begins
-    assert_fault(&stops, BF_EINPUT, "/belts/0/failures/0/t_s/2");
-    lasts[1] = 0.0;
-    assert_fault(&stops, BF_EINPUT, "/belts/0/failures/0/duration_s/1");
-    lasts[1] = 1.0;
-    t[0] = -1.0;
-    assert_fault(&stops, BF_EINPUT, "/belts/0/failures/0/t_s/0");
-    t[0] = 1.0;
-    f.n_durations = 2;
-    assert_fault(&stops, BF_EINPUT, "/belts/0/failures/0");
-}
-
-static void breaks_end_before_the_next_one_begins(void **state)
-{
-    scene_break b = { .start = 5.0, .duration = 900.0, .every = 14400.0 };
-    const scene_stops stops = { .n_breaks = 1, .breaks = &b, .until = 10.0 };
-    assert_fault(&stops, BF_EINPUT, NULL);
-    b.every = 900.0;
-    assert_fault(&stops, BF_EINPUT, "/belts/0/breaks/0/every_s");
-    b = (scene_break){ .start = -1.0, .duration = 1.0, .every = INFINITY };
-    assert_fault(&stops, BF_EINPUT, "/belts/0/breaks/0/start_s");
-    b = (scene_break){ .start = 1.0, .duration = 0.0, .every = INFINITY };
-    assert_fault(&stops, BF_EINPUT, "/belts/0/breaks/0/duration_s");
-}
-
-static void there_are_not_too_many(void **state)
-{
-    static scene_failure many[SCENE_FAILURES_MAX + 1];
-    static scene_break breaks[SCENE_BREAKS_MAX + 1];
-    scene_failure f = drawn("f", fixed(0.9), fixed(0.1));
-    scene_stops stops = { .n_failures = 1, .failures = &f, .until = 1.0 * SCENE_STOPS_MAX };
-    assert_fault(&stops, BF_ELIMIT, NULL);
-    stops.until += 1.0;
-    assert_fault(&stops, BF_ELIMIT, "/belts/0/failures");
-    assert_fault(&(scene_stops){ .n_failures = SCENE_FAILURES_MAX + 1, .failures = many },
-                 BF_ELIMIT, "/belts/0/failures");
-    assert_fault(&(scene_stops){ .n_breaks = SCENE_BREAKS_MAX + 1, .breaks = breaks }, BF_ELIMIT,
-                 "/belts/0/breaks");
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -426,10 +340,6 @@ int main(void)
         cmocka_unit_test(commands_stop_the_clock_and_failures_override_them),
         cmocka_unit_test(a_belt_that_was_commanded_fails_as_before_after_a_checkpoint),
         cmocka_unit_test(without_memory_there_are_no_stops),
-        cmocka_unit_test(times_and_shapes_are_in_range),
-        cmocka_unit_test(lists_rise_and_do_not_overlap),
-        cmocka_unit_test(breaks_end_before_the_next_one_begins),
-        cmocka_unit_test(there_are_not_too_many),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,7 +18,6 @@
 
 #pragma once
 
-#include "core/base/faults.h"
 #include "core/scene/types.h"
 
 #include <stdbool.h>
@@ -54,12 +53,6 @@ typedef struct belt_stops_state {
     uint64_t n_borders[SCENE_BREAKS_MAX]; ///< of each entry of the breaks: begins and ends up to t
 } belt_stops_state;
 
-/// True if a belt has failures or breaks.
-bool belt_stops_are_any(const scene_stops *stops);
-
-/// True if some of its failures are left to chance.
-bool belt_stops_are_drawn(const scene_stops *stops);
-
 /// The state at t = 0, with what begins there.
 belt_stops_state belt_stops_start(const scene_stops *stops);
 
@@ -76,6 +69,3 @@ void belt_stops_go_on(const scene_stops *stops, bool runs, double until, belt_st
 /// Room for the times at which anything begins or ends in [0, stops->until], which are no more than those of a belt that
 /// always runs.
 size_t belt_stops_count(const scene_stops *stops);
-
-/// Note faults of a belt's failures and breaks; pointer is that of the belt.
-void belt_stops_check(const scene_stops *stops, const char *pointer, bf_faults *faults);

@@ -16,15 +16,14 @@
 /// what schedule or commands tell by then.
 ///
 /// Units    SI.
-/// Errors   belt_speeds_init() expects schedules that belt_speeds_check() finds no fault in.
+/// Errors   belt_speeds_init() expects schedules that belt_range_check() finds no fault in.
 
 #pragma once
 
 #include "core/base/checkpoint.h"
-#include "core/base/faults.h"
 #include "core/base/status.h"
-#include "core/scene/belt_stops.h"
 #include "core/scene/types.h"
+#include "core/world/belt_stops.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -75,7 +74,7 @@ typedef struct belt_speeds_curve {
 typedef struct belt_speeds {
     size_t n_belts;            ///< see there
     belt_speeds_curve *curves; ///< of each belt
-    bool are_constant;         ///< belt_speeds_are_constant(); then none is ever commanded
+    bool are_constant;         ///< belt_range_is_constant(); then none is ever commanded
 } belt_speeds;
 
 /// Make the speeds of belts; those with failures or breaks must outlive them. The caller owns them: belt_speeds_fini(). BF_ENOMEM: *ret_speeds
@@ -111,21 +110,3 @@ void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double fact
 /// belts into speeds without commands. False: it is damaged, and *speeds undefined.
 void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w);
 BF_MUST_CHECK bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r);
-
-/// True if a belt has a speed schedule, failures or breaks, or can be commanded.
-bool belt_speeds_may_change(const scene_belt *belt);
-
-/// True if no belt_speeds_may_change(): every f is 1 at all times.
-bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts);
-
-/// The largest |f| of a belt that its schedule and actions allow at any time.
-double belt_speeds_largest(const scene_belt *belt);
-
-/// True if a belt may run backwards: a factor of its schedule or of an action on it is below 0.
-bool belt_speeds_may_reverse(const scene_belt *belt);
-
-/// True if any of these belts may.
-bool belt_speeds_may_reverse_any(size_t n_belts, const scene_belt *belts);
-
-/// Note faults of a belt's accelerations, schedule, failures and breaks; pointer is that of the belt.
-void belt_speeds_check(const scene_belt *belt, const char *pointer, bf_faults *faults);

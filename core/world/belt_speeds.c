@@ -1,13 +1,11 @@
-#include "core/scene/belt_speeds.h"
+#include "core/world/belt_speeds.h"
 
 #include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/base/search.h"
-#include "core/scene/ranges.h"
-#include "core/scene/scene_priv.h"
+#include "core/scene/belt_range.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 // Of a ramp its beginning, where it comes to rest between two directions, and its end.
@@ -96,7 +94,7 @@ static bf_status make_curve(const scene_belt *belt, belt_speeds_curve *c)
 {
     const scene_speed_schedule *s = &belt->speed_schedule;
     const bool begins = s->n_times > 0 && s->times[0] == 0.0;
-    const bool has_stops = belt_stops_are_any(&belt->stops);
+    const bool has_stops = belt_range_may_stop(belt);
     const double target = begins ? s->factors[0] : 1.0;
     const belt_stops_state start = belt_stops_start(&belt->stops);
     const bool is_stopped = belt_stops_now(&belt->stops, &start) != 0;
@@ -188,26 +186,11 @@ bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r)
     return true;
 }
 
-bool belt_speeds_may_change(const scene_belt *belt)
-{
-    return belt->speed_schedule.n_times > 0 || belt->is_commanded ||
-           belt_stops_are_any(&belt->stops);
-}
-
-bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts)
-{
-    bool are_constant = true;
-
-    for (size_t k = 0; k < n_belts; k++)
-        are_constant = are_constant && !belt_speeds_may_change(&belts[k]);
-    return are_constant;
-}
-
 bf_status belt_speeds_init(belt_speeds *ret_speeds, size_t n_belts, const scene_belt *belts,
                            bf_error *err)
 {
     belt_speeds speeds = { .curves = memory_alloc(n_belts, sizeof *speeds.curves),
-                           .are_constant = belt_speeds_are_constant(n_belts, belts) };
+                           .are_constant = belt_range_is_constant(n_belts, belts) };
     bf_status status = speeds.curves != NULL ? BF_OK : BF_ENOMEM;
 
     for (size_t k = 0; k < n_belts && status == BF_OK; k++) {
@@ -301,79 +284,4 @@ void belt_speeds_in_step(const belt_speeds *speeds, uint64_t step, double dt, do
     for (size_t k = 0; k < speeds->n_belts; k++)
         ret_factors[k] = belt_speeds_mean(speeds, k, from, to);
     ret_factors[speeds->n_belts] = 1.0;
-}
-
-double belt_speeds_largest(const scene_belt *belt)
-{
-    const scene_speed_schedule *s = &belt->speed_schedule;
-    double largest = s->n_times > 0 && s->times[0] == 0.0 ? 0.0 : 1.0;
-
-    for (size_t k = 0; k < s->n_factors; k++)
-        largest = fmax(largest, fabs(s->factors[k]));
-    return belt->is_commanded ? fmax(largest, belt->command_factor) : largest;
-}
-
-bool belt_speeds_may_reverse(const scene_belt *belt)
-{
-    const scene_speed_schedule *s = &belt->speed_schedule;
-    bool may = belt->is_commanded && belt->command_reverses;
-
-    for (size_t k = 0; k < s->n_factors; k++)
-        may = may || s->factors[k] < 0.0;
-    return may;
-}
-
-bool belt_speeds_may_reverse_any(size_t n_belts, const scene_belt *belts)
-{
-    bool may = false;
-
-    for (size_t k = 0; k < n_belts; k++)
-        may = may || belt_speeds_may_reverse(&belts[k]);
-    return may;
-}
-
-static void check_acceleration(double acceleration, const char *belt, const char *member,
-                               bf_faults *faults)
-{
-    char pointer[BF_POINTER_SIZE];
-
-    snprintf(pointer, sizeof pointer, "%s/%s", belt, member);
-    if (acceleration != INFINITY)
-        range_check(&scene_range_acceleration, acceleration, pointer, faults);
-}
-
-static void check_factors(const scene_belt *belt, const char *at, bf_faults *faults)
-{
-    const scene_speed_schedule *s = &belt->speed_schedule;
-    const double speed = vec2_length(belt->velocity);
-    const size_t n_before = faults->n;
-    char pointer[BF_POINTER_SIZE];
-
-    for (size_t k = 0; k < s->n_factors && faults->n == n_before; k++) {
-        snprintf(pointer, sizeof pointer, "%s/speed_schedule/factor/%zu", at, k);
-        range_check(&scene_range_speed_factor, s->factors[k], pointer, faults);
-        // A speed that is too large by itself is reported there.
-        if (faults->n == n_before && speed <= SCENE_SPEED_MAX &&
-            speed * fabs(s->factors[k]) > SCENE_SPEED_MAX)
-            faults_add(faults, pointer, "makes the belt move at %g m/s, the limit is %g",
-                       speed * fabs(s->factors[k]), SCENE_SPEED_MAX);
-    }
-}
-
-void belt_speeds_check(const scene_belt *belt, const char *pointer, bf_faults *faults)
-{
-    const scene_speed_schedule *s = &belt->speed_schedule;
-    char at[BF_POINTER_SIZE];
-
-    check_acceleration(belt->acceleration, pointer, "acceleration_m_s2", faults);
-    check_acceleration(belt->deceleration, pointer, "deceleration_m_s2", faults);
-    snprintf(at, sizeof at, "%s/speed_schedule", pointer);
-    if (!scene__check_count(s->n_times, SCENE_SPEEDS_MAX, at, "times", faults))
-        return;
-    if (s->n_factors != s->n_times)
-        faults_add(faults, at, "has %zu factors for %zu times", s->n_factors, s->n_times);
-    snprintf(at, sizeof at, "%s/speed_schedule/t_s", pointer);
-    scene__check_times(s->times, s->n_times, at, false, faults);
-    check_factors(belt, pointer, faults);
-    belt_stops_check(&belt->stops, pointer, faults);
 }
