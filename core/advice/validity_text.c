@@ -71,8 +71,12 @@ void validity_complete(validity_item *item, validity_subject of, validity_way wa
     item->minimum = range->minimum;
     item->maximum = range->maximum;
     item->meaning = then == NULL ? subject->unknown : then;
-    snprintf(item->title, sizeof item->title, "%s %s%s", row->before,
-             number_text(item->value, DIGITS, value), row->after);
+    if (item->figure == VALIDITY_ACCELERATION && isnan(item->value))
+        snprintf(item->title, sizeof item->title, "%s",
+                 "Without friction the fastest belt brings no part to its speed");
+    else
+        snprintf(item->title, sizeof item->title, "%s %s%s", row->before,
+                 number_text(item->value, DIGITS, value), row->after);
     if (way == VALIDITY_NEVER_COMPARED)
         snprintf(between, sizeof between, "was never compared with %s for this", subject->with);
     else {

@@ -524,6 +524,22 @@ static void other_frictions_were_not_compared(void **state)
     }
 }
 
+static void a_belt_without_friction_brings_no_part_to_its_speed(void **state)
+{
+    scene s;
+
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.macro.closure = SCENE_CONGESTED;
+    s.micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.0;
+    const validity of = validity_now(&s);
+    assert_int_equal(of.n_never, 1);
+    assert_int_equal(of.never[0].figure, VALIDITY_ACCELERATION);
+    assert_true(isnan(of.never[0].value));
+    assert_string_equal(of.never[0].title,
+                        "Without friction the fastest belt brings no part to its speed");
+    scene_fini(&s);
+}
+
 static void only_sealed_plates_agree_with_moving_parts(void **state)
 {
     static const scene_treatment others[] = { SCENE_FIELD, SCENE_WALL };
@@ -707,6 +723,7 @@ int main(void)
         cmocka_unit_test(other_shapes_were_not_compared),
         cmocka_unit_test(mixes_were_not_compared),
         cmocka_unit_test(other_frictions_were_not_compared),
+        cmocka_unit_test(a_belt_without_friction_brings_no_part_to_its_speed),
         cmocka_unit_test(only_sealed_plates_agree_with_moving_parts),
         cmocka_unit_test(coarse_grids_were_not_compared),
         cmocka_unit_test(each_closure_has_ranges_of_its_own),

@@ -109,6 +109,12 @@ static void icy_belt(scene *s)
     s->micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.1;
 }
 
+static void frictionless_belt(scene *s)
+{
+    congested(s);
+    s->micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.0;
+}
+
 static void rough_walls(scene *s)
 {
     congested(s);
@@ -230,6 +236,7 @@ static const struct {
     { "fed cartons in space", cartons, true, 0.01, VALIDITY_SHAPE, true },
     { "a mix of masses", pencils_and_kegs, true, 0.01, VALIDITY_MASSES, true },
     { "an icy belt", icy_belt, false, 0.0, VALIDITY_BELT_FRICTION, false },
+    { "a belt without friction", frictionless_belt, false, 0.0, VALIDITY_ACCELERATION, true },
     { "rough walls", rough_walls, false, 0.0, VALIDITY_WALL_FRICTION, false },
     { "sharp friction", sharp_friction, false, 0.0, VALIDITY_SMOOTHING, false },
     { "another jam density", other_jam, false, 0.0, VALIDITY_CONSTANTS, true },
