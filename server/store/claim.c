@@ -68,13 +68,10 @@ static bf_status read_next(const store *s, store__connection *reader, bool with_
 
 static bf_status peek_next(store *s, bool with_trials, store_job *job, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     bf_buffer compressed = { 0 };
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = read_next(s, reader, with_trials, job, &compressed, err);
+    bf_status status = read_next(s, reader, with_trials, job, &compressed, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK && compressed.n > 0)
         status = begin_again_if_damaged(store__unpack(&compressed, &job->checkpoint, err), job);
@@ -174,17 +171,15 @@ bf_status store_set_external_id(store *s, const char *id, const char *external_i
 bf_status store_list_running(store *s, size_t size, store_running *ret_runs, size_t *ret_n,
                              bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     store__row row = { .rowid = 0 };
     bool has_row = true;
     size_t n = 0;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
+    bf_status status = BF_OK;
     while (status == BF_OK && n < size) {
-        status =
-            store__find_first(reader, STORE__SQL_NEXT_RUNNING, row.run.id, &row, &has_row, err);
+        status = store__find(reader, STORE__SQL_NEXT_RUNNING, &store__run_record, &row, &has_row,
+                             err, TEXT(row.run.id));
         if (status != BF_OK || !has_row)
             break;
         ret_runs[n].stop_request = row.stop_request;
@@ -199,14 +194,11 @@ bf_status store_list_running(store *s, size_t size, store_running *ret_runs, siz
 
 bf_status store_read_job(store *s, const char *id, store_job *ret_job, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     store_job job = { 0 };
     store__row row;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_row(reader, id, &row, err);
+    bf_status status = store__find_row(reader, id, &row, err);
     if (status == BF_OK && row.run.state != RUN_RUNNING)
         status = bf_fail(err, BF_ECONFLICT, "", "the run is not running");
     if (status == BF_OK)
@@ -395,24 +387,6 @@ bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *er
 
 enum { REMOVALS_A_COMMIT = 32 };
 
-static bf_status list_runs_of_study(store *s, const char *study_id, size_t n_most,
-                                    char (*ret_ids)[API_ID_SIZE], size_t *ret_n, bf_error *err)
-{
-    store__connection *reader = NULL;
-
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    store__query q =
-        store__start(reader, STORE__SQL_LIST_RUNS_OF_STUDY, TEXT(study_id), INTEGER(n_most));
-    while (*ret_n < n_most && store__next(&q, &status, err)) {
-        store__column_text(&q, 0, ret_ids[(*ret_n)++], API_ID_SIZE);
-    }
-    store__end(&q);
-    store__release_reader(&s->pool, reader);
-    return status;
-}
-
 /// Runs of one study that were removed in this transaction.
 typedef struct removals {
     size_t n;
@@ -436,12 +410,16 @@ static bf_status apply_charge_removals(store__connection *writer, store__operati
 // Each run is an operation of its own, so that those who wait for it are told. The owner pays for what that takes.
 bf_status store_remove_runs_of_study(store *s, const char *id, bool *ret_has_runs, bf_error *err)
 {
+    store__connection *reader = store__acquire_reader(&s->pool);
     char ids[REMOVALS_A_COMMIT][API_ID_SIZE];
     remove_context contexts[REMOVALS_A_COMMIT];
     store__operation operations[REMOVALS_A_COMMIT + 1];
     size_t n = 0;
 
-    bf_status status = list_runs_of_study(s, id, REMOVALS_A_COMMIT, ids, &n, err);
+    bf_status status =
+        store__list(reader, STORE__SQL_LIST_RUNS_OF_STUDY, &store__id_record, ids,
+                    REMOVALS_A_COMMIT, &n, NULL, err, TEXT(id), INTEGER(REMOVALS_A_COMMIT));
+    store__release_reader(&s->pool, reader);
     if (status != BF_OK)
         return status;
     for (size_t k = 0; k < n; k++) {

@@ -146,50 +146,38 @@ void store__disconnect(store__connection *c)
     *c = (store__connection){ 0 };
 }
 
-store__query store__begin(store__connection *c, store__sql sql)
-{
-    store__query q = { .connection = c };
-
-    if (c->statements[sql] == NULL)
-        q.code = sqlite3_prepare_v3(c->db, statement_texts[sql], -1, SQLITE_PREPARE_PERSISTENT,
-                                    &c->statements[sql], NULL);
-    q.statement = c->statements[sql];
-    return q;
-}
-
-void store__bind_value(store__query *q, const store__value *value)
+static int bind(struct sqlite3_stmt *statement, int at, const store__value *value)
 {
     // A NULL pointer would bind NULL, which is not the empty text or blob.
     const void *bytes = value->n == 0 ? "" : value->bytes;
 
-    if (q->code != SQLITE_OK)
-        return;
-    const int at = ++q->n_bound;
     switch (value->kind) {
     case STORE__INTEGER:
-        q->code = sqlite3_bind_int64(q->statement, at, value->integer);
-        break;
+        return sqlite3_bind_int64(statement, at, value->integer);
     case STORE__REAL:
-        q->code = isfinite(value->real) ? sqlite3_bind_double(q->statement, at, value->real)
-                                        : sqlite3_bind_null(q->statement, at);
-        break;
+        return isfinite(value->real) ? sqlite3_bind_double(statement, at, value->real)
+                                     : sqlite3_bind_null(statement, at);
     case STORE__TEXT:
-        q->code =
-            sqlite3_bind_text64(q->statement, at, bytes, value->n, SQLITE_STATIC, SQLITE_UTF8);
-        break;
+        return sqlite3_bind_text64(statement, at, bytes, value->n, SQLITE_STATIC, SQLITE_UTF8);
     case STORE__BLOB:
-        q->code = sqlite3_bind_blob64(q->statement, at, bytes, value->n, SQLITE_STATIC);
-        break;
+        return sqlite3_bind_blob64(statement, at, bytes, value->n, SQLITE_STATIC);
     }
+    return SQLITE_MISUSE;
 }
 
 store__query store__start_with(store__connection *c, store__sql sql, const store__value *values,
                                size_t n)
 {
-    store__query q = store__begin(c, sql);
+    store__query q = { .connection = c };
 
-    for (size_t k = 0; k < n; k++)
-        store__bind_value(&q, &values[k]);
+    if (c->failure.code != BF_OK)
+        q.code = SQLITE_ERROR;
+    else if (c->statements[sql] == NULL)
+        q.code = sqlite3_prepare_v3(c->db, statement_texts[sql], -1, SQLITE_PREPARE_PERSISTENT,
+                                    &c->statements[sql], NULL);
+    q.statement = c->statements[sql];
+    for (size_t k = 0; k < n && q.code == SQLITE_OK; k++)
+        q.code = bind(q.statement, (int)k + 1, &values[k]);
     return q;
 }
 
@@ -202,7 +190,10 @@ bool store__next(store__query *q, bf_status *status, bf_error *err)
         if (code != SQLITE_DONE)
             q->code = code;
     }
-    if (*status == BF_OK && q->code != SQLITE_OK)
+    const bf_error *failure = &q->connection->failure;
+    if (*status == BF_OK && failure->code != BF_OK)
+        *status = bf_fail(err, failure->code, "", "%s", failure->text);
+    else if (*status == BF_OK && q->code != SQLITE_OK)
         *status = store__fail(q->connection->db, q->code, err);
     store__end(q);
     return false;
@@ -217,20 +208,15 @@ void store__end(store__query *q)
     q->statement = NULL;
 }
 
-bf_status store__run(store__query *q, bf_error *err)
-{
-    bf_status status = BF_OK;
-
-    (void)store__next(q, &status, err);
-    store__end(q);
-    return status;
-}
-
 bf_status store__exec_with(store__connection *c, store__sql sql, bf_error *err,
                            const store__value *values, size_t n)
 {
     store__query q = store__start_with(c, sql, values, n);
-    return store__run(&q, err);
+    bf_status status = BF_OK;
+
+    (void)store__next(&q, &status, err);
+    store__end(&q);
+    return status;
 }
 
 bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err)
@@ -327,6 +313,8 @@ bf_status store__end_transaction(store__connection *c, bf_status status, bf_erro
 void store__init_pool(store__pool *pool, const char *path)
 {
     pool->path = path;
+    (void)bf_fail(&pool->none.failure, BF_EBUSY, "", "all %d readers of the store are busy",
+                  STORE__READERS_MAX);
     lock_init(&pool->lock);
     lock_condition_init(&pool->released);
 }
@@ -351,11 +339,12 @@ static int find_free(const store__pool *pool)
     return -1;
 }
 
-// NULL: all were in use for STORE__READER_MS.
-static store__connection *acquire_slot(store__pool *pool)
+store__connection *store__acquire_reader(store__pool *pool)
 {
     int64_t deadline_ms = clock_monotonic_ms() + STORE__READER_MS;
     bool is_time_left = true;
+    bf_status status = BF_OK;
+    bf_error why = { .code = BF_OK };
     int i = -1;
 
     lock_acquire(&pool->lock);
@@ -364,11 +353,28 @@ static store__connection *acquire_slot(store__pool *pool)
     if (i >= 0)
         pool->is_taken[i] = true;
     lock_release(&pool->lock);
-    return i < 0 ? NULL : &pool->readers[i];
+    if (i < 0)
+        return &pool->none;
+    store__connection *reader = &pool->readers[i];
+    if (reader->db == NULL)
+        status = store__connect(pool->path, STORE__READ_ONLY, reader, &why);
+    if (status == BF_OK)
+        status = store__run_plain(reader, STORE__SQL_BEGIN_READ, &why);
+    if (status != BF_OK)
+        reader->failure = why;
+    return reader;
 }
 
-static void release_slot(store__pool *pool, const store__connection *reader)
+void store__release_reader(store__pool *pool, store__connection *reader)
 {
+    if (reader == &pool->none)
+        return;
+    // A reader that cannot end its transaction would never let the log start again: open another next time.
+    if (reader->failure.code == BF_OK &&
+        store__run_plain(reader, STORE__SQL_COMMIT, NULL) != BF_OK &&
+        sqlite3_get_autocommit(reader->db) == 0)
+        store__disconnect(reader);
+    reader->failure.code = BF_OK;
     lock_acquire(&pool->lock);
     BF_CHECK(pool->is_taken[reader - pool->readers]);
     pool->is_taken[reader - pool->readers] = false;
@@ -376,52 +382,19 @@ static void release_slot(store__pool *pool, const store__connection *reader)
     lock_release(&pool->lock);
 }
 
-bf_status store__acquire_reader(store__pool *pool, store__connection **ret_reader, bf_error *err)
-{
-    store__connection *reader = acquire_slot(pool);
-    bf_status status = BF_OK;
-
-    if (reader == NULL)
-        return bf_fail(err, BF_EBUSY, "", "all %d readers of the store are busy",
-                       STORE__READERS_MAX);
-    if (reader->db == NULL)
-        status = store__connect(pool->path, STORE__READ_ONLY, reader, err);
-    if (status == BF_OK)
-        status = store__run_plain(reader, STORE__SQL_BEGIN_READ, err);
-    if (status != BF_OK) {
-        release_slot(pool, reader);
-        return status;
-    }
-    *ret_reader = reader;
-    return BF_OK;
-}
-
-void store__release_reader(store__pool *pool, store__connection *reader)
-{
-    // A reader that cannot end its transaction would never let the log start again: open another next time.
-    bool is_ended = store__run_plain(reader, STORE__SQL_COMMIT, NULL) == BF_OK;
-    if (!is_ended && sqlite3_get_autocommit(reader->db) == 0)
-        store__disconnect(reader);
-    release_slot(pool, reader);
-}
-
 bf_status store__read_page(store__pool *pool, size_t limit, const char *what,
                            store__page_reader *read, const void *query, void *ret_list, size_t size,
                            bf_error *err)
 {
-    store__connection *reader = NULL;
-
     if (limit < 1 || limit > API_LIST_MAX)
         return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d %s, not %zu", API_LIST_MAX, what,
                        limit);
     void *list = memory_alloc(1, size);
     if (list == NULL)
         return bf_fail_memory(err);
-    bf_status status = store__acquire_reader(pool, &reader, err);
-    if (status == BF_OK) {
-        status = read(reader, query, list, err);
-        store__release_reader(pool, reader);
-    }
+    store__connection *reader = store__acquire_reader(pool);
+    const bf_status status = read(reader, query, list, err);
+    store__release_reader(pool, reader);
     if (status == BF_OK)
         memcpy(ret_list, list, size);
     memory_free(list);

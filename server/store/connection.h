@@ -34,6 +34,7 @@ typedef enum store__sql {
 typedef struct store__connection {
     struct sqlite3 *db;                                ///< NULL: not open
     struct sqlite3_stmt *statements[STORE__SQL_COUNT]; ///< NULL: not prepared yet
+    bf_error failure;      ///< code BF_OK: none; else what every use of a statement fails with
     int restart_pages;     ///< writer: pages of the log with which it is started again
     size_t queued_at_most; ///< writer: not more runs than these wait; SIZE_MAX: not counted yet
     _Atomic uint64_t
@@ -50,7 +51,6 @@ typedef enum store__access {
 typedef struct store__query {
     store__connection *connection;  ///< whose statement it is
     struct sqlite3_stmt *statement; ///< NULL: could not be prepared
-    int n_bound;                    ///< parameters so far
     int code;                       ///< SQLite's first failure
 } store__query;
 
@@ -100,14 +100,8 @@ typedef struct store__value {
     (const store__value[]){ __VA_ARGS__ },                                                         \
         sizeof((const store__value[]){ __VA_ARGS__ }) / sizeof(store__value)
 
-/// Begin to use a statement. End with store__end(), whatever happens between.
-store__query store__begin(store__connection *c, store__sql sql);
-
-/// Bind the next parameter: store__bind(&q, TEXT(id)).
-#define store__bind(q, ...) store__bind_value(q, &(const store__value)__VA_ARGS__)
-void store__bind_value(store__query *q, const store__value *value);
-
-/// Begin to use a statement with values for its parameters: store__start(c, sql, INTEGER(number), TEXT(id)).
+/// Begin to use a statement with values for its parameters: store__start(c, sql, INTEGER(number), TEXT(id)). End with
+/// store__end(), whatever happens between. n = 0: it has no parameters.
 #define store__start(c, sql, ...) store__start_with(c, sql, STORE__VALUES(__VA_ARGS__))
 store__query store__start_with(store__connection *c, store__sql sql, const store__value *values,
                                size_t n);
@@ -118,10 +112,7 @@ bool store__next(store__query *q, bf_status *status, bf_error *err);
 /// Done with the statement for now, where rows may be left. Done twice is fine.
 void store__end(store__query *q);
 
-/// Step a statement without rows to its end, and end it.
-BF_MUST_CHECK bf_status store__run(store__query *q, bf_error *err);
-
-/// The same with values for its parameters: store__exec(c, sql, err, INTEGER(number)).
+/// Run a statement without rows, with values for its parameters: store__exec(c, sql, err, INTEGER(number)).
 #define store__exec(c, sql, err, ...) store__exec_with(c, sql, err, STORE__VALUES(__VA_ARGS__))
 BF_MUST_CHECK bf_status store__exec_with(store__connection *c, store__sql sql, bf_error *err,
                                          const store__value *values, size_t n);
@@ -169,6 +160,7 @@ typedef struct store__pool {
     lock_condition released;                       ///< a reader was released
     bool is_taken[STORE__READERS_MAX];             ///< by a thread, which then owns the connection
     store__connection readers[STORE__READERS_MAX]; ///< opened when first taken
+    store__connection none;                        ///< what those get who have waited too long
 } store__pool;
 
 /// Prepare a pool without readers for the database at path, which must stay.
@@ -177,10 +169,9 @@ void store__init_pool(store__pool *pool, const char *path);
 /// Close all readers; all must have been released.
 void store__fini_pool(store__pool *pool);
 
-/// Get a reader with a transaction begun, waiting for one if need be. Release it soon. BF_EBUSY: none was
-/// released for STORE__READER_MS.
-BF_MUST_CHECK bf_status store__acquire_reader(store__pool *pool, store__connection **ret_reader,
-                                              bf_error *err);
+/// Get a reader with a transaction begun, waiting for one if need be. Release it soon. Where that fails, what is returned
+/// fails with the reason at every use, BF_EBUSY: none was released for STORE__READER_MS.
+store__connection *store__acquire_reader(store__pool *pool);
 
 /// End the transaction and let others have the reader.
 void store__release_reader(store__pool *pool, store__connection *reader);

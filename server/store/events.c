@@ -285,18 +285,15 @@ bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_
                             uint64_t after, size_t limit_bytes, api_event_fn *take,
                             void *take_context, bf_error *err)
 {
-    store__connection *reader = NULL;
     event_merge merge = { .n_runs = n_runs };
 
     BF_CHECK(n_runs <= API_STREAM_RUNS_MAX);
     merge.rows = memory_alloc(n_runs, sizeof *merge.rows);
     if (merge.rows == NULL)
         return bf_fail_memory(err);
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status == BF_OK) {
-        status = copy_events(reader, runs, after, limit_bytes, &merge, err);
-        store__release_reader(&s->pool, reader);
-    }
+    store__connection *reader = store__acquire_reader(&s->pool);
+    bf_status status = copy_events(reader, runs, after, limit_bytes, &merge, err);
+    store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         status = pass_events(&merge, runs, take, take_context, err);
     memory_free(merge.rows);
@@ -309,15 +306,12 @@ bf_status store_read_changes(store *s, const char *id, api_event_fn *take, void 
                              bf_error *err)
 {
     char runs[1][API_ID_SIZE];
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     store__row row = { .rowid = 0 };
     event_merge merge = { .n_runs = 1, .rows = &row };
 
     snprintf(runs[0], sizeof runs[0], "%s", id);
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_row(reader, id, &row, err);
+    bf_status status = store__find_row(reader, id, &row, err);
     store__query q = store__start(reader, STORE__SQL_LIST_CHANGES, INTEGER(row.rowid));
     while (store__next(&q, &status, err)) {
         merge.heads[0] = (uint64_t)sqlite3_column_int64(q.statement, 0);

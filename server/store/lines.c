@@ -49,32 +49,25 @@ bf_status store__renumber_version(store__connection *writer, store__row *row, bf
     return status;
 }
 
+// As STORE__LINES selects them.
+static const store__column columns[] = {
+    COLUMN(TEXT, api_line, owner),         COLUMN(TEXT, api_line, line),
+    COLUMN(INTEGER, api_line, n_versions), COLUMN(INTEGER, api_line, n_runs),
+    COLUMN(INTEGER, api_line, n_studies),  COLUMN(TEXT, api_line, newest_run),
+    COLUMN(TEXT, api_line, newest),        COLUMN(INTEGER, api_line, used_ms),
+};
+static const store__record line_record = RECORD(columns, api_line, NULL);
+
 // One row more than the page holds is asked for: if it comes, there are more.
 static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
 {
     const api_line_query *query = of;
     api_line_list *list = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
-    bf_status status = BF_OK;
 
-    store__query q = store__start(reader, STORE__SQL_LIST_LINES, TEXT(before), TEXT(query->owner),
-                                  INTEGER(query->limit + 1));
-    while (!list->has_more && store__next(&q, &status, err)) {
-        list->has_more = list->n == query->limit;
-        if (list->has_more)
-            break;
-        api_line *line = &list->items[list->n++];
-        store__column_text(&q, 0, line->owner, sizeof line->owner);
-        store__column_text(&q, 1, line->line, sizeof line->line);
-        line->n_versions = (uint64_t)sqlite3_column_int64(q.statement, 2);
-        line->n_runs = (uint64_t)sqlite3_column_int64(q.statement, 3);
-        line->n_studies = (uint64_t)sqlite3_column_int64(q.statement, 4);
-        store__column_text(&q, 5, line->newest_run, sizeof line->newest_run);
-        store__column_text(&q, 6, line->newest, sizeof line->newest);
-        line->used_ms = sqlite3_column_int64(q.statement, 7);
-    }
-    store__end(&q);
-    return status;
+    return store__list(reader, STORE__SQL_LIST_LINES, &line_record, list->items, query->limit,
+                       &list->n, &list->has_more, err, TEXT(before), TEXT(query->owner),
+                       INTEGER(query->limit + 1));
 }
 
 bf_status store_list_lines(store *s, const api_line_query *query, api_line_list *ret_list,

@@ -63,34 +63,58 @@ static id_bounds bounds_of(const api_list_query *query)
     return bounds;
 }
 
-static void bind_filters(store__query *q, const api_list_query *query, const id_bounds *bounds,
-                         int64_t n)
+// How many parameters a statement has, of those of sql_lists.h; and places of two of them.
+enum { N_OLDEST = 7, N_ALL = 9, N_PAGE = 10, N_FOUND = 14, N_SORTED = 17 };
+enum { HOW_MANY = 1, FROM = 9 };
+
+// The parameters, and the path of a key in the figures; used until the statement ends.
+typedef struct list_values {
+    store__value all[N_SORTED];
+    char path[API_SORT_FIGURE_SIZE + 2];
+} list_values;
+
+// The key behind which a page of another order begins; not finite: the run there has none.
+static store__value key_of(const api_list_query *query)
 {
+    const char *key = query->before_key;
+
+    if (query->sort.by == API_SORT_CREATED)
+        return (store__value)TEXT(query->before);
+    if (query->sort.by == API_SORT_NAME || query->sort.by == API_SORT_LABEL)
+        if (*key != '\0')
+            return (store__value)BLOB(key, strlen(key));
+    return (store__value)REAL(*key == '\0' ? (double)NAN : strtod(key, NULL));
+}
+
+static void fill_values(const api_list_query *query, const id_bounds *bounds, list_values *v)
+{
+    const bool has_conditions = query->conditions.n > 0;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
 
     // The cursor of another order says nothing of ids.
     if (!is_sorted(query) && strcmp(bounds->before, before) < 0)
         before = bounds->before;
-    store__bind(q, TEXT(before));
-    store__bind(q, INTEGER(n));
-    store__bind(q, INTEGER(query->model));
-    store__bind(q, INTEGER(query->state));
-    store__bind(q, TEXT(query->label));
-    store__bind(q, TEXT(query->owner));
-    store__bind(q, TEXT(query->study));
-}
-
-static void bind_search(store__query *q, const api_list_query *query, const id_bounds *bounds)
-{
-    const bool has_conditions = query->conditions.n > 0;
-
-    store__bind(q, TEXT(query->search));
-    store__bind(q, INTEGER((has_conditions ? API_LIST_DOCUMENTS : API_LIST_NEWEST) - 1));
-    store__bind(q, TEXT(bounds->from));
-    store__bind(q, TEXT(bounds->before));
-    store__bind(q, INTEGER(query->is_starred));
-    store__bind(q, TEXT(query->line));
-    store__bind(q, BLOB(&query->conditions, has_conditions ? sizeof query->conditions : 0));
+    (void)snprintf(v->path, sizeof v->path, "$.%s", query->sort.figure);
+    const store__value all[N_SORTED] = {
+        TEXT(before),
+        INTEGER(query->limit + 1),
+        INTEGER(query->model),
+        INTEGER(query->state),
+        TEXT(query->label),
+        TEXT(query->owner),
+        TEXT(query->study),
+        TEXT(query->search),
+        INTEGER((has_conditions ? API_LIST_DOCUMENTS : API_LIST_NEWEST) - 1),
+        TEXT(bounds->from),
+        TEXT(bounds->before),
+        INTEGER(query->is_starred),
+        TEXT(query->line),
+        BLOB(&query->conditions, has_conditions ? sizeof query->conditions : 0),
+        INTEGER(query->sort.by),
+        TEXT(v->path),
+        key_of(query),
+    };
+    memcpy(v->all, all, sizeof all);
 }
 
 // The key of the present row, as text.
@@ -114,76 +138,42 @@ static void take_key(const store__query *q, const api_list_query *query, api_run
     }
 }
 
-// One row more than the page holds is asked for: if it comes, there are more.
-static bf_status take_rows(store__query *q, const api_list_query *query, api_run_list *list,
-                           bf_error *err)
-{
-    bf_status status = BF_OK;
-    store__row row;
-
-    while (!list->has_more && store__next(q, &status, err)) {
-        status = store__read_row(q, &row, err);
-        if (status != BF_OK)
-            break;
-        list->has_more = list->n == query->limit;
-        if (list->has_more)
-            break;
-        list->runs[list->n++] = row.run;
-        memcpy(list->last_id, row.run.id, sizeof list->last_id);
-        take_key(q, query, list);
-    }
-    return status;
-}
-
-// Where a page that is narrowed ends, so that it takes a bounded time; "": with the list.
-static bf_status find_oldest(store__connection *reader, const api_list_query *query,
-                             const id_bounds *bounds, store__sql sql, char ret_oldest[API_ID_SIZE],
-                             bf_error *err)
-{
-    store__query q = store__begin(reader, sql);
-    bind_filters(&q, query, bounds, API_LIST_LOOKS - 1);
-    bf_status status = BF_OK;
-    if (store__next(&q, &status, err))
-        store__column_text(&q, 0, ret_oldest, API_ID_SIZE);
-    store__end(&q);
-    return status;
-}
-
 static bf_status read_page(store__connection *reader, const api_list_query *query,
                            api_run_list *list, bf_error *err)
 {
     const list_way way = choose_list(query);
     const id_bounds bounds = bounds_of(query);
-    const bool is_found = is_sorted(query) || way.page == STORE__SQL_LIST_FOUND;
-    char path[API_SORT_FIGURE_SIZE + 2], oldest[API_ID_SIZE] = "";
+    const size_t n = is_sorted(query)                    ? N_SORTED
+                     : way.page == STORE__SQL_LIST_FOUND ? N_FOUND
+                                                         : N_PAGE;
+    char oldest[API_ID_SIZE] = "";
+    bool has_row = false;
+    list_values v;
     bf_status status = BF_OK;
 
-    if (way.is_narrowed)
-        status = find_oldest(reader, query, &bounds, way.oldest, oldest, err);
-    if (status != BF_OK)
-        return status;
-    store__query q = store__begin(reader, way.page);
-    bind_filters(&q, query, &bounds, (int64_t)query->limit + 1);
-    if (is_found)
-        bind_search(&q, query, &bounds);
-    else
-        store__bind(&q, TEXT(strcmp(oldest, bounds.from) > 0 ? oldest : bounds.from));
-    if (is_sorted(query)) {
-        // The path of the key in the figures, and the key behind which the page begins. path is used until the statement ends.
-        const char *key = query->before_key;
-        (void)snprintf(path, API_SORT_FIGURE_SIZE + 2, "$.%s", query->sort.figure);
-        store__bind(&q, INTEGER(query->sort.by));
-        store__bind(&q, TEXT(path));
-        if (query->sort.by == API_SORT_CREATED)
-            store__bind(&q, TEXT(query->before));
-        else if (*key == '\0')
-            store__bind(&q, REAL((double)NAN));
-        else if (query->sort.by == API_SORT_NAME || query->sort.by == API_SORT_LABEL)
-            store__bind(&q, BLOB(key, strlen(key)));
-        else
-            store__bind(&q, REAL(strtod(key, NULL)));
+    fill_values(query, &bounds, &v);
+    if (way.is_narrowed) {
+        // Where the page ends, so that it takes a bounded time.
+        const store__value how_many = v.all[HOW_MANY];
+        v.all[HOW_MANY] = (store__value)INTEGER(API_LIST_LOOKS - 1);
+        status = store__find_with(reader, way.oldest, &store__id_record, oldest, &has_row, err,
+                                  v.all, N_OLDEST);
+        v.all[HOW_MANY] = how_many;
     }
-    status = take_rows(&q, query, list, err);
+    if (strcmp(oldest, bounds.from) > 0)
+        v.all[FROM] = (store__value)TEXT(oldest);
+    store__query q = store__start_with(reader, way.page, v.all, n);
+    while (!list->has_more && store__next(&q, &status, err)) {
+        store__row row;
+        // One row more than the page holds is asked for: if it comes, there are more.
+        list->has_more = list->n == query->limit;
+        status = store__read(&q, &store__run_record, &row, err);
+        if (status != BF_OK || list->has_more)
+            break;
+        list->runs[list->n++] = row.run;
+        memcpy(list->last_id, row.run.id, sizeof list->last_id);
+        take_key(&q, query, list);
+    }
     store__end(&q);
     if (status == BF_OK && !list->has_more && strcmp(oldest, bounds.from) > 0) {
         list->has_more = true;
@@ -200,21 +190,15 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
                           query->line[0] == '\0' && query->from_ms == 0 && query->before_ms == 0 &&
                           !query->is_starred && query->conditions.n == 0;
     const id_bounds bounds = bounds_of(query);
+    list_values v;
+    int64_t n = 0;
 
-    store__query q =
-        store__begin(reader, is_whole ? STORE__SQL_COUNT_LISTED : STORE__SQL_COUNT_FOUND);
-    if (is_whole) {
-        store__bind(&q, TEXT(query->study));
-        store__bind(&q, INTEGER(API_LIST_NEWEST));
-    } else {
-        bind_filters(&q, query, &bounds, 0);
-        bind_search(&q, query, &bounds);
-    }
-    bf_status status = BF_OK;
-    const bool has_row = store__next(&q, &status, err);
-    list->has_total = has_row;
-    list->total = has_row ? (uint64_t)sqlite3_column_int64(q.statement, 0) : 0;
-    store__end(&q);
+    fill_values(query, &bounds, &v);
+    const bf_status status =
+        store__find_number_with(reader, is_whole ? STORE__SQL_COUNT_LISTED : STORE__SQL_COUNT_FOUND,
+                                &n, err, v.all, is_whole ? N_ALL : N_FOUND);
+    list->has_total = status == BF_OK;
+    list->total = (uint64_t)n;
     return status;
 }
 

@@ -16,13 +16,10 @@ bf_status store_need_tokens(store *s, bf_error *err)
 
 bf_status store_needs_tokens(store *s, bool *ret_needs, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     int64_t needs = 0;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__read_number(reader, STORE__SQL_NEEDS_TOKENS, &needs, err);
+    bf_status status = store__read_number(reader, STORE__SQL_NEEDS_TOKENS, &needs, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_needs = needs != 0;

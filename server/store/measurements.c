@@ -45,13 +45,13 @@ static bf_status apply_add(store__connection *writer, store__operation *operatio
         status = store__check_bytes(writer, context->store, about->owner, err);
     if (status != BF_OK)
         return status;
+#define X(kind, column, member) kind(about->member),
     return store__exec(writer, STORE__SQL_INSERT_MEASUREMENT, err, TEXT(about->id),
-                       TEXT(about->label), TEXT(about->counter), INTEGER(about->created_ms),
-                       INTEGER(about->n_samples), REAL(about->t_start), REAL(about->t_end),
-                       INTEGER(about->kind), TEXT(about->owner),
-                       BLOB(context->curve->t.bytes, context->curve->t.n),
+                       STORE__MEASUREMENT_LIST(X)
+                           BLOB(context->curve->t.bytes, context->curve->t.n),
                        BLOB(context->curve->values.bytes, context->curve->values.n),
                        TEXT_OF(context->csv->bytes, context->csv->n));
+#undef X
 }
 
 bf_status store_add_measurement(store *s, const api_measurement *measurement,
@@ -94,32 +94,33 @@ bf_status store_remove_measurement(store *s, const char *id, bf_error *err)
     return store__write_freeing(s, apply_remove, &context, err);
 }
 
-static bf_status read_about(const store__query *q, api_measurement *ret_about, bf_error *err)
+static bf_status check_row(const store__query *q, void *of, bool is_whole, bf_error *err)
 {
-    api_measurement about = { .created_ms = sqlite3_column_int64(q->statement, 3) };
+    const api_measurement *about = of;
 
-    store__column_text(q, 0, about.id, sizeof about.id);
-    store__column_text(q, 1, about.label, sizeof about.label);
-    store__column_text(q, 2, about.counter, sizeof about.counter);
-    about.n_samples = (uint64_t)sqlite3_column_int64(q->statement, 4);
-    about.t_start = store__column_real(q, 5);
-    about.t_end = store__column_real(q, 6);
-    about.kind = (api_measured)sqlite3_column_int(q->statement, 7);
-    store__column_text(q, 8, about.owner, sizeof about.owner);
-    if ((unsigned)about.kind >= API_MEASURED_COUNT)
-        return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about.id);
-    *ret_about = about;
+    (void)q;
+    if (!is_whole || (unsigned)about->kind >= API_MEASURED_COUNT)
+        return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about->id);
     return BF_OK;
 }
+
+// As STORE__MEASUREMENT_COLUMNS.
+#define X(kind, column, member) COLUMN(kind, api_measurement, member),
+static const store__column columns[] = { COLUMN(TEXT, api_measurement, id),
+                                         STORE__MEASUREMENT_LIST(X) };
+#undef X
+
+static const store__record record = RECORD(columns, api_measurement, check_row);
 
 static bf_status read_samples(const store__query *q, const api_measurement *about, api_curve *curve,
                               bf_error *err)
 {
+    enum { T = sizeof columns / sizeof *columns, COUNTS };
     size_t n = (size_t)about->n_samples, n_bytes = n * sizeof(double);
 
-    bf_status status = store__column_bytes(q, 9, &curve->t, err);
+    bf_status status = store__column_bytes(q, T, &curve->t, err);
     if (status == BF_OK)
-        status = store__column_bytes(q, 10, &curve->values, err);
+        status = store__column_bytes(q, COUNTS, &curve->values, err);
     if (status == BF_OK && (curve->t.n != n_bytes || curve->values.n != n_bytes))
         return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about->id);
     if (status == BF_OK &&
@@ -134,17 +135,15 @@ static bf_status read_samples(const store__query *q, const api_measurement *abou
 static bf_status read_measurement(store *s, const char *id, api_curve *curve,
                                   api_measurement *ret_about, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
+    bf_status status = BF_OK;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
     store__query q = store__start(reader, STORE__SQL_FIND_MEASUREMENT, TEXT(id));
     const bool has_row = store__next(&q, &status, err);
     if (status == BF_OK && !has_row)
         status = fail_absent(id, err);
     if (status == BF_OK)
-        status = read_about(&q, ret_about, err);
+        status = store__read(&q, &record, ret_about, err);
     if (status == BF_OK && curve != NULL)
         status = read_samples(&q, ret_about, curve, err);
     store__end(&q);
@@ -173,13 +172,10 @@ bf_status store_read_measurement(store *s, const char *id, api_curve *ret_curve,
 
 bf_status store_read_measurement_csv(store *s, const char *id, bf_buffer *out, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     bool has_row = false;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status =
+    const bf_status status =
         store__find_bytes(reader, STORE__SQL_GET_MEASUREMENT_CSV, out, &has_row, err, TEXT(id));
     store__release_reader(&s->pool, reader);
     return status == BF_OK && !has_row ? fail_absent(id, err) : status;
@@ -192,18 +188,11 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
     api_measurement_list *list = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
     bool has_label = query->label[0] != '\0';
-    bf_status status = BF_OK;
 
-    store__query q = store__start(
+    return store__list(
         reader, has_label ? STORE__SQL_LIST_MEASUREMENTS_LABEL : STORE__SQL_LIST_MEASUREMENTS,
-        TEXT(before), INTEGER(query->limit + 1), TEXT(query->label), TEXT(query->owner));
-    while (!list->has_more && store__next(&q, &status, err)) {
-        list->has_more = list->n == query->limit;
-        if (!list->has_more)
-            status = read_about(&q, &list->items[list->n++], err);
-    }
-    store__end(&q);
-    return status;
+        &record, list->items, query->limit, &list->n, &list->has_more, err, TEXT(before),
+        INTEGER(query->limit + 1), TEXT(query->label), TEXT(query->owner));
 }
 
 bf_status store_list_measurements(store *s, const api_measurement_query *query,

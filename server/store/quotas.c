@@ -97,15 +97,12 @@ bf_status store_read_quotas(store *s, const char *owner, api_quotas *ret_quotas,
     api_quotas q = { .waiting = { .allowed = has_owner ? s->quotas.n_waiting : 0 },
                      .cpu_s = { .allowed = has_owner ? s->quotas.cpu_s : 0 },
                      .bytes = { .allowed = has_owner ? s->quotas.n_bytes : 0 } };
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
     memcpy(q.owner, owner, strlen(owner) + 1);
-    status = read_for(reader, STORE__SQL_COUNT_QUEUED_OWNED, owner, &q.waiting.used, err);
+    bf_status status = read_for(reader, STORE__SQL_COUNT_QUEUED_OWNED, owner, &q.waiting.used, err);
     if (status == BF_OK)
-        status = read_for(reader, STORE__SQL_GET_OWNER, owner, &q.bytes.used, err);
+        status = read_for(reader, STORE__SQL_COUNT_BYTES_OF, owner, &q.bytes.used, err);
     if (status == BF_OK)
         status = read_cpu(reader, owner, clock_unix_ms(), &q.cpu_s, err);
     if (status == BF_OK)
@@ -126,7 +123,7 @@ bf_status store__check_bytes(store__connection *writer, const store *s, const ch
 
     if (owner[0] == '\0' || bytes.allowed == 0)
         return BF_OK;
-    bf_status status = read_for(writer, STORE__SQL_GET_OWNER, owner, &bytes.used, err);
+    bf_status status = read_for(writer, STORE__SQL_COUNT_BYTES_OF, owner, &bytes.used, err);
     if (status != BF_OK || !is_used_up(&bytes))
         return status;
     metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_BYTES, 1);
@@ -204,7 +201,7 @@ bf_status store__is_held(store__connection *reader, const store *s, const char *
     *ret_is_held = false;
     if (owner[0] == '\0' || (cpu.allowed == 0 && bytes.allowed == 0))
         return BF_OK;
-    status = read_for(reader, STORE__SQL_GET_OWNER, owner, &bytes.used, err);
+    status = read_for(reader, STORE__SQL_COUNT_BYTES_OF, owner, &bytes.used, err);
     if (status == BF_OK)
         status = read_cpu(reader, owner, clock_unix_ms(), &cpu, err);
     *ret_is_held = is_used_up(&cpu) || is_used_up(&bytes);

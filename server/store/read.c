@@ -8,13 +8,10 @@
 
 bf_status store_find(store *s, const char *id, api_run *ret_run, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     store__row row;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_row(reader, id, &row, err);
+    bf_status status = store__find_row(reader, id, &row, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_run = row.run;
@@ -26,13 +23,10 @@ bf_status store_read_text(store *s, const char *id, api_text which, bf_buffer *o
     static const store__text kinds[] = { [API_TEXT_SCENARIO] = STORE__TEXT_SCENARIO,
                                          [API_TEXT_SUMMARY] = STORE__TEXT_SUMMARY,
                                          [API_TEXT_FIGURES] = STORE__TEXT_FIGURES };
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     store__row row;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_row(reader, id, &row, err);
+    bf_status status = store__find_row(reader, id, &row, err);
     if (status == BF_OK && which == API_TEXT_SUMMARY && !row.run.has_summary)
         status = bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no summary yet",
                          run_state_word(row.run.state));
@@ -75,14 +69,11 @@ static bf_status take_samples(const store__query *q, uint64_t first, uint64_t n_
 bf_status store_read_curve(store *s, const char *id, uint64_t first, uint64_t n_most,
                            api_curve *ret_curve, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     api_curve curve = { 0 };
     store__row row;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_row(reader, id, &row, err);
+    bf_status status = store__find_row(reader, id, &row, err);
     if (status == BF_OK)
         status = store__get_text(reader, row.rowid, STORE__TEXT_COLUMNS, &curve.columns, err);
     if (status == BF_OK)
@@ -102,32 +93,28 @@ bf_status store_read_curve(store *s, const char *id, uint64_t first, uint64_t n_
     return status;
 }
 
-static api_snapshot read_snapshot_row(const store__query *q)
-{
-    return (api_snapshot){
-        .index = (uint64_t)sqlite3_column_int64(q->statement, 0),
-        .t = store__column_real(q, 1),
-        .peak = store__column_real(q, 2),
-        .mass = store__column_real(q, 3),
-    };
-}
+static const store__column columns[] = {
+    COLUMN(INTEGER, api_snapshot, index),
+    COLUMN(REAL, api_snapshot, t),
+    COLUMN(REAL, api_snapshot, peak),
+    COLUMN(REAL, api_snapshot, mass),
+};
+static const store__record snapshot_record = RECORD(columns, api_snapshot, NULL);
 
 bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_list, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     api_snapshot_list list = { 0 };
     store__row row = { .rowid = 0 };
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_row(reader, id, &row, err);
+    bf_status status = store__find_row(reader, id, &row, err);
     list.grid = row.run.grid;
     list.parts = row.run.parts;
     store__query q = store__start(reader, STORE__SQL_LIST_SNAPSHOTS, INTEGER(row.results));
     while (store__next(&q, &status, err)) {
-        api_snapshot snapshot = read_snapshot_row(&q);
-        if (buffer_append(&list.items, &snapshot, sizeof snapshot) != BF_OK)
+        api_snapshot snapshot;
+        status = store__read(&q, &snapshot_record, &snapshot, err);
+        if (status == BF_OK && buffer_append(&list.items, &snapshot, sizeof snapshot) != BF_OK)
             status = bf_fail_memory(err);
         else
             list.n++;
@@ -144,13 +131,11 @@ bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_
 bf_status store__find_snapshot(store__connection *reader, int64_t results, uint64_t index,
                                api_snapshot *ret_snapshot, bf_error *err)
 {
-    store__query q =
-        store__start(reader, STORE__SQL_GET_SNAPSHOT, INTEGER(results), INTEGER(index));
-    bf_status status = BF_OK;
-    const bool has_row = store__next(&q, &status, err);
-    if (has_row)
-        *ret_snapshot = read_snapshot_row(&q);
-    store__end(&q);
+    bool has_row = false;
+
+    const bf_status status =
+        store__find(reader, STORE__SQL_GET_SNAPSHOT, &snapshot_record, ret_snapshot, &has_row, err,
+                    INTEGER(results), INTEGER(index));
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no snapshot %llu",
                        (unsigned long long)index);
@@ -205,12 +190,9 @@ bf_status store_read_array(store *s, const char *id, uint64_t index, api_array_k
                            api_array *ret_array, bf_buffer *out, bf_error *err)
 {
     reading r = { .kind = store__blob_of(kind), .index = index };
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = read_compressed(reader, id, &r, err);
+    bf_status status = read_compressed(reader, id, &r, err);
     store__release_reader(&s->pool, reader); // before what takes a while
     if (status == BF_OK)
         status = unpack(&r, out, err);

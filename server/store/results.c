@@ -69,13 +69,9 @@ bf_status store__find_solved(store__connection *c, const unsigned char digest[ST
     bool has_too_many = false;
 
     (void)solver_name(solver);
-    store__query q =
-        store__start(c, STORE__SQL_FIND_SOLVED, BLOB(digest, STORE__DIGEST_SIZE), TEXT(solver));
-    bf_status status = BF_OK;
-    *ret_is_solved = store__next(&q, &status, err);
-    if (*ret_is_solved)
-        status = store__read_row(&q, ret_row, err);
-    store__end(&q);
+    bf_status status =
+        store__find(c, STORE__SQL_FIND_SOLVED, &store__run_record, ret_row, ret_is_solved, err,
+                    BLOB(digest, STORE__DIGEST_SIZE), TEXT(solver));
     if (status == BF_OK && *ret_is_solved)
         status = is_dear(c, ret_row, &has_too_many, err);
     *ret_is_solved = *ret_is_solved && !has_too_many;
@@ -162,10 +158,11 @@ static bf_status collect(store__connection *writer, int64_t results, bool *ret_i
 bf_status store__collect_results(store__connection *writer, int64_t results, bool *ret_is_over,
                                  bf_error *err)
 {
-    store__query q = store__start(writer, STORE__SQL_ARE_USED, INTEGER(results));
-    bf_status status = BF_OK;
-    bool is_over = store__next(&q, &status, err); // runs have them
-    store__end(&q);
+    int64_t are_used = 0;
+
+    bf_status status =
+        store__find_number(writer, STORE__SQL_ARE_USED, &are_used, err, INTEGER(results));
+    bool is_over = are_used != 0;
     if (status == BF_OK && !is_over)
         status = collect(writer, results, &is_over, err);
     if (status == BF_OK)

@@ -76,24 +76,25 @@ static bf_status warn(step *st, bf_error *err)
     return status;
 }
 
+static const store__column owner_column[] = { { STORE__COLUMN_TEXT, 0, API_OWNER_SIZE } };
+static const store__record owner_record = RECORD(owner_column, char[API_OWNER_SIZE], NULL);
+
 // One of the owner who has most of what the rule limits. What is only of trials that are open leaves *first as it was.
 static bf_status find_first_to_go(const step *st, store__row *first, bf_error *err)
 {
     const bool is_of_runs = strcmp(st->rule, "retention_runs") == 0;
     char owner[API_OWNER_SIZE] = "";
+    bool has_row = false;
     store__row row;
 
     if (strcmp(st->rule, "retention_days") == 0)
         return BF_OK;
-    store__query q = store__begin(st->writer, is_of_runs ? STORE__SQL_OWNER_OF_MOST_RUNS
-                                                         : STORE__SQL_OWNER_OF_MOST_BYTES);
-    bf_status status = BF_OK;
-    bool has_row = store__next(&q, &status, err);
-    if (has_row)
-        store__column_text(&q, 0, owner, sizeof owner);
-    store__end(&q);
+    bf_status status = store__find_with(
+        st->writer, is_of_runs ? STORE__SQL_OWNER_OF_MOST_RUNS : STORE__SQL_OWNER_OF_MOST_BYTES,
+        &owner_record, owner, &has_row, err, NULL, 0);
     if (status == BF_OK && has_row)
-        status = store__find_first(st->writer, STORE__SQL_FIRST_TO_GO, owner, &row, &has_row, err);
+        status = store__find(st->writer, STORE__SQL_FIRST_TO_GO, &store__run_record, &row, &has_row,
+                             err, TEXT(owner));
     if (status == BF_OK && has_row)
         *first = row;
     return status;
@@ -113,8 +114,8 @@ static bf_status do_step(step *st, bf_error *err)
     if (status == BF_OK && has_suspect)
         return BF_OK;
     if (status == BF_OK)
-        status =
-            store__find_first(st->writer, STORE__SQL_OLDEST_ENDED, NULL, &oldest, &has_oldest, err);
+        status = store__find_with(st->writer, STORE__SQL_OLDEST_ENDED, &store__run_record, &oldest,
+                                  &has_oldest, err, NULL, 0);
     if (status == BF_OK && has_oldest)
         status = find_rule(st, &oldest, &st->rule, err);
     if (status == BF_OK && has_oldest && st->rule != NULL)

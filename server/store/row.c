@@ -1,4 +1,3 @@
-#include "server/store/columns.h"
 #include "server/store/store_priv.h"
 
 #include "server/base/clock.h"
@@ -16,43 +15,29 @@ static bool is_possible(const store__row *row)
            (unsigned)row->stop_request <= STORE_STOP_KILL && row->run.finished_ms >= 0;
 }
 
-bf_status store__read_row(const store__query *q, store__row *ret_row, bf_error *err)
+static bf_status check_row(const store__query *q, void *of, bool is_whole, bf_error *err)
 {
-    store__row row = { .rowid = sqlite3_column_int64(q->statement, 0),
-                       .run = { .predicted_s = (double)NAN } };
-    bool is_whole = false;
-    int i = 0;
+    store__row *row = of;
 
-#define X(kind, column, member)                                                                    \
-    i++;                                                                                           \
-    READ_##kind(row.member);
-    STORE__RUN_LIST(X)
-#undef X
-    if (!is_whole || !is_possible(&row))
-        return bf_fail(err, BF_ECORRUPT, "", "the row of the run %.40s is damaged", row.run.id);
-    *ret_row = row;
+    (void)q;
+    row->run.predicted_s = (double)NAN;
+    if (!is_whole || !is_possible(row))
+        return bf_fail(err, BF_ECORRUPT, "", "the row of the run %.40s is damaged", row->run.id);
     return BF_OK;
 }
 
-bf_status store__find_first(store__connection *c, store__sql sql, const char *text,
-                            store__row *ret_row, bool *ret_has_row, bf_error *err)
-{
-    store__query q = store__begin(c, sql);
-    if (text != NULL)
-        store__bind(&q, TEXT(text));
-    bf_status status = BF_OK;
-    *ret_has_row = store__next(&q, &status, err);
-    if (*ret_has_row)
-        status = store__read_row(&q, ret_row, err);
-    store__end(&q);
-    return status;
-}
+#define X(kind, column, member) COLUMN(kind, store__row, member),
+static const store__column columns[] = { COLUMN(INTEGER, store__row, rowid), STORE__RUN_LIST(X) };
+#undef X
+
+const store__record store__run_record = RECORD(columns, store__row, check_row);
 
 bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row, bf_error *err)
 {
     bool has_row = false;
 
-    bf_status status = store__find_first(c, STORE__SQL_FIND_RUN, id, ret_row, &has_row, err);
+    bf_status status =
+        store__find(c, STORE__SQL_FIND_RUN, &store__run_record, ret_row, &has_row, err, TEXT(id));
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no run %.40s", id);
     return status;

@@ -110,12 +110,9 @@ static bf_status check_size(const slices *r, ends *e, bf_error *err)
 
 static bf_status open_blob(store *s, slices *r, const char *id, ends *e, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = read_ends(reader, r, id, e, err);
+    bf_status status = read_ends(reader, r, id, e, err);
     store__release_reader(&s->pool, reader);
     if (status != BF_OK)
         return status;
@@ -152,13 +149,10 @@ bf_status store_open_array(store *s, const char *id, uint64_t index, api_array_k
 // the run has to be there still.
 static bf_status read_row(store *s, const slices *r, bf_buffer *out, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     store__row row;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_row(reader, r->id, &row, err);
+    bf_status status = store__find_row(reader, r->id, &row, err);
     if (status == BF_OK)
         status = store__get_chunk(reader, r->results, r->kind, r->item, r->part, out, err);
     store__release_reader(&s->pool, reader);

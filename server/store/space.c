@@ -116,7 +116,7 @@ static bf_status shrink_file(store__connection *writer, bf_error *err)
 {
     bf_status status = BF_OK;
 
-    store__query q = store__begin(writer, STORE__SQL_SHRINK_FILE);
+    store__query q = store__start_with(writer, STORE__SQL_SHRINK_FILE, NULL, 0);
     while (store__next(&q, &status, err))
         ;
     store__end(&q);

@@ -75,11 +75,8 @@
 #define STORE__VALUE(kind, column, member)  ", ?"
 #define STORE__ASSIGN(kind, column, member) ", " #column " = ?"
 
-/// What store__read_row() reads.
+/// What store__run_record has.
 #define STORE__RUN_COLUMNS "number" STORE__RUN_LIST(STORE__NAME)
-
-/// The columns of a measurement without its samples, in the order in which they are read.
-#define STORE__MEASUREMENT_COLUMNS "id, label, counter, created_ms, n, t_start, t_end, kind, owner"
 
 /// X(name, text). Parameters are bound in the order ?1, ?2, ... States of runs and types of events are
 /// those of run_state and api_event_type: from 2 on a run has ended; 2 and 3 are curve and snapshot.
@@ -139,7 +136,8 @@
       "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_waiting WHERE state = 0 "           \
       "AND parent = '' AND owner > ?1 ORDER BY owner, priority DESC, id LIMIT 1")                  \
     X(END_TURN, "UPDATE owners SET turn = (SELECT max(turn) + 1 FROM owners) WHERE owner = ?1")    \
-    X(GET_OWNER, "SELECT n_bytes, turn FROM owners WHERE owner = ?1")                              \
+    X(COUNT_BYTES_OF, "SELECT n_bytes FROM owners WHERE owner = ?1")                               \
+    X(GET_TURN, "SELECT turn FROM owners WHERE owner = ?1")                                        \
     X(CHARGE, "INSERT INTO cpu_sums (owner, hour, cpu_s) VALUES (?1, ?2, ?3) "                     \
               "ON CONFLICT (owner, hour) DO UPDATE SET cpu_s = cpu_s + excluded.cpu_s")            \
     X(LIST_CPU_SUMS,                                                                               \
@@ -194,20 +192,6 @@
       "SELECT id, type, snapshot, data FROM events WHERE run = ?1 AND type >= 6 ORDER BY id")      \
     X(NEXT_EVENT, "SELECT id FROM events WHERE run = ?1 AND id > ?2 ORDER BY id LIMIT 1")          \
     X(GET_EVENT, "SELECT type, snapshot, data FROM events WHERE id = ?1")                          \
-    X(INSERT_MEASUREMENT,                                                                          \
-      "INSERT INTO measurements (" STORE__MEASUREMENT_COLUMNS ", t, counts, csv) "                 \
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)")                                \
-    X(GET_MEASUREMENT_CSV, "SELECT csv FROM measurements WHERE id = ?1")                           \
-    X(DELETE_MEASUREMENT, "DELETE FROM measurements WHERE id = ?1")                                \
-    X(COUNT_MEASUREMENTS_OF, "SELECT count(*) FROM measurements WHERE owner = ?1")                 \
-    X(COUNT_MEASUREMENTS, "SELECT count(*) FROM measurements")                                     \
-    X(FIND_MEASUREMENT,                                                                            \
-      "SELECT " STORE__MEASUREMENT_COLUMNS ", t, counts FROM measurements WHERE id = ?1")          \
-    X(LIST_MEASUREMENTS, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements WHERE id < ?1 "  \
-                         "AND (?4 = '' OR owner = ?4) AND ?3 = '' ORDER BY id DESC LIMIT ?2")      \
-    X(LIST_MEASUREMENTS_LABEL, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements "          \
-                               "WHERE id < ?1 AND label = ?3 AND (?4 = '' OR owner = ?4) "         \
-                               "ORDER BY id DESC LIMIT ?2")                                        \
     X(FIND_KEY, "SELECT digest, id, revision, data FROM answers "                                  \
                 "WHERE route = ?1 AND key = ?2")                                                   \
     X(INSERT_KEY, "INSERT INTO answers (route, key, digest, id, revision, at_ms, data) "           \

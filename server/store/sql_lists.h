@@ -3,10 +3,10 @@
 #pragma once
 
 /// A page of a list in the order of creation by one index; ?1 older than, ?2 how many, ?3 model or -1, ?4 state or -1,
-/// ?5 label or '', ?6 owner or '', ?7 the study whose trials they are or '', ?8 not older than.
+/// ?5 label or '', ?6 owner or '', ?7 the study whose trials they are or '', ?10 not older than.
 #define STORE__LIST(source)                                                                        \
     "SELECT " STORE__RUN_COLUMNS " FROM runs " source " AND parent = ?7 AND id < ?1 "              \
-    "AND id >= ?8 AND (?3 < 0 OR model = ?3) AND (?4 < 0 OR state = ?4) "                          \
+    "AND id >= ?10 AND (?3 < 0 OR model = ?3) AND (?4 < 0 OR state = ?4) "                         \
     "AND (?5 = '' OR label = ?5) AND (?6 = '' OR owner = ?6) ORDER BY id DESC LIMIT ?2"
 
 /// The oldest of those that such a page looks at: the one with ?2 newer ones in the index, ?1, ?4 to ?7 as above.
@@ -82,4 +82,4 @@
     X(LIST_FALLING, STORE__SORTED("DESC", "<"))                                                    \
     X(LIST_LINES, STORE__LINES)                                                                    \
     X(COUNT_FOUND, "SELECT count(*) FROM " STORE__FOUND)                                           \
-    X(COUNT_LISTED, "SELECT count(*) FROM (SELECT 1 FROM runs WHERE parent = ?1 LIMIT ?2)")
+    X(COUNT_LISTED, "SELECT count(*) FROM (SELECT 1 FROM runs WHERE parent = ?7 LIMIT ?9 + 1)")

@@ -1,9 +1,36 @@
-/// Private to the store: statements of sets of results, and of those that may be wrong; see sql.h.
+/// Private to the store: statements of measurements, of sets of results and of those that may be wrong; see sql.h, whose
+/// macros they use.
 
 #pragma once
 
+/// The columns of table measurements but for its samples and text, and the members of api_measurement.
+#define STORE__MEASUREMENT_LIST(X)                                                                 \
+    X(TEXT, label, label)                                                                          \
+    X(TEXT, counter, counter)                                                                      \
+    X(INTEGER, created_ms, created_ms)                                                             \
+    X(INTEGER, n, n_samples)                                                                       \
+    X(REAL, t_start, t_start)                                                                      \
+    X(REAL, t_end, t_end)                                                                          \
+    X(INTEGER, kind, kind)                                                                         \
+    X(TEXT, owner, owner)
+#define STORE__MEASUREMENT_COLUMNS "id" STORE__MEASUREMENT_LIST(STORE__NAME)
+
 /// X(name, text), as in sql.h. States are those of store__results.
 #define STORE__SQL_RESULTS(X)                                                                      \
+    X(INSERT_MEASUREMENT,                                                                          \
+      "INSERT INTO measurements (" STORE__MEASUREMENT_COLUMNS ", t, counts, csv) "                 \
+      "VALUES (?" STORE__MEASUREMENT_LIST(STORE__VALUE) ", ?, ?, ?)")                              \
+    X(GET_MEASUREMENT_CSV, "SELECT csv FROM measurements WHERE id = ?1")                           \
+    X(DELETE_MEASUREMENT, "DELETE FROM measurements WHERE id = ?1")                                \
+    X(COUNT_MEASUREMENTS_OF, "SELECT count(*) FROM measurements WHERE owner = ?1")                 \
+    X(COUNT_MEASUREMENTS, "SELECT count(*) FROM measurements")                                     \
+    X(FIND_MEASUREMENT,                                                                            \
+      "SELECT " STORE__MEASUREMENT_COLUMNS ", t, counts FROM measurements WHERE id = ?1")          \
+    X(LIST_MEASUREMENTS, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements WHERE id < ?1 "  \
+                         "AND (?4 = '' OR owner = ?4) AND ?3 = '' ORDER BY id DESC LIMIT ?2")      \
+    X(LIST_MEASUREMENTS_LABEL, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements "          \
+                               "WHERE id < ?1 AND label = ?3 AND (?4 = '' OR owner = ?4) "         \
+                               "ORDER BY id DESC LIMIT ?2")                                        \
     X(INSERT_RESULTS, "INSERT INTO results (digest, solver) VALUES (?1, ?2)")                      \
     X(MARK_RESULTS, "UPDATE results SET state = ?2 WHERE number = ?1")                             \
     X(GROW_RESULTS, "UPDATE results SET n_bytes = n_bytes + ?2 WHERE number = ?1")                 \

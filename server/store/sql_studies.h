@@ -2,7 +2,7 @@
 
 #pragma once
 
-/// The columns of table studies next to its key `number` and to `turn`, and the members of store__study: those that an
+/// The columns of table studies next to its key `number` and to `turn`, and the members of store_study: those that an
 /// insert sets and no update, but for ANNOTATE_STUDY.
 #define STORE__STUDY_FIXED(X)                                                                      \
     X(ID, id, study.id)                                                                            \
@@ -42,11 +42,27 @@
 /// The columns that a study is read from.
 #define STORE__STUDY_COLUMNS "number" STORE__STUDY_LIST(STORE__NAME)
 
-/// The columns of a trial, in the order in which they are read, with the state of its run.
-#define STORE__TRIAL_COLUMNS                                                                       \
-    "t.number, t.point, t.model, t.substream, t.state, t.ended, t.run, t.parameters, t.vals, "     \
-    "t.error_code, t.error_pointer, t.error_text, r.state"
-#define STORE__TRIALS "trials AS t LEFT JOIN runs AS r ON t.ended = 0 AND r.id = t.run"
+/// Studies in a state that are to be worked on, ?1 at most.
+#define STORE__STUDIES_IN(state)                                                                   \
+    "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE state = " state " AND stop_request = 0 "   \
+    "ORDER BY priority DESC, (SELECT count(*) FROM studies AS o INDEXED BY "                       \
+    "studies_by_owners_turn WHERE o.owner = studies.owner AND o.state = 1), id LIMIT ?1"
+
+/// The columns of table trials but for its study, and the members of api_trial, then its blobs and the state of its run.
+#define STORE__TRIAL_LIST(X)                                                                       \
+    X(INTEGER, number, number)                                                                     \
+    X(INTEGER, point, point)                                                                       \
+    X(INTEGER, model, model)                                                                       \
+    X(INTEGER, substream, substream)                                                               \
+    X(INTEGER, state, state)                                                                       \
+    X(INTEGER, ended, ended)                                                                       \
+    X(TEXT, run, run)                                                                              \
+    X(CODE, error_code, fault.code)                                                                \
+    X(TEXT, error_pointer, fault.pointer)                                                          \
+    X(TEXT, error_text, fault.text)
+#define STORE__TRIAL_NAME(kind, column, member) "t." #column ", "
+#define STORE__TRIAL_COLUMNS                    STORE__TRIAL_LIST(STORE__TRIAL_NAME) "t.parameters, t.vals, r.state"
+#define STORE__TRIALS                           "trials AS t LEFT JOIN runs AS r ON t.ended = 0 AND r.id = t.run"
 
 /// X(name, text). States of studies are those of api_study_state: 0 queued, 1 running, 5 paused; stop requests are
 /// those of store_stop: 2 is to be removed. A trial with ended = 0 is open.
@@ -81,19 +97,16 @@
                           "ORDER BY id LIMIT ?2")                                                  \
     X(LIST_STUDIES_TO_STOP, "SELECT " STORE__STUDY_COLUMNS " FROM studies "                        \
                             "WHERE stop_request > 0 ORDER BY stop_request, id LIMIT ?1")           \
-    X(LIST_STUDIES_IN, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE state = ?2 "            \
-                       "AND stop_request = 0 ORDER BY priority DESC, (SELECT count(*) FROM "       \
-                       "studies AS o INDEXED BY studies_by_owners_turn WHERE "                     \
-                       "o.owner = studies.owner AND o.state = 1), id LIMIT ?1")                    \
+    X(LIST_STUDIES_RUNNING, STORE__STUDIES_IN("1"))                                                \
+    X(LIST_STUDIES_QUEUED, STORE__STUDIES_IN("0"))                                                 \
     X(OLDEST_ENDED_STUDY, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE finished_ms > 0 "    \
                           "AND finished_ms < ?1 AND stop_request < 2 "                             \
                           "ORDER BY finished_ms LIMIT 1")                                          \
     X(PUT_STUDY_TEXT, "INSERT OR REPLACE INTO study_texts (study, kind, data) "                    \
                       "VALUES (?1, ?2, ?3)")                                                       \
     X(GET_STUDY_TEXT, "SELECT data FROM study_texts WHERE study = ?1 AND kind = ?2")               \
-    X(INSERT_TRIAL, "INSERT INTO trials (study, number, point, model, substream, state, ended, "   \
-                    "run, parameters, vals, error_code, error_pointer, error_text) "               \
-                    "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)")             \
+    X(INSERT_TRIAL, "INSERT INTO trials (study, parameters, vals" STORE__TRIAL_LIST(               \
+                        STORE__NAME) ") VALUES (?, ?, ?" STORE__TRIAL_LIST(STORE__VALUE) ")")      \
     X(END_TRIAL, "UPDATE trials SET state = ?3, ended = ?4, vals = ?5, error_code = ?6, "          \
                  "error_pointer = ?7, error_text = ?8 "                                            \
                  "WHERE study = ?1 AND number = ?2 AND ended = 0")                                 \

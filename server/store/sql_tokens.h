@@ -2,6 +2,20 @@
 
 #pragma once
 
+/// The columns of table tokens, and the members of tokens_record: those that an insert sets, next to hash and scopes,
+#define STORE__TOKEN_FIXED(X)                                                                      \
+    X(TEXT, name, name)                                                                            \
+    X(TEXT, owner, owner)                                                                          \
+    X(INTEGER, created_ms, created_ms)                                                             \
+    X(INTEGER, expires_ms, expires_ms)                                                             \
+    X(TEXT, resource, resource)
+
+/// and all of them but hash and scopes, which come last.
+#define STORE__TOKEN_LIST(X)                                                                       \
+    X(INTEGER, used_ms, used_ms)                                                                   \
+    X(INTEGER, revoked_ms, revoked_ms)                                                             \
+    STORE__TOKEN_FIXED(X)
+
 /// X(name, text), as in sql.h.
 #define STORE__SQL_TOKENS(X)                                                                       \
     X(HAS_TOKENS, "SELECT count(*) FROM sqlite_schema WHERE name = 'tokens'")                      \
@@ -15,11 +29,10 @@
     X(HAS_TOKEN_RESOURCE,                                                                          \
       "SELECT count(*) FROM pragma_table_info('tokens') WHERE name = 'resource'")                  \
     X(ADD_TOKEN_RESOURCE, "ALTER TABLE tokens ADD COLUMN resource TEXT NOT NULL DEFAULT ''")       \
-    X(INSERT_TOKEN,                                                                                \
-      "INSERT INTO tokens (name, owner, hash, scopes, created_ms, expires_ms, resource) "          \
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")                                                       \
-    X(LIST_TOKENS, "SELECT id, name, owner, hash, scopes, created_ms, expires_ms, used_ms, "       \
-                   "revoked_ms, resource FROM tokens ORDER BY id")                                 \
+    X(INSERT_TOKEN, "INSERT INTO tokens (hash, scopes" STORE__TOKEN_FIXED(                         \
+                        STORE__NAME) ") VALUES (?, ?" STORE__TOKEN_FIXED(STORE__VALUE) ")")        \
+    X(LIST_TOKENS,                                                                                 \
+      "SELECT id" STORE__TOKEN_LIST(STORE__NAME) ", scopes, hash FROM tokens ORDER BY id")         \
     X(COUNT_TOKENS, "SELECT count(*) FROM tokens")                                                 \
     X(COUNT_GRANTS, "SELECT count(*) FROM tokens WHERE resource != '' AND revoked_ms = 0 AND "     \
                     "expires_ms > ?1 AND (?2 = '' OR owner = ?2)")                                 \

@@ -27,7 +27,7 @@ bf_status store__count_stats(store *s, store_stats *ret_stats, bf_error *err)
                           .log_bytes = size_of(s->path, "-wal") };
 
     stats.free_bytes = store__count_free(s);
-    store__query q = store__begin(&s->writer, STORE__SQL_COUNT_STATES);
+    store__query q = store__start_with(&s->writer, STORE__SQL_COUNT_STATES, NULL, 0);
     bf_status status = BF_OK;
     while (store__next(&q, &status, err)) {
         int state = sqlite3_column_int(q.statement, 0);
@@ -55,42 +55,37 @@ void store_read_stats(store *s, store_stats *ret_stats)
     lock_release(&s->lock);
 }
 
+static const store__column measured_columns[] = {
+    COLUMN(TEXT, store_measured, id),
+    COLUMN(TEXT, store_measured, study),
+    COLUMN(REAL, store_measured, cpu_s),
+    COLUMN(INTEGER, store_measured, finished_ms),
+};
+static const store__record measured_record = RECORD(measured_columns, store_measured, NULL);
+
 bf_status store_list_measured(store *s, int64_t after_ms, store_measured *runs, size_t n_most,
                               size_t *ret_n, bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
 
-    *ret_n = 0;
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    store__query q =
-        store__start(reader, STORE__SQL_LIST_MEASURED, INTEGER(after_ms), INTEGER(n_most));
-    while (store__next(&q, &status, err)) {
-        store_measured *ended = &runs[(*ret_n)++];
-        store__column_text(&q, 0, ended->id, API_ID_SIZE);
-        store__column_text(&q, 1, ended->study, API_ID_SIZE);
-        ended->cpu_s = store__column_real(&q, 2);
-        ended->finished_ms = (int64_t)store__column_real(&q, 3);
-    }
+    const bf_status status =
+        store__list(reader, STORE__SQL_LIST_MEASURED, &measured_record, runs, n_most, ret_n, NULL,
+                    err, INTEGER(after_ms), INTEGER(n_most));
     store__release_reader(&s->pool, reader);
     return status;
 }
 
+static const store__column queued_columns[] = { COLUMN(TEXT, store_queued, id),
+                                                COLUMN(TEXT, store_queued, study) };
+static const store__record queued_record = RECORD(queued_columns, store_queued, NULL);
+
 bf_status store_list_queued(store *s, store_queued *runs, size_t n_most, size_t *ret_n,
                             bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
 
-    *ret_n = 0;
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    store__query q = store__start(reader, STORE__SQL_LIST_QUEUED, INTEGER(n_most));
-    while (store__next(&q, &status, err)) {
-        store__column_text(&q, 0, runs[*ret_n].id, API_ID_SIZE);
-        store__column_text(&q, 1, runs[(*ret_n)++].study, API_ID_SIZE);
-    }
+    const bf_status status = store__list(reader, STORE__SQL_LIST_QUEUED, &queued_record, runs,
+                                         n_most, ret_n, NULL, err, INTEGER(n_most));
     store__release_reader(&s->pool, reader);
     return status;
 }

@@ -180,8 +180,8 @@ static bf_status requeue_all(store__connection *writer, const store_options *opt
     int n = 0;
 
     while (status == BF_OK) {
-        status =
-            store__find_first(writer, STORE__SQL_NEXT_RUNNING, row.run.id, &row, &has_row, err);
+        status = store__find(writer, STORE__SQL_NEXT_RUNNING, &store__run_record, &row, &has_row,
+                             err, TEXT(row.run.id));
         if (status != BF_OK || !has_row)
             break;
         if (still_runs(options, &row))

@@ -5,7 +5,7 @@
 #include "server/base/liveness.h"
 #include "server/base/lock.h"
 #include "server/store/chunks.h"
-#include "server/store/connection.h"
+#include "server/store/columns.h"
 #include "server/store/space.h"
 #include "server/store/work.h"
 
@@ -150,13 +150,8 @@ void store__write_group(store *s, store__operation *operations, size_t n);
 /// begun one after the other are applied in that order.
 void store__begin_write(store *s, store__operation *operation);
 
-/// Read the run of the present row, selected as STORE__RUN_COLUMNS. BF_ECORRUPT: no run can be like this; *ret_row is as
-/// before.
-BF_MUST_CHECK bf_status store__read_row(const store__query *q, store__row *ret_row, bf_error *err);
-
-/// Read the first run of a statement, selected as STORE__RUN_COLUMNS; text is its only parameter, or NULL: it has none.
-BF_MUST_CHECK bf_status store__find_first(store__connection *c, store__sql sql, const char *text,
-                                          store__row *ret_row, bool *ret_has_row, bf_error *err);
+/// A store__row, selected as STORE__RUN_COLUMNS. BF_ECORRUPT: no run can be like this.
+extern const store__record store__run_record;
 
 /// Find a run by its id. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row,

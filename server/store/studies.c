@@ -2,7 +2,6 @@
 
 #include "server/store/studies.h"
 
-#include "server/store/columns.h"
 #include "server/store/idempotency.h"
 #include "server/store/quotas.h"
 #include "server/store/studies_priv.h"
@@ -13,8 +12,8 @@
 
 #include <stdio.h>
 
-// Numbers that stand for nothing must not get any further; see store__read_row().
-static bool is_possible(const store__study *row)
+// Numbers that stand for nothing must not get any further; see row.c.
+static bool is_possible(const store_study *row)
 {
     return (unsigned)row->study.state < API_STUDY_STATES &&
            (unsigned)row->study.method < STUDY_METHODS &&
@@ -22,40 +21,39 @@ static bool is_possible(const store__study *row)
            (unsigned)row->stop_request <= STORE_STOP_KILL;
 }
 
-// Reads the study of the present row, selected as STORE__STUDY_COLUMNS.
-static bf_status read_study(const store__query *q, store__study *ret_row, bf_error *err)
+static bf_status check_row(const store__query *q, void *of, bool is_whole, bf_error *err)
 {
-    store__study row = { .rowid = sqlite3_column_int64(q->statement, 0) };
-    bool is_whole = false;
-    int i = 0;
+    const store_study *row = of;
 
-#define X(kind, column, member)                                                                    \
-    i++;                                                                                           \
-    READ_##kind(row.member);
-    STORE__STUDY_LIST(X)
-#undef X
-    if (!is_whole || !is_possible(&row))
-        return bf_fail(err, BF_ECORRUPT, "", "the row of the study %.40s is damaged", row.study.id);
-    *ret_row = row;
+    (void)q;
+    if (!is_whole || !is_possible(row))
+        return bf_fail(err, BF_ECORRUPT, "", "the row of the study %.40s is damaged",
+                       row->study.id);
     return BF_OK;
 }
 
-bf_status store__find_study(store__connection *c, const char *id, store__study *ret_row,
+// As STORE__STUDY_COLUMNS.
+#define X(kind, column, member) COLUMN(kind, store_study, member),
+static const store__column columns[] = { COLUMN(INTEGER, store_study, rowid),
+                                         STORE__STUDY_LIST(X) };
+#undef X
+
+static const store__record record = RECORD(columns, store_study, check_row);
+
+bf_status store__find_study(store__connection *c, const char *id, store_study *ret_row,
                             bf_error *err)
 {
-    store__query q = store__start(c, STORE__SQL_FIND_STUDY, TEXT(id));
-    bf_status status = BF_OK;
-    const bool has_row = store__next(&q, &status, err);
-    if (has_row)
-        status = read_study(&q, ret_row, err);
-    store__end(&q);
+    bool has_row = false;
+
+    const bf_status status =
+        store__find(c, STORE__SQL_FIND_STUDY, &record, ret_row, &has_row, err, TEXT(id));
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
     return status;
 }
 
 // Finds a study that is not to be removed.
-static bf_status find_visible(store__connection *c, const char *id, store__study *ret_row,
+static bf_status find_visible(store__connection *c, const char *id, store_study *ret_row,
                               bf_error *err)
 {
     bf_status status = store__find_study(c, id, ret_row, err);
@@ -67,7 +65,7 @@ static bf_status find_visible(store__connection *c, const char *id, store__study
 
 #define X(kind, column, member) kind(row->member),
 
-static bf_status insert_study(store__connection *writer, store__study *row, bf_error *err)
+static bf_status insert_study(store__connection *writer, store_study *row, bf_error *err)
 {
     bf_status status = store__exec(writer, STORE__SQL_INSERT_STUDY, err, STORE__STUDY_LIST(X));
     if (status == BF_OK)
@@ -75,7 +73,7 @@ static bf_status insert_study(store__connection *writer, store__study *row, bf_e
     return status;
 }
 
-bf_status store__save_study(store__connection *writer, store__study *row, bf_error *err)
+bf_status store__save_study(store__connection *writer, store_study *row, bf_error *err)
 {
     row->study.revision++;
     return store__exec(writer, STORE__SQL_UPDATE_STUDY, err, INTEGER(row->study.state),
@@ -84,14 +82,14 @@ bf_status store__save_study(store__connection *writer, store__study *row, bf_err
 
 #undef X
 
-bf_status store__put_study_text(store__connection *writer, const store__study *row,
+bf_status store__put_study_text(store__connection *writer, const store_study *row,
                                 api_study_text kind, const bf_buffer *text, bf_error *err)
 {
     return store__exec(writer, STORE__SQL_PUT_STUDY_TEXT, err, INTEGER(row->rowid), INTEGER(kind),
                        TEXT_OF(text->bytes, text->n));
 }
 
-bf_status store__move_study(store__study *row, api_study_state to, bf_error *err)
+bf_status store__move_study(store_study *row, api_study_state to, bf_error *err)
 {
     api_study *about = &row->study;
 
@@ -112,7 +110,7 @@ bf_status store__move_study(store__study *row, api_study_state to, bf_error *err
 typedef struct submit_context {
     const api_study_submission *submission;
     store *store; ///< for its limits
-    store__study row;
+    store_study row;
 } submit_context;
 
 static bf_status check_count(store__connection *writer, store__sql sql, int64_t limit,
@@ -132,7 +130,7 @@ static bf_status accept(store__connection *writer, void *of, api_acceptance *acc
 {
     submit_context *context = of;
     const api_study_submission *submission = context->submission;
-    store__study *row = &context->row;
+    store_study *row = &context->row;
 
     bf_status status = store__check_bytes(writer, context->store, row->study.owner, err);
     if (status == BF_OK)
@@ -153,7 +151,7 @@ static bf_status accept(store__connection *writer, void *of, api_acceptance *acc
     return status == BF_OK ? study_json_write(&row->study, &accepted->answer, err) : status;
 }
 
-static void fill_row(const api_study_submission *submission, store__study *row)
+static void fill_row(const api_study_submission *submission, store_study *row)
 {
     api_study *about = &row->study;
 
@@ -188,13 +186,10 @@ bf_status store_submit_study(store *s, const api_study_submission *submission,
 
 bf_status store_find_study(store *s, const char *id, api_study *ret_study, bf_error *err)
 {
-    store__connection *reader = NULL;
-    store__study row;
+    store__connection *reader = store__acquire_reader(&s->pool);
+    store_study row;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = find_visible(reader, id, &row, err);
+    bf_status status = find_visible(reader, id, &row, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_study = row.study;
@@ -208,13 +203,13 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
     api_study_list *list = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
     bf_status status = BF_OK;
-    store__study row;
+    store_study row;
 
     store__query q =
         store__start(reader, STORE__SQL_LIST_STUDIES, TEXT(before), INTEGER(query->limit + 1),
                      INTEGER(query->state), TEXT(query->owner), TEXT(query->line));
     while (!list->has_more && store__next(&q, &status, err)) {
-        status = read_study(&q, &row, err);
+        status = store__read(&q, &record, &row, err);
         list->has_more = list->n == query->limit;
         if (status == BF_OK && !list->has_more)
             list->items[list->n++] = row.study;
@@ -230,34 +225,20 @@ bf_status store_list_studies(store *s, const api_study_query *query, api_study_l
                             sizeof *ret_list, err);
 }
 
-static const struct {
-    store__sql sql;
-    int state; // of what the statement asks for; -1: it does not
-} works[] = {
-    [STORE_STUDIES_RUNNING] = { STORE__SQL_LIST_STUDIES_IN, API_STUDY_RUNNING },
-    [STORE_STUDIES_QUEUED] = { STORE__SQL_LIST_STUDIES_IN, API_STUDY_QUEUED },
-    [STORE_STUDIES_TO_STOP] = { STORE__SQL_LIST_STUDIES_TO_STOP, -1 },
+static const store__sql works[] = {
+    [STORE_STUDIES_RUNNING] = STORE__SQL_LIST_STUDIES_RUNNING,
+    [STORE_STUDIES_QUEUED] = STORE__SQL_LIST_STUDIES_QUEUED,
+    [STORE_STUDIES_TO_STOP] = STORE__SQL_LIST_STUDIES_TO_STOP,
 };
 
 bf_status store_list_work(store *s, store_studies which, size_t size, store_study *ret_studies,
                           size_t *ret_n, bf_error *err)
 {
-    store__connection *reader = NULL;
-    store__study row;
+    store__connection *reader = store__acquire_reader(&s->pool);
     size_t n = 0;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    store__query q = store__start(reader, works[which].sql, INTEGER(size));
-    if (works[which].state >= 0)
-        store__bind(&q, INTEGER(works[which].state));
-    while (store__next(&q, &status, err)) {
-        status = read_study(&q, &row, err);
-        if (status == BF_OK)
-            ret_studies[n++] =
-                (store_study){ .study = row.study, .stop_request = row.stop_request };
-    }
+    const bf_status status =
+        store__list(reader, works[which], &record, ret_studies, size, &n, NULL, err, INTEGER(size));
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_n = n;
@@ -270,7 +251,7 @@ typedef struct change_context {
     uint64_t revision; ///< that it must have, or API_ANY_REVISION
     api_study_change change;
     const char *name, *line; ///< that it gets
-    store__study row;
+    store_study row;
 } change_context;
 
 static bf_status find_changed(store__connection *writer, store__operation *operation, bf_error *err)
@@ -291,7 +272,7 @@ static bf_status find_changed(store__connection *writer, store__operation *opera
 static bf_status apply_change(store__connection *writer, store__operation *operation, bf_error *err)
 {
     change_context *context = operation->context;
-    store__study *row = &context->row;
+    store_study *row = &context->row;
 
     bf_status status = find_changed(writer, operation, err);
     if (status != BF_OK)
@@ -330,7 +311,7 @@ static bf_status apply_annotate(store__connection *writer, store__operation *ope
                                 bf_error *err)
 {
     change_context *context = operation->context;
-    store__study *row = &context->row;
+    store_study *row = &context->row;
 
     bf_status status = find_changed(writer, operation, err);
     if (status != BF_OK)
@@ -375,14 +356,11 @@ bf_status store_remove_study(store *s, const char *id, uint64_t revision, bf_err
 bf_status store_read_study(store *s, const char *id, api_study_text which, bf_buffer *out,
                            bf_error *err)
 {
-    store__connection *reader = NULL;
-    store__study row;
+    store__connection *reader = store__acquire_reader(&s->pool);
+    store_study row;
     bool has_row = false;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_study(reader, id, &row, err);
+    bf_status status = store__find_study(reader, id, &row, err);
     if (status == BF_OK)
         status = store__find_bytes(reader, STORE__SQL_GET_STUDY_TEXT, out, &has_row, err,
                                    INTEGER(row.rowid), INTEGER(which));
@@ -394,18 +372,12 @@ bf_status store_read_study(store *s, const char *id, api_study_text which, bf_bu
 
 bf_status store_find_old_study(store *s, int64_t before_ms, char ret_id[API_ID_SIZE], bf_error *err)
 {
-    store__connection *reader = NULL;
+    store__connection *reader = store__acquire_reader(&s->pool);
     bool has_row = false;
-    store__study row;
+    store_study row;
 
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    store__query q = store__start(reader, STORE__SQL_OLDEST_ENDED_STUDY, INTEGER(before_ms));
-    has_row = store__next(&q, &status, err);
-    if (status == BF_OK && has_row)
-        status = read_study(&q, &row, err);
-    store__end(&q);
+    const bf_status status = store__find(reader, STORE__SQL_OLDEST_ENDED_STUDY, &record, &row,
+                                         &has_row, err, INTEGER(before_ms));
     store__release_reader(&s->pool, reader);
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "no study ended so long ago");

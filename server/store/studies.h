@@ -37,9 +37,11 @@ BF_MUST_CHECK bf_status store_read_study(store *s, const char *id, api_study_tex
 BF_MUST_CHECK bf_status store_read_trials(store *s, const char *id, const api_trial_query *query,
                                           api_trial_fn *take, void *take_context, bf_error *err);
 
-/// A study that is to be worked on.
+/// A study's row.
 typedef struct store_study {
-    api_study study;         ///< as it is
+    int64_t rowid;                ///< the store's own number of it
+    api_study study;              ///< what others see of it
+    char client[API_CLIENT_SIZE]; ///< who submitted it
     store_stop stop_request; ///< STORE_STOP_CANCEL: to be cancelled; STORE_STOP_KILL: to be removed
 } store_study;
 
@@ -56,9 +58,8 @@ BF_MUST_CHECK bf_status store_list_work(store *s, store_studies which, size_t si
 
 /// A trial that begins.
 typedef struct store_trial_begin {
-    api_trial trial;                  ///< what it is; infeasible with its fault, or queued
+    api_trial trial; ///< what it is; infeasible with its fault, or queued. Its run is set
     const api_submission *submission; ///< of its run, NULL if it is infeasible; without key
-    char run[API_ID_SIZE];            ///< set: its run; "": none
 } store_trial_begin;
 
 /// A step of a study.

@@ -29,18 +29,6 @@ bf_status store__note_sender(store__connection *writer, const store__row *row, u
                        INTEGER(row->run.started_ms));
 }
 
-static bf_status find_unmarked(store__connection *writer, int64_t results, store__row *ret_row,
-                               bool *ret_has_row, bf_error *err)
-{
-    store__query q = store__start(writer, STORE__SQL_NEXT_UNMARKED, INTEGER(results));
-    bf_status status = BF_OK;
-    *ret_has_row = store__next(&q, &status, err);
-    if (*ret_has_row)
-        status = store__read_row(&q, ret_row, err);
-    store__end(&q);
-    return status;
-}
-
 // The set comes first, so that no further run joins it meanwhile.
 static bf_status mark_one(store__connection *writer, int64_t results, char ret_run[API_ID_SIZE],
                           bf_error *err)
@@ -52,7 +40,8 @@ static bf_status mark_one(store__connection *writer, int64_t results, char ret_r
         store__exec(writer, STORE__SQL_SUSPECT_RESULTS, err, INTEGER(results),
                     INTEGER(STORE__RESULTS_SUSPECT), INTEGER(STORE__RESULTS_COMPLETE));
     if (status == BF_OK)
-        status = find_unmarked(writer, results, &row, &has_row, err);
+        status = store__find(writer, STORE__SQL_NEXT_UNMARKED, &store__run_record, &row, &has_row,
+                             err, INTEGER(results));
     if (status == BF_OK && has_row) {
         row.run.is_suspect = true;
         memcpy(ret_run, row.run.id, API_ID_SIZE);

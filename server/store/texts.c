@@ -30,7 +30,7 @@ bf_status store__get_text(store__connection *c, int64_t number, store__text kind
 }
 
 // The scenario of the first trial of a study; n = 0: there is none yet.
-static bf_status get_base(store__connection *c, const store__study *of, bf_buffer *out,
+static bf_status get_base(store__connection *c, const store_study *of, bf_buffer *out,
                           bf_error *err)
 {
     bool has_row = false;
@@ -104,7 +104,7 @@ static bf_status decompress(const bf_buffer *base, const bf_buffer *delta, bf_bu
 }
 
 // The first scenario of a study is what others are stored against.
-static bf_status need_base(store__connection *writer, const store__study *of, store__text kind,
+static bf_status need_base(store__connection *writer, const store_study *of, store__text kind,
                            const char *text, size_t n, bf_buffer *base, uint64_t *n_bytes,
                            bf_error *err)
 {
@@ -122,7 +122,7 @@ bf_status store__put_run_text(store__connection *writer, const store__row *row, 
                               const char *text, size_t n, uint64_t *n_bytes, bf_error *err)
 {
     bf_buffer base = { 0 }, delta = { 0 };
-    store__study of;
+    store_study of;
 
     if (row->run.study[0] == '\0') {
         *n_bytes += n;
@@ -148,7 +148,7 @@ bf_status store__get_run_text(store__connection *c, const store__row *row, store
     bf_buffer base = { 0 }, delta = { 0 };
     bf_status status = BF_OK;
     bool is_delta = false;
-    store__study of;
+    store_study of;
 
     if (row->run.study[0] != '\0')
         status = store__find_bytes(c, STORE__SQL_GET_TEXT_DELTA, &delta, &is_delta, err,

@@ -82,9 +82,10 @@ static bf_status insert(store__connection *c, tokens_record *token, const char *
         status = make_room(c, token->created_ms, err);
     if (status != BF_OK)
         return status;
-    status = store__exec(c, STORE__SQL_INSERT_TOKEN, err, TEXT(token->name), TEXT(token->owner),
-                         BLOB(hash, sizeof hash), TEXT(scopes), INTEGER(token->created_ms),
-                         INTEGER(token->expires_ms), TEXT(token->resource));
+#define X(kind, column, member) , kind(token->member)
+    status = store__exec(c, STORE__SQL_INSERT_TOKEN, err, BLOB(hash, sizeof hash),
+                         TEXT(scopes) STORE__TOKEN_FIXED(X));
+#undef X
     if (status == BF_OK)
         token->id = (uint64_t)sqlite3_last_insert_rowid(c->db);
     return status;

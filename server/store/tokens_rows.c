@@ -81,45 +81,37 @@ bf_status store__open_tokens(const char *directory, bool is_new, store__connecti
     return status;
 }
 
-static bf_status read_entry(const store__query *q, store__token *ret_token, bf_error *err)
-{
-    const void *hash = sqlite3_column_blob(q->statement, 3);
-    char scopes[API_SCOPES_SIZE];
-    store__token e = { .about = { .id = (uint64_t)sqlite3_column_int64(q->statement, 0),
-                                  .created_ms = sqlite3_column_int64(q->statement, 5),
-                                  .expires_ms = sqlite3_column_int64(q->statement, 6),
-                                  .used_ms = sqlite3_column_int64(q->statement, 7),
-                                  .revoked_ms = sqlite3_column_int64(q->statement, 8) } };
+#define X(kind, column, member) COLUMN(kind, store__token, about.member),
+static const store__column columns[] = { COLUMN(INTEGER, store__token, about.id),
+                                         STORE__TOKEN_LIST(X) };
+#undef X
 
-    store__column_text(q, 1, e.about.name, sizeof e.about.name);
-    store__column_text(q, 2, e.about.owner, sizeof e.about.owner);
-    store__column_text(q, 4, scopes, sizeof scopes);
-    store__column_text(q, 9, e.about.resource, sizeof e.about.resource);
+static bf_status complete_token(const store__query *q, void *of, bool is_whole, bf_error *err)
+{
+    enum { SCOPES = sizeof columns / sizeof *columns, HASH };
+    const void *hash = sqlite3_column_blob(q->statement, HASH);
+    char scopes[API_SCOPES_SIZE];
+    store__token *token = of;
+
+    store__column_text(q, SCOPES, scopes, sizeof scopes);
     // A word that this version does not know allows nothing.
-    if (!api_access_read_scopes(scopes, &e.about.scopes))
-        e.about.scopes = 0;
+    if (!api_access_read_scopes(scopes, &token->about.scopes))
+        token->about.scopes = 0;
     // NULL is also what SQLite gives when it has no memory.
-    if (hash == NULL || sqlite3_column_bytes(q->statement, 3) != STORE__TOKEN_HASH_BYTES)
-        return bf_fail(err, BF_ESYSTEM, "", "token %" PRIu64 " cannot be read", e.about.id);
-    memcpy(e.hash, hash, STORE__TOKEN_HASH_BYTES);
-    *ret_token = e;
+    if (!is_whole || hash == NULL ||
+        sqlite3_column_bytes(q->statement, HASH) != STORE__TOKEN_HASH_BYTES)
+        return bf_fail(err, BF_ESYSTEM, "", "token %" PRIu64 " cannot be read", token->about.id);
+    memcpy(token->hash, hash, STORE__TOKEN_HASH_BYTES);
     return BF_OK;
 }
+
+static const store__record record = RECORD(columns, store__token, complete_token);
 
 bf_status store__read_tokens(store__connection *c, store__token *ret_tokens, size_t *ret_n,
                              bf_error *err)
 {
-    bf_status status = BF_OK;
-    size_t n = 0;
-
-    store__query q = store__begin(c, STORE__SQL_LIST_TOKENS);
-    while (n < TOKENS_MAX && store__next(&q, &status, err)) {
-        status = read_entry(&q, &ret_tokens[n], err);
-        n += status == BF_OK;
-    }
-    store__end(&q);
-    *ret_n = n;
-    return status;
+    return store__list_with(c, STORE__SQL_LIST_TOKENS, &record, ret_tokens, TOKENS_MAX, ret_n, NULL,
+                            err, NULL, 0);
 }
 
 void store__hash_token(const char *text, unsigned char ret_hash[STORE__TOKEN_HASH_BYTES])

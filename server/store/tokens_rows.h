@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include "server/store/connection.h"
+#include "server/store/columns.h"
 #include "server/store/tokens.h"
 
 enum {

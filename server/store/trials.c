@@ -1,7 +1,6 @@
 // Trials of studies: a step of a study writes the ends of some and the begins of others in one transaction, so that who works
 // on it goes on from any step. What is known of a trial's run stands in the run.
 
-#include "server/store/columns.h"
 #include "server/store/quotas.h"
 #include "server/store/studies_priv.h"
 #include "server/store/submit.h"
@@ -22,7 +21,7 @@ static uint64_t count_ended(const api_study *about)
     return n;
 }
 
-static bf_status end_trial(store__connection *writer, store__study *row, const api_trial *trial,
+static bf_status end_trial(store__connection *writer, store_study *row, const api_trial *trial,
                            bf_error *err)
 {
     bf_status status =
@@ -36,20 +35,19 @@ static bf_status end_trial(store__connection *writer, store__study *row, const a
     return status;
 }
 
-static bf_status insert_trial(store__connection *writer, store__study *row,
-                              const store_trial_begin *begin, bf_error *err)
+static bf_status insert_trial(store__connection *writer, store_study *row, store_trial_begin *begin,
+                              bf_error *err)
 {
-    const api_trial *trial = &begin->trial;
+    api_trial *trial = &begin->trial;
     const bool has_ended = api_trial_state_is_end(trial->state);
-    const uint64_t ended = has_ended ? count_ended(&row->study) + 1 : 0;
 
+    trial->ended = has_ended ? count_ended(&row->study) + 1 : 0;
+#define X(kind, column, member) , kind(trial->member)
     bf_status status = store__exec(
-        writer, STORE__SQL_INSERT_TRIAL, err, INTEGER(row->rowid), INTEGER(trial->number),
-        INTEGER(trial->point), INTEGER(trial->model), INTEGER(trial->substream),
-        INTEGER(trial->state), INTEGER(ended), TEXT(begin->run),
+        writer, STORE__SQL_INSERT_TRIAL, err, INTEGER(row->rowid),
         BLOB(trial->parameters, trial->n_parameters * sizeof *trial->parameters),
-        BLOB(trial->values, trial->n_values * sizeof *trial->values), CODE(trial->fault.code),
-        TEXT(trial->fault.pointer), TEXT(trial->fault.text));
+        BLOB(trial->values, trial->n_values * sizeof *trial->values) STORE__TRIAL_LIST(X));
+#undef X
     if (status == BF_OK) {
         row->study.n_trials++;
         row->study.n_ended[trial->state] += has_ended;
@@ -57,16 +55,17 @@ static bf_status insert_trial(store__connection *writer, store__study *row,
     return status;
 }
 
-static bf_status begin_trial(store__connection *writer, store__study *row, store_trial_begin *begin,
+static bf_status begin_trial(store__connection *writer, store_study *row, store_trial_begin *begin,
                              bf_error *err)
 {
     bf_status status = BF_OK;
 
     if (begin->trial.number != row->study.n_trials)
         return bf_fail(err, BF_ECORRUPT, "", "a study's trials have a gap");
-    begin->run[0] = '\0';
+    begin->trial.run[0] = '\0';
     if (begin->submission != NULL)
-        status = store__submit_trial(writer, begin->submission, row->study.id, begin->run, err);
+        status =
+            store__submit_trial(writer, begin->submission, row->study.id, begin->trial.run, err);
     return status == BF_OK ? insert_trial(writer, row, begin, err) : status;
 }
 
@@ -74,13 +73,13 @@ static bf_status begin_trial(store__connection *writer, store__study *row, store
 typedef struct step_context {
     store *store;
     const store_study_step *step;
-    store__study row;
+    store_study row;
 } step_context;
 
 static bf_status write_trials(store__connection *writer, step_context *context, bf_error *err)
 {
     const store_study_step *step = context->step;
-    store__study *row = &context->row;
+    store_study *row = &context->row;
     bf_status status = BF_OK;
 
     for (size_t k = 0; k < step->n_ends && status == BF_OK; k++)
@@ -96,7 +95,7 @@ static bf_status apply_step(store__connection *writer, store__operation *operati
 {
     step_context *context = operation->context;
     const store_study_step *step = context->step;
-    store__study *row = &context->row;
+    store_study *row = &context->row;
 
     bf_status status = store__find_study(writer, step->id, row, err);
     if (status != BF_OK)
@@ -145,68 +144,38 @@ static bool read_doubles(const store__query *q, int column, double *ret_values, 
     return true;
 }
 
+#define X(kind, column, member) COLUMN(kind, api_trial, member),
+static const store__column columns[] = { STORE__TRIAL_LIST(X) };
+#undef X
+
 // Of an open trial the state is that of its run: one that has ended will be told of soon.
-static api_trial_state state_of(const store__query *q, int state, int column)
+static bf_status complete_trial(const store__query *q, void *of, bool is_whole, bf_error *err)
 {
-    if (state != API_TRIAL_QUEUED)
-        return (api_trial_state)state;
-    return sqlite3_column_int(q->statement, column) == RUN_QUEUED ? API_TRIAL_QUEUED
-                                                                  : API_TRIAL_RUNNING;
-}
+    enum { PARAMETERS = sizeof columns / sizeof *columns, VALUES, STATE_OF_RUN };
+    api_trial *t = of;
 
-static bf_status read_trial(const store__query *q, api_trial *ret_trial, bf_error *err)
-{
-    api_trial t = { .number = (uint64_t)sqlite3_column_int64(q->statement, 0),
-                    .point = (uint64_t)sqlite3_column_int64(q->statement, 1),
-                    .model = (run_model)sqlite3_column_int(q->statement, 2),
-                    .substream = (uint64_t)sqlite3_column_int64(q->statement, 3),
-                    .ended = (uint64_t)sqlite3_column_int64(q->statement, 5) };
-    const int state = sqlite3_column_int(q->statement, 4);
-
-    store__column_text(q, 6, t.run, sizeof t.run);
-    t.fault.code = store__column_code(q, 9);
-    store__column_text(q, 10, t.fault.pointer, sizeof t.fault.pointer);
-    store__column_text(q, 11, t.fault.text, sizeof t.fault.text);
-    if ((unsigned)t.model >= RUN_MODEL_COUNT || (unsigned)state >= API_TRIAL_STATES ||
-        !read_doubles(q, 7, t.parameters, STUDY_PARAMETERS, &t.n_parameters) ||
-        !read_doubles(q, 8, t.values, STUDY_VALUES, &t.n_values))
+    if (!is_whole || (unsigned)t->model >= RUN_MODEL_COUNT ||
+        (unsigned)t->state >= API_TRIAL_STATES ||
+        !read_doubles(q, PARAMETERS, t->parameters, STUDY_PARAMETERS, &t->n_parameters) ||
+        !read_doubles(q, VALUES, t->values, STUDY_VALUES, &t->n_values))
         return bf_fail(err, BF_ECORRUPT, "", "the stored trial %llu is damaged",
-                       (unsigned long long)t.number);
-    t.state = state_of(q, state, 12);
-    *ret_trial = t;
+                       (unsigned long long)t->number);
+    if (t->state == API_TRIAL_QUEUED &&
+        sqlite3_column_int(q->statement, STATE_OF_RUN) != RUN_QUEUED)
+        t->state = API_TRIAL_RUNNING;
     return BF_OK;
 }
+
+static const store__record record = RECORD(columns, api_trial, complete_trial);
 
 static const store__sql orders[] = { [API_TRIALS_BY_NUMBER] = STORE__SQL_LIST_TRIALS,
                                      [API_TRIALS_BY_END] = STORE__SQL_LIST_ENDED_TRIALS,
                                      [API_TRIALS_OPEN] = STORE__SQL_LIST_OPEN_TRIALS };
 
-// A page of trials, which is given on without a reader.
-static bf_status read_page(store *s, const char *id, const api_trial_query *query,
-                           api_trial *ret_trials, size_t *ret_n, bf_error *err)
-{
-    store__connection *reader = NULL;
-    store__study row = { .rowid = 0 };
-    size_t n = 0;
-
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = store__find_study(reader, id, &row, err);
-    store__query q = store__start(reader, orders[query->order], INTEGER(row.rowid),
-                                  INTEGER(query->from), INTEGER(query->limit));
-    while (store__next(&q, &status, err)) {
-        status = read_trial(&q, &ret_trials[n], err);
-        n += status == BF_OK;
-    }
-    store__release_reader(&s->pool, reader);
-    *ret_n = n;
-    return status;
-}
-
 bf_status store_read_trials(store *s, const char *id, const api_trial_query *query,
                             api_trial_fn *take, void *take_context, bf_error *err)
 {
+    store_study row;
     size_t n = 0;
 
     if (query->limit < 1 || query->limit > API_TRIALS_PAGE_MAX)
@@ -215,7 +184,12 @@ bf_status store_read_trials(store *s, const char *id, const api_trial_query *que
     api_trial *trials = memory_alloc(query->limit, sizeof *trials);
     if (trials == NULL)
         return bf_fail_memory(err);
-    bf_status status = read_page(s, id, query, trials, &n, err);
+    store__connection *reader = store__acquire_reader(&s->pool);
+    bf_status status = store__find_study(reader, id, &row, err);
+    if (status == BF_OK)
+        status = store__list(reader, orders[query->order], &record, trials, query->limit, &n, NULL,
+                             err, INTEGER(row.rowid), INTEGER(query->from), INTEGER(query->limit));
+    store__release_reader(&s->pool, reader); // trials are given on without it
     for (size_t k = 0; k < n && status == BF_OK; k++)
         status = take(take_context, &trials[k], err);
     memory_free(trials);
@@ -232,13 +206,13 @@ static bf_status apply_forget(store__connection *writer, store__operation *opera
 {
     forget_context *context = operation->context;
     bool has_run = false;
-    store__study row;
+    store_study row;
     store__row left;
 
     bf_status status = store__find_study(writer, context->id, &row, err);
     if (status == BF_OK)
-        status = store__find_first(writer, STORE__SQL_NEXT_RUN_OF_STUDY, context->id, &left,
-                                   &has_run, err);
+        status = store__find(writer, STORE__SQL_NEXT_RUN_OF_STUDY, &store__run_record, &left,
+                             &has_run, err, TEXT(context->id));
     if (status != BF_OK)
         return status;
     if (has_run ||

@@ -24,25 +24,14 @@ static bool comes_before(const candidate *a, const candidate *b)
     return strcmp(a->row.run.id, b->row.run.id) < 0;
 }
 
-static bf_status find_turn(store__connection *reader, const char *owner, int64_t *ret_turn,
-                           bf_error *err)
-{
-    store__query q = store__start(reader, STORE__SQL_GET_OWNER, TEXT(owner));
-    bf_status status = BF_OK;
-    const bool has_row = store__next(&q, &status, err);
-    if (status == BF_OK)
-        *ret_turn = has_row ? sqlite3_column_int64(q.statement, 1) : 0;
-    store__end(&q);
-    return status;
-}
-
 // Take what waits into account. Quotas are read only of what would be next.
 static bf_status consider(store__connection *reader, const store *s, candidate *c, candidate *best,
                           bool *has_best, bf_error *err)
 {
     bool is_over = false;
 
-    bf_status status = find_turn(reader, c->row.run.owner, &c->turn, err);
+    bf_status status =
+        store__find_number(reader, STORE__SQL_GET_TURN, &c->turn, err, TEXT(c->row.run.owner));
     if (status != BF_OK || (*has_best && !comes_before(c, best)))
         return status;
     status = store__is_held(reader, s, c->row.run.owner, &is_over, err);
@@ -60,17 +49,17 @@ static bf_status find_single(store__connection *reader, const store *s, store__r
     bool has_row = false, has_best = false, has_any = false;
 
     // No name comes before nobody's.
-    bf_status status =
-        store__find_first(reader, STORE__SQL_NEXT_QUEUED_OWNED, "", &c.row, &has_row, err);
+    bf_status status = store__find(reader, STORE__SQL_NEXT_QUEUED_OWNED, &store__run_record, &c.row,
+                                   &has_row, err, TEXT(""));
     if (status == BF_OK && !has_row)
-        status =
-            store__find_first(reader, STORE__SQL_NEXT_QUEUED_BEHIND, "", &c.row, &has_row, err);
+        status = store__find(reader, STORE__SQL_NEXT_QUEUED_BEHIND, &store__run_record, &c.row,
+                             &has_row, err, TEXT(""));
     while (status == BF_OK && has_row) {
         has_any = true;
         status = consider(reader, s, &c, &best, &has_best, err);
         if (status == BF_OK)
-            status = store__find_first(reader, STORE__SQL_NEXT_QUEUED_BEHIND, c.row.run.owner,
-                                       &c.row, &has_row, err);
+            status = store__find(reader, STORE__SQL_NEXT_QUEUED_BEHIND, &store__run_record, &c.row,
+                                 &has_row, err, TEXT(c.row.run.owner));
     }
     if (status != BF_OK)
         return status;
@@ -91,6 +80,14 @@ typedef struct running {
     int64_t turn;        ///< when one of its own did
 } running;
 
+static const store__column running_columns[] = {
+    COLUMN(TEXT, running, id),
+    COLUMN(INTEGER, running, priority),
+    COLUMN(INTEGER, running, owners_turn),
+    COLUMN(INTEGER, running, turn),
+};
+static const store__record running_record = RECORD(running_columns, running, NULL);
+
 static int compare_turns(const void *a, const void *b)
 {
     const running *x = a, *y = b;
@@ -102,35 +99,13 @@ static int compare_turns(const void *a, const void *b)
     return (x->turn > y->turn) - (x->turn < y->turn);
 }
 
-// Those first whose turn it is.
-static bf_status list_running(store__connection *reader, running *ret_running, size_t *ret_n,
-                              bf_error *err)
-{
-    size_t n = 0;
-    bf_status status = BF_OK;
-
-    store__query q =
-        store__start(reader, STORE__SQL_LIST_STUDY_TURNS, INTEGER(STORE_STUDIES_RUNNING_MAX));
-    while (store__next(&q, &status, err)) {
-        running *r = &ret_running[n++];
-        store__column_text(&q, 0, r->id, sizeof r->id);
-        r->priority = sqlite3_column_int64(q.statement, 1);
-        r->owners_turn = sqlite3_column_int64(q.statement, 2);
-        r->turn = sqlite3_column_int64(q.statement, 3);
-    }
-    if (n > 1)
-        qsort(ret_running, n, sizeof *ret_running, compare_turns);
-    *ret_n = n;
-    return status;
-}
-
 // The first trial of a study that waits, if its owner may have it solved.
 static bf_status find_trial_of(store__connection *reader, const store *s, const running *r,
                                store__row *ret_row, bool *ret_has_row, bool *ret_is_held,
                                bf_error *err)
 {
-    bf_status status =
-        store__find_first(reader, STORE__SQL_NEXT_WAITING_TRIAL, r->id, ret_row, ret_has_row, err);
+    bf_status status = store__find(reader, STORE__SQL_NEXT_WAITING_TRIAL, &store__run_record,
+                                   ret_row, ret_has_row, err, TEXT(r->id));
 
     if (status != BF_OK || !*ret_has_row)
         return status;
@@ -144,7 +119,11 @@ static bf_status find_trial(store__connection *reader, const store *s, store__ro
     bool has_row = false, is_held = false, has_held = false;
     size_t n = 0;
 
-    bf_status status = list_running(reader, all, &n, err);
+    bf_status status =
+        store__list(reader, STORE__SQL_LIST_STUDY_TURNS, &running_record, all,
+                    STORE_STUDIES_RUNNING_MAX, &n, NULL, err, INTEGER(STORE_STUDIES_RUNNING_MAX));
+    if (n > 1)
+        qsort(all, n, sizeof *all, compare_turns);
     for (size_t k = 0; k < n && status == BF_OK; k++) {
         status = find_trial_of(reader, s, &all[k], ret_row, &has_row, &is_held, err);
         if (status == BF_OK && has_row && !is_held)
@@ -180,7 +159,7 @@ bf_status store__end_turn(store__connection *writer, const store__row *row, bf_e
 
 bf_status store__check_study(store__connection *writer, const store__row *row, bf_error *err)
 {
-    store__study found;
+    store_study found;
 
     if (row->run.study[0] == '\0')
         return BF_OK;

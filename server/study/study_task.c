@@ -316,7 +316,6 @@ static bf_status take_turn(study__task *t, turn *u, bf_error *err)
         lock_acquire(&t->owner->lock);
         for (size_t k = 0; k < u->n_begins; k++) {
             api_trial *trial = &u->begins[k].trial;
-            memcpy(trial->run, u->begins[k].run, sizeof trial->run);
             if (!api_trial_state_is_end(trial->state))
                 add_open(t, trial);
         }

@@ -31,7 +31,7 @@ static void begin_study(helper_jobs *f, size_t n, char (*ret_runs)[API_ID_SIZE])
     assert_int_equal(store_step_study(f->world->store, &step, &after, NULL), BF_OK);
     supervisor_wake(f->world->supervisor);
     for (size_t k = 0; k < n; k++)
-        memcpy(ret_runs[k], begins[k].run, API_ID_SIZE);
+        memcpy(ret_runs[k], begins[k].trial.run, API_ID_SIZE);
     buffer_fini(&accepted.answer);
     buffer_fini(&submission.document);
     buffer_fini(&submission.columns);

@@ -258,6 +258,28 @@ static void only_the_newest_scenarios_are_read(void **state)
     assert_order(h->store, where("duration_s<2"), 2, "1");
 }
 
+// An id that is too long would be cut to that of another run.
+static void a_row_that_no_run_can_have_is_damage(void **state)
+{
+    static const char *const changes[] = { "id = id || '0'", "model = 9", "stop_request = 3" };
+    static api_run_list list;
+    helper_store *h = *state;
+    const api_list_query all = { .state = -1, .model = -1, .limit = 10 };
+    char sql[100];
+
+    for (size_t k = 0; k < sizeof changes / sizeof *changes; k++) {
+        const api_run record = helper_submit(h->store, "", 0);
+        assert_int_equal(store_list(h->store, &all, &list, NULL), BF_OK);
+        snprintf(sql, sizeof sql, "UPDATE runs SET %s", changes[k]);
+        helper_store_sql(h, sql);
+        assert_int_equal(store_list(h->store, &all, &list, NULL), BF_ECORRUPT);
+        snprintf(sql, sizeof sql, "UPDATE runs SET id = '%s', model = 0, stop_request = 0",
+                 record.id);
+        helper_store_sql(h, sql);
+        assert_int_equal(store_remove(h->store, record.id, API_ANY_REVISION, NULL), BF_OK);
+    }
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -273,6 +295,7 @@ int main(void)
         STORE_TEST(only_the_newest_runs_are_looked_at),
         STORE_TEST(conditions_find_scenarios_and_key_figures),
         STORE_TEST(only_the_newest_scenarios_are_read),
+        STORE_TEST(a_row_that_no_run_can_have_is_damage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -394,7 +394,7 @@ static void no_statement_scans_a_table_or_sorts(void **state)
         // Of owners there are no more than tokens, and of studies that have not ended STORE_STUDIES_OPEN_MAX at most.
         if (strstr(texts[i], "GROUP BY owner") != NULL ||
             strstr(texts[i], "FROM owners WHERE EXISTS") ||
-            strstr(texts[i], "FROM studies WHERE state = ?2 AND stop_request = 0 ORDER BY"))
+            strstr(texts[i], "AND stop_request = 0 ORDER BY priority DESC, (SELECT"))
             continue;
         // Only statements that read or change tables have a plan.
         if (strchr(texts[i], '(') == NULL && strstr(texts[i], "WHERE") == NULL)

@@ -92,7 +92,7 @@ static bf_status begin_scenarios(store *s, const api_study *of, uint64_t from, s
     bf_status status = store_step_study(s, &step, &after, NULL);
     for (size_t k = 0; k < n; k++) {
         if (ret_runs != NULL)
-            memcpy(ret_runs[k], begins[k].run, API_ID_SIZE);
+            memcpy(ret_runs[k], begins[k].trial.run, API_ID_SIZE);
         buffer_fini(&submissions[k].scenario);
         buffer_fini(&submissions[k].identity);
         buffer_fini(&submissions[k].columns);

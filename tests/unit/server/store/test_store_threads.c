@@ -322,7 +322,7 @@ static void a_read_waits_for_a_reader_for_a_limited_time(void **state)
     api_run record = helper_submit(s, "busy", 0), found;
 
     for (int i = 0; i < STORE__READERS_MAX; i++)
-        assert_int_equal(store__acquire_reader(&s->pool, &readers[i], NULL), BF_OK);
+        readers[i] = store__acquire_reader(&s->pool);
     int64_t start_ms = clock_monotonic_ms();
     assert_int_equal(store_find(s, record.id, &found, NULL), BF_EBUSY);
     assert_true(clock_monotonic_ms() - start_ms >= STORE__READER_MS);
@@ -330,6 +330,23 @@ static void a_read_waits_for_a_reader_for_a_limited_time(void **state)
     assert_int_equal(store_find(s, record.id, &found, NULL), BF_OK);
     for (int i = 1; i < STORE__READERS_MAX; i++)
         store__release_reader(&s->pool, readers[i]);
+}
+
+static void a_reader_that_cannot_be_opened_is_opened_later(void **state)
+{
+    const helper_store *h = *state;
+    api_run record = helper_submit(h->store, "", 0), found;
+    store__connection *first = store__acquire_reader(&h->store->pool); // others take the next one
+    char path[128], elsewhere[128];
+
+    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
+    snprintf(elsewhere, sizeof elsewhere, "%s/elsewhere.db", h->directory);
+    assert_int_equal(rename(path, elsewhere), 0);
+    assert_int_equal(store_find(h->store, record.id, &found, NULL), BF_ESYSTEM);
+    assert_int_equal(rename(elsewhere, path), 0);
+    assert_int_equal(store_find(h->store, record.id, &found, NULL), BF_OK);
+    assert_string_equal(found.id, record.id);
+    store__release_reader(&h->store->pool, first);
 }
 
 #define STORE_TEST(name)                                                                           \
@@ -343,6 +360,7 @@ int main(void)
         STORE_TEST(batches_of_several_runs_share_a_commit),
         STORE_TEST(batches_without_a_waiting_caller_are_stored_in_their_order),
         STORE_TEST(a_read_waits_for_a_reader_for_a_limited_time),
+        STORE_TEST(a_reader_that_cannot_be_opened_is_opened_later),
         STORE_TEST(without_memory_a_batch_is_refused_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
