@@ -62,6 +62,22 @@ static double ratio_of_masses(const scene *s)
     return largest / least;
 }
 
+// Whether a belt and a plate or wall can lock a part with sides between them: each presses it onto the other by its friction,
+// which grows without bound where the product of both is above 1.
+static bool can_wedge(const scene *s)
+{
+    const scene_contact *contact = s->micro.contact;
+    double belts = 0.0;
+    bool has_sides = false;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        belts = fmax(belts, s->belts[k].friction > 0.0 ? s->belts[k].friction
+                                                       : contact[SCENE_CONVEYOR_CARGO].friction);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        has_sides = has_sides || s->cargo[k].shape.type != SCENE_CYLINDER;
+    return has_sides && belts * contact[SCENE_HANDLING_CARGO].friction > 1.0;
+}
+
 bf_status micro_press_fail(const scene *s, const micro_press *press, double t, bf_error *err)
 {
     const size_t at = find_plate(s, press->at, mix_radii_of(s).largest, false);
@@ -86,6 +102,10 @@ bf_status micro_press_fail(const scene *s, const micro_press *press, double t, b
         change =
             "the masses of the kinds differ so much that light parts are squeezed between heavy "
             "ones faster than contacts follow: give them masses that are more alike";
+    } else if (!is_between_parts && can_wedge(s)) {
+        snprintf(pointer, sizeof pointer, "/contacts/handling_cargo/friction");
+        change = "belt and plate wedge the part, since the product of their frictions is above 1: "
+                 "give one of them a smaller friction";
     } else {
         change = "parts are pressed harder than their materials bear: a shorter step_s or a larger "
                  "young_modulus_pa may help";

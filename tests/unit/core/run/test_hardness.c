@@ -165,6 +165,30 @@ static void a_light_part_between_heavy_ones_fails_with_the_masses(void **state)
     scene_fini(&s);
 }
 
+// Belt and plate each press a carton onto the other by their frictions, 1.1 and 1: without bound.
+static void a_carton_that_belt_and_plate_wedge_fails_with_their_frictions(void **state)
+{
+    static const char *const pointers[] = { "/contacts/handling_cargo/friction",
+                                            "/micro/modulus_reduction", "/micro/modulus_reduction",
+                                            "/micro/modulus_reduction" };
+
+    for (int k = 0; k < 4; k++) {
+        micro_press press = { .overlap = 0.3, .part = 1 };
+        bf_error err = { 0 };
+        scene s;
+        make_heap(&s, k == 1 ? &can : &carton);
+        s.micro.modulus_reduction = 0.0; // "auto"
+        s.micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.1;
+        s.belts[0].friction = k == 2 ? 0.9 : 1.1;
+        s.micro.contact[SCENE_HANDLING_CARGO].friction = 1.0;
+        press.at = s.obstacles[0].path[1];
+        press.other = k == 3 ? 2 : UINT64_MAX;
+        assert_int_equal(micro_press_fail(&s, &press, 1.0, &err), BF_ENUMERIC);
+        assert_string_equal(err.pointer, pointers[k]);
+        scene_fini(&s);
+    }
+}
+
 // A part that is squeezed out beside a plate that moves is that plate's fault; farther away, or beside one that stands, the
 // solver's own words stay.
 static void a_part_that_is_squeezed_out_fails_with_the_plate(void **state)
@@ -293,6 +317,7 @@ int main(void)
         cmocka_unit_test(parts_that_are_too_soft_fail_with_part_and_plate),
         cmocka_unit_test(a_part_that_is_squeezed_out_fails_with_the_plate),
         cmocka_unit_test(a_light_part_between_heavy_ones_fails_with_the_masses),
+        cmocka_unit_test(a_carton_that_belt_and_plate_wedge_fails_with_their_frictions),
         cmocka_unit_test(the_expected_overlap_stops_the_line),
         cmocka_unit_test(dashpots_are_at_most_four_times_critical_where_the_hardness_is_chosen),
         cmocka_unit_test(light_parts_take_steps_as_long_as_heavy_ones),
