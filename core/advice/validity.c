@@ -8,6 +8,7 @@
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
 #include "core/feed/arrivals.h"
+#include "core/feed/capacity.h"
 #include "core/scene/belt_range.h"
 #include "core/scene/belt_slope.h"
 #include "core/scene/mix.h"
@@ -284,7 +285,9 @@ static double carried_rate(const findings *f, const surroundings *around, const 
     if (under == around->n_belts)
         return 0.0;
     const vec2 velocity = surroundings_velocity_at(around, under, middle);
-    const double across = fabs(vec2_cross(velocity, vec2_sub(feed->line[1], feed->line[0])));
+    vec2 line[2];
+    feed_wide_line(f->s, feed, line);
+    const double across = fabs(vec2_cross(velocity, vec2_sub(line[1], line[0])));
     return fmin(scene_packing_density(f->s) * across, belt_capacity(f->s, &around->belts[under]));
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
+#include "core/feed/capacity.h"
 #include "core/feed/line_cells.h"
 #include "core/scene/surroundings.h"
 
@@ -98,14 +99,15 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
     const bf_grid grid = scene_grid(d->scene);
     const surroundings around = surroundings_of(d->scene);
     line_cell *cells = NULL;
-    vec2 inward = { 0.0, 0.0 };
+    vec2 inward = { 0.0, 0.0 }, line[2];
 
+    feed_wide_line(d->scene, f, line);
     // A line on a side lies in the cells beside it, not on their border.
     if (f->is_edge)
         inward = surroundings_side(&around, f->edge).inward;
     inward = (vec2){ 0.5 * grid.d1 * inward.x, 0.5 * grid.d2 * inward.y };
-    bf_status status = line_cells_find(&grid, vec2_add(f->line[0], inward),
-                                       vec2_add(f->line[1], inward), &cells, &ret_line->n, err);
+    bf_status status = line_cells_find(&grid, vec2_add(line[0], inward), vec2_add(line[1], inward),
+                                       &cells, &ret_line->n, err);
     if (status != BF_OK)
         return status;
     if ((ret_line->cells = memory_alloc(ret_line->n, sizeof *ret_line->cells)) == NULL)
@@ -118,7 +120,8 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
         const double capacity = f->is_edge
                                     ? d->saturated * edge_capacity(&around, f->edge, &grid, dt,
                                                                    velocity, cells[k].length)
-                                    : INFINITY;
+                                : belt < d->scene->n_belts ? INFINITY
+                                                           : 0.0;
         ret_line->cells[k] =
             (cell_entry){ .cell = cell,
                           .inner = f->is_edge ? inner_cell(&grid, f->edge, cell) : cell,

@@ -178,6 +178,26 @@ static void a_part_of_a_side_takes_a_part_of_the_belt(void **state)
     scene_fini(&s);
 }
 
+// Parts of 0.1 m in single file have their centres on 0.02 m about y = 0.2 m. They are carried from 0.15 to 0.25 m: half a cell twice.
+static void parts_in_single_file_enter_as_wide_as_they_are(void **state)
+{
+    cells c;
+    scene s;
+
+    (void)state;
+    make_scene(&s, 1, 1e5);
+    s.cargo[0].shape.radius = 0.05;
+    s.feeds[0].line[0].y = 0.19;
+    s.feeds[0].line[1].y = 0.21;
+    feed_density *d = make_density(&s, &c);
+    advance(d, dt, &c);
+    assert_near(c.rho[N1], 0.125, 1e-12);
+    assert_near(c.rho[2 * N1], 0.125, 1e-12);
+    assert_true(c.rho[0] == 0.0 && c.rho[3 * N1] == 0.0);
+    feed_density_destroy(d);
+    scene_fini(&s);
+}
+
 // Of a cell beside a side that has room for 0.1 the one behind takes what else the belt carries. The belt runs at 45
 // degrees into the domain, 0.5 m/s across the side.
 static void every_side_has_its_cells(void **state)
@@ -341,6 +361,7 @@ int main(void)
         cmocka_unit_test(what_a_full_cell_cannot_take_goes_to_the_others),
         cmocka_unit_test(the_inner_cell_takes_what_the_outer_one_cannot),
         cmocka_unit_test(a_part_of_a_side_takes_a_part_of_the_belt),
+        cmocka_unit_test(parts_in_single_file_enter_as_wide_as_they_are),
         cmocka_unit_test(every_side_has_its_cells),
         cmocka_unit_test(a_line_inside_has_no_bound_but_its_room),
         cmocka_unit_test(waits_and_drops_follow_the_order_of_arrival),
