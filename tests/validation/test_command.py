@@ -10,6 +10,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import equipment
 import feeds
 from documents import macro_document, micro_documents, set_member
 from layouts import DIAMETER_M as D
@@ -48,6 +49,14 @@ class Scenes(unittest.TestCase):
                 check = subprocess.run([PROGRAM, "check", "--model", "micro", "-"], text=True, capture_output=True,
                                        input=json.dumps(feeds.fed(row, 0)))
                 self.assertEqual(check.returncode, 0, check.stderr)
+
+    def test_both_models_accept_all_equipment(self):
+        for scene in equipment.scenes():
+            for load in scene.loads:
+                with self.subTest(scene=scene.name, load=load):
+                    check = subprocess.run([PROGRAM, "check", "-"], text=True, capture_output=True,
+                                           input=json.dumps(scene.document(load, 0)))
+                    self.assertEqual(check.returncode, 0, check.stderr)
 
     def test_funnels_pass_what_was_published(self):
         for n, ratio in [(6, 1.31), (10, 1.125)]:
