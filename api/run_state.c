@@ -2,13 +2,14 @@
 
 #include "core/base/check.h"
 
-#include <string.h>
+const char *const run_state_words[RUN_STATE_COUNT + 1] = {
+#define X(state, word, next) word,
+    RUN_STATE_LIST(X)
+#undef X
+};
 
-static const struct {
-    const char *word;
-    unsigned next;
-} states[] = {
-#define X(state, word, next) [state] = { word, next },
+static const unsigned next_states[] = {
+#define X(state, word, next) next,
     RUN_STATE_LIST(X)
 #undef X
 };
@@ -16,26 +17,17 @@ static const struct {
 const char *run_state_word(run_state state)
 {
     BF_CHECK(state < RUN_STATE_COUNT);
-    return states[state].word;
-}
-
-run_state run_state_find(const char *word)
-{
-    unsigned state = 0;
-
-    while (state < RUN_STATE_COUNT && strcmp(states[state].word, word) != 0)
-        state++;
-    return (run_state)state;
+    return run_state_words[state];
 }
 
 bool run_state_may_follow(run_state from, run_state to)
 {
     BF_CHECK(from < RUN_STATE_COUNT && to < RUN_STATE_COUNT);
-    return (states[from].next & RUN_TO(to)) != 0;
+    return (next_states[from] & RUN_TO(to)) != 0;
 }
 
 bool run_state_is_end(run_state state)
 {
     BF_CHECK(state < RUN_STATE_COUNT);
-    return states[state].next == 0;
+    return next_states[state] == 0;
 }

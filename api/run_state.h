@@ -28,11 +28,9 @@ typedef enum run_state {
         RUN_STATE_COUNT
 } run_state;
 
-/// The word of a state in the API. Never NULL.
+/// The words of the states in the API, ended by NULL; and that of one, never NULL.
+extern const char *const run_state_words[RUN_STATE_COUNT + 1];
 const char *run_state_word(run_state state);
-
-/// The state of a word, or RUN_STATE_COUNT if it is none.
-run_state run_state_find(const char *word);
 
 /// True if a run may go from one state to the other.
 bool run_state_may_follow(run_state from, run_state to);

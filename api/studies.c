@@ -2,22 +2,26 @@
 
 #include "core/base/check.h"
 
-#include <string.h>
-
-// Of studies and of trials.
-typedef struct state_row {
-    const char *word;
-    bool is_end;
-} state_row;
-
-static const state_row studies[] = {
-#define X(state, word, is_end) [state] = { word, is_end },
+const char *const api_study_state_words[API_STUDY_STATES + 1] = {
+#define X(state, word, is_end) word,
     API_STUDY_STATE_LIST(X)
 #undef X
 };
 
-static const state_row trials[] = {
-#define X(state, word, is_end) [state] = { word, is_end },
+const char *const api_trial_state_words[API_TRIAL_STATES + 1] = {
+#define X(state, word, is_end) word,
+    API_TRIAL_STATE_LIST(X)
+#undef X
+};
+
+static const bool studies_end[] = {
+#define X(state, word, is_end) is_end,
+    API_STUDY_STATE_LIST(X)
+#undef X
+};
+
+static const bool trials_end[] = {
+#define X(state, word, is_end) is_end,
     API_TRIAL_STATE_LIST(X)
 #undef X
 };
@@ -25,34 +29,25 @@ static const state_row trials[] = {
 const char *api_study_state_word(api_study_state state)
 {
     BF_CHECK(state < API_STUDY_STATES);
-    return studies[state].word;
+    return api_study_state_words[state];
 }
 
 const char *api_trial_state_word(api_trial_state state)
 {
     BF_CHECK(state < API_TRIAL_STATES);
-    return trials[state].word;
-}
-
-api_study_state api_study_state_find(const char *word)
-{
-    unsigned state = 0;
-
-    while (state < API_STUDY_STATES && strcmp(studies[state].word, word) != 0)
-        state++;
-    return (api_study_state)state;
+    return api_trial_state_words[state];
 }
 
 bool api_study_state_is_end(api_study_state state)
 {
     BF_CHECK(state < API_STUDY_STATES);
-    return studies[state].is_end;
+    return studies_end[state];
 }
 
 bool api_trial_state_is_end(api_trial_state state)
 {
     BF_CHECK(state < API_TRIAL_STATES);
-    return trials[state].is_end;
+    return trials_end[state];
 }
 
 uint64_t api_study_ended(const api_study *about)

@@ -155,12 +155,11 @@ typedef enum api_study_text {
     API_STUDY_TEXTS
 } api_study_text;
 
-/// The word of a state. Never NULL.
+/// The words of the states, ended by NULL; and that of one, never NULL.
+extern const char *const api_study_state_words[API_STUDY_STATES + 1];
+extern const char *const api_trial_state_words[API_TRIAL_STATES + 1];
 const char *api_study_state_word(api_study_state state);
 const char *api_trial_state_word(api_trial_state state);
-
-/// The state of a word; API_STUDY_STATES: it is none.
-api_study_state api_study_state_find(const char *word);
 
 /// True if nothing may follow.
 bool api_study_state_is_end(api_study_state state);

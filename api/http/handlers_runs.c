@@ -165,7 +165,7 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     if (where != NULL && condition_list_read(where, &list.conditions, NULL) != BF_OK)
         list.conditions.n = 0; // routes__run_where has read it
     if (state != NULL)
-        list.state = (int)run_state_find(state);
+        list.state = (int)text_find_word(run_state_words, RUN_STATE_COUNT, state);
     if (model != NULL)
         list.model = (int)text_find_word(run_model_words, RUN_MODEL_COUNT, model);
     return list;

@@ -2,6 +2,7 @@
 
 #include "api/http/access.h"
 #include "api/http/http_priv.h"
+#include "api/json/text.h"
 #include "api/results/annotations_json.h"
 #include "api/study/study_json.h"
 #include "api/study/study_submission.h"
@@ -71,7 +72,7 @@ bf_status handlers_studies_list(exchange *x, bf_error *err)
         return status;
     snprintf(wanted.before, sizeof wanted.before, "%s", page.cursor);
     if (state != NULL)
-        wanted.state = (int)api_study_state_find(state);
+        wanted.state = (int)text_find_word(api_study_state_words, API_STUDY_STATES, state);
     if (line != NULL)
         snprintf(wanted.line, sizeof wanted.line, "%s", line);
     api_study_list *list = memory_alloc(1, sizeof *list);

@@ -61,7 +61,7 @@ typedef struct page {
 static bf_status write_trial(void *context, const api_trial *trial, bf_error *err)
 {
     page *p = context;
-    const study_trial_item item = { .columns = p->columns, .trial = trial };
+    const study_trial_item item = { .columns = p->columns, .trial = *trial };
 
     members_write(&p->w, &study_trial_members, &item);
     return json_out_status(&p->w, err);

@@ -23,7 +23,7 @@
 
 static bool is_state(const char *text)
 {
-    return run_state_find(text) != RUN_STATE_COUNT;
+    return text_find_word(run_state_words, RUN_STATE_COUNT, text) != RUN_STATE_COUNT;
 }
 
 static bool is_model(const char *text)
@@ -33,7 +33,7 @@ static bool is_model(const char *text)
 
 static bool is_study_state(const char *text)
 {
-    return api_study_state_find(text) != API_STUDY_STATES;
+    return text_find_word(api_study_state_words, API_STUDY_STATES, text) != API_STUDY_STATES;
 }
 
 static bool is_measured_kind(const char *text)

@@ -49,7 +49,7 @@ typedef struct batch {
 static bf_status append_trial(void *context, const api_trial *trial, bf_error *err)
 {
     const batch *b = context;
-    const study_trial_item item = { .columns = &b->stream->columns, .trial = trial };
+    const study_trial_item item = { .columns = &b->stream->columns, .trial = *trial };
 
     bf_status status =
         append_object(b->stream, trial->ended, "trial", &study_trial_members, &item, b->out, err);

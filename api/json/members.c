@@ -345,11 +345,14 @@ static bool is_empty(const member *m, const void *item)
         memcpy(&number, place, sizeof number);
         return !isfinite(number);
     }
-    if (m->kind == &member_text)
+    if (m->kind == &member_text || m->kind == &member_link)
         return *(const char *)place == '\0';
+    if (m->kind == &member_bool)
+        return !*(const bool *)place;
     if (m->kind == &member_enum)
         return m->words[read_choice(item, m->offset)] == NULL;
-    memcpy(&n, (const char *)item + m->offset_n, sizeof n);
+    const bool is_number = m->kind == &member_size || m->kind == &member_time;
+    memcpy(&n, is_number ? place : (const char *)item + m->offset_n, sizeof n);
     return n == 0;
 }
 

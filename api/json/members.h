@@ -40,8 +40,9 @@ enum {
     MEMBER_FORM = 1,       ///< another way to say something: the table's post_read reads it, and it
                            ///< is never written
     MEMBER_OMIT_EMPTY = 2, ///< not written when empty: a list without items, an object whose count
-                           ///< is 0, a number that is not finite, a text of no bytes, an enum
-                           ///< beyond its words; or as is_empty says
+                           ///< is 0, a number that is not finite, a text or an id of a link of no
+                           ///< bytes, an enum beyond its words, false, a size or time of 0; or as
+                           ///< is_empty says
     MEMBER_OPTIONAL = 4,   ///< answers: it may be missing
     MEMBER_FILE = 8,       ///< in files only: not in the document of the API
     MEMBER_SERVED = 16,    ///< its rule is false in files only: in answers it is always there

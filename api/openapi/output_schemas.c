@@ -237,27 +237,6 @@ static const member profile_members[] = {
 };
 ROWS("ParameterProfile", profile);
 
-static const char *const run_states[] = {
-#define X(state, word, next) word,
-    RUN_STATE_LIST(X)
-#undef X
-        NULL
-};
-
-static const char *const study_states[] = {
-#define X(state, word, is_end) word,
-    API_STUDY_STATE_LIST(X)
-#undef X
-        NULL
-};
-
-static const char *const trial_states[] = {
-#define X(state, word, is_end) word,
-    API_TRIAL_STATE_LIST(X)
-#undef X
-        NULL
-};
-
 // The first one, BF_OK, is no failure.
 static const char *const status_words[] = {
 #define X(code, word) word,
@@ -288,9 +267,9 @@ static const openapi_schema table[] = {
          "Id of another part of the scenario"),
     TYPE("Pair", "[number 2]", NULL, "Two numbers, of x and of y"),
     TYPE("Shape2", "[#Count 2]", NULL, "Rows and columns"),
-    WORDS("RunStatus", run_states, "State of a run"),
-    WORDS("StudyStatus", study_states, "State of a study"),
-    WORDS("TrialStatus", trial_states, "State of a trial"),
+    WORDS("RunStatus", run_state_words, "State of a run"),
+    WORDS("StudyStatus", api_study_state_words, "State of a study"),
+    WORDS("TrialStatus", api_trial_state_words, "State of a trial"),
     WORDS("StudyMethodWord", study_document_methods, "How a study chooses its points"),
     WORDS("Model", run_model_words, "A solver"),
     WORDS("MeasuredKind", api_measured_words, "What a measurement is"),

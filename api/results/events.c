@@ -235,7 +235,8 @@ bf_status events_change(const char *run_id, const frame_change *c, bf_buffer *ou
 #define AT(place) offsetof(api_run, place)
 static const member end_members[] = {
     MEMBER("run", text, AT(id), RUN, .type = "#Id"),
-    MEMBER_OF("status", &run_json_state_kind, AT(state), "How the run ended"),
+    MEMBER("status", enum, AT(state), "How the run ended", .words = run_state_words,
+           .type = "#RunStatus"),
     MEMBER("progress", measure, AT(progress), "Completed fraction of the simulated time",
            .type = "#Share"),
     MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not known"),

@@ -21,13 +21,6 @@ const member_table grant_json_request_members = { MEMBER_TABLE("grantRequest", r
                                                   .size = sizeof(grant_json_request),
                                                   .init = init_request };
 
-static bool is_new(const void *item)
-{
-    const api_grant *grant = item;
-
-    return grant->token[0] != '\0';
-}
-
 #define AT(place) offsetof(api_grant, place)
 static const member grant_members[] = {
     MEMBER("id", size, AT(id), "Number of the grant"),
@@ -36,7 +29,7 @@ static const member grant_members[] = {
     MEMBER("created_at", time, AT(created_ms), "When it was made"),
     MEMBER("expires_at", time, AT(expires_ms), "From then on it does not count"),
     MEMBER("token", text, AT(token), "The access token; shown only when the grant is made",
-           .applies = is_new),
+           .flags = MEMBER_OMIT_EMPTY),
 };
 const member_table grant_json_members = { MEMBER_TABLE("Grant", grant_members),
                                           .size = sizeof(api_grant) };

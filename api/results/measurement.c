@@ -285,13 +285,6 @@ static bool is_text(const void *item)
     return !is_curve(item);
 }
 
-static bool has_owner(const void *item)
-{
-    const api_measurement *about = item;
-
-    return about->owner[0] != '\0';
-}
-
 #define AT(place) offsetof(api_measurement, place)
 static const member link_members[] = {
     MEMBER("self", link, AT(id), "The resource itself", .path = "/v1/measurements/{id}"),
@@ -308,7 +301,7 @@ static const member item_members[] = {
            .type = "#CounterId", .applies = is_curve),
     MEMBER("created_at", time, AT(created_ms), "When it was stored"),
     MEMBER("owner", text, AT(owner), "Whose it is, where the service has tokens",
-           .applies = has_owner),
+           .flags = MEMBER_OMIT_EMPTY),
     MEMBER("n_samples", size, AT(n_samples), "Number of samples or rows"),
     MEMBER("t_start_s", number, AT(t_start), "Time of the first sample", .unit = "s"),
     MEMBER("t_end_s", number, AT(t_end), "Time of the last sample", .unit = "s"),
@@ -319,19 +312,12 @@ const member_table measurement_item = { MEMBER_TABLE("MeasurementItem", item_mem
 #undef AT
 
 #define AT(place) offsetof(api_measurement_list, place)
-static bool has_more(const void *item)
-{
-    const api_measurement_list *list = item;
-
-    return list->has_more;
-}
-
 static const member measurement_list_members[] = {
     MEMBER("measurements", array, AT(items), "A page of the list, newest first", .offset_n = AT(n),
            .table = &measurement_item),
     MEMBER("has_more", bool, AT(has_more), "Older ones follow"),
     MEMBER("next_cursor", text, AT(next_cursor), "The `cursor` of the page that follows",
-           .applies = has_more),
+           .flags = MEMBER_OMIT_EMPTY),
 };
 const member_table measurement_list = { MEMBER_TABLE("MeasurementList", measurement_list_members) };
 #undef AT

@@ -36,16 +36,6 @@ static void write_error(json_out *w, const member *m, const void *item)
 
 const member_kind run_json_error_kind = { .type = "#RunError", .write = write_error };
 
-static void write_state(json_out *w, const member *m, const void *item)
-{
-    run_state state;
-
-    memcpy(&state, (const char *)item + m->offset, sizeof state);
-    json_out_string(w, run_state_word(state));
-}
-
-const member_kind run_json_state_kind = { .type = "#RunStatus", .write = write_state };
-
 static void write_figures(json_out *w, const member *m, const void *item)
 {
     const api_run *record = item;
@@ -70,62 +60,6 @@ static bool has_parts(const void *item)
     return record->model == RUN_MICRO;
 }
 
-static bool has_closure(const void *item)
-{
-    const api_run *record = item;
-
-    return record->closure[0] != '\0';
-}
-
-static bool has_owner(const void *item)
-{
-    const api_run *record = item;
-
-    return record->owner[0] != '\0';
-}
-
-static bool has_line(const void *item)
-{
-    const api_run *record = item;
-
-    return record->line[0] != '\0';
-}
-
-static bool has_line_version(const void *item)
-{
-    const api_run *record = item;
-
-    return record->line_version > 0;
-}
-
-static bool has_notes(const void *item)
-{
-    const api_run *record = item;
-
-    return record->notes[0] != '\0';
-}
-
-static bool is_starred(const void *item)
-{
-    const api_run *record = item;
-
-    return record->is_starred;
-}
-
-static bool is_suspect(const void *item)
-{
-    const api_run *record = item;
-
-    return record->is_suspect;
-}
-
-static bool has_study(const void *item)
-{
-    const api_run *record = item;
-
-    return record->study[0] != '\0';
-}
-
 #define AT(place) offsetof(api_run, place)
 #define LINK(name, path_, ...)                                                                     \
     MEMBER(name, link, AT(id), __VA_ARGS__, .path = "/v1/runs/{id}" path_)
@@ -143,31 +77,32 @@ static const member link_members[] = {
     LINK("events", "/events", "Its event stream"),
     LINK("cancel", "/cancel", "POST here to stop it"),
     MEMBER("study", link, AT(study), "The study whose trial it is", .path = "/v1/studies/{id}",
-           .applies = has_study),
+           .flags = MEMBER_OMIT_EMPTY),
 };
 const member_table run_json_links = { MEMBER_TABLE("RunLinks", link_members) };
 
 static const member run_members[] = {
     MEMBER("id", text, AT(id), "Identifier of the run", .type = "#Id"),
-    MEMBER_OF("status", &run_json_state_kind, AT(state), "State of the run"),
+    MEMBER("status", enum, AT(state), "State of the run", .words = run_state_words,
+           .type = "#RunStatus"),
     MEMBER("progress", measure, AT(progress), "Completed fraction of the simulated time",
            .type = "#Share"),
     MEMBER("model", enum, AT(model), "Which solver", .words = run_model_words, .type = "#Model"),
     MEMBER("closure", text, AT(closure),
            "Closure of the macroscopic model, as in the scenario; missing in runs of versions that "
            "did not say so",
-           .applies = has_closure),
+           .flags = MEMBER_OMIT_EMPTY),
     MEMBER("label", text, AT(label), "The client's own name of the run; empty if none was given"),
     MEMBER("priority", int, AT(priority), "Runs of higher priority are solved first"),
     MEMBER("name", text, AT(name), "Name of the scenario, unless it was renamed"),
-    MEMBER("line", text, AT(line), "The line that it belongs to", .applies = has_line),
+    MEMBER("line", text, AT(line), "The line that it belongs to", .flags = MEMBER_OMIT_EMPTY),
     MEMBER("line_version", size, AT(line_version),
            "Which of the line's scenarios it has, from 1 in the order of their first use; names do "
            "not count",
-           .applies = has_line_version),
-    MEMBER("notes", text, AT(notes), "What its users noted of it", .applies = has_notes),
+           .flags = MEMBER_OMIT_EMPTY),
+    MEMBER("notes", text, AT(notes), "What its users noted of it", .flags = MEMBER_OMIT_EMPTY),
     MEMBER("starred", bool, AT(is_starred), "Its users want to find it again: true, or missing",
-           .applies = is_starred),
+           .flags = MEMBER_OMIT_EMPTY),
     MEMBER("created_at", time, AT(created_ms), "When it was accepted"),
     MEMBER("started_at", time, AT(started_ms), "When it was last started", .null = "never"),
     MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not yet"),
@@ -177,14 +112,14 @@ static const member run_members[] = {
     MEMBER("eta_s", measure, AT(eta_s), "Remaining wall time", .unit = "s", .null = "not known"),
     MEMBER_OF("error", &run_json_error_kind, AT(error), "Why it failed", .null = "it did not"),
     MEMBER("owner", text, AT(owner), "Whose it is, where the service has tokens",
-           .applies = has_owner),
+           .flags = MEMBER_OMIT_EMPTY),
     MEMBER("study", text, AT(study), "The study whose trial it is", .type = "#Id",
-           .applies = has_study),
+           .flags = MEMBER_OMIT_EMPTY),
     MEMBER("cached", bool, AT(is_cached), "Its results were known from an earlier run"),
     MEMBER("suspect", bool, AT(is_suspect),
            "Its results may be wrong, as the worker that sent them sent wrong ones, or another one "
            "has others; the same scenario is solved anew. True, or missing",
-           .applies = is_suspect),
+           .flags = MEMBER_OMIT_EMPTY),
     MEMBER("key_figures", figures, 0,
            "Its key figures so far, without those of feeds, counters and photo eyes",
            .applies = has_figures),
@@ -200,13 +135,6 @@ static bool has_total(const void *item)
     return list->has_total;
 }
 
-static bool has_more(const void *item)
-{
-    const api_run_list *list = item;
-
-    return list->has_more;
-}
-
 static const member list_members[] = {
     MEMBER("runs", array, offsetof(api_run_list, runs),
            "A page of the list, newest first unless `sort` says otherwise",
@@ -216,7 +144,7 @@ static const member list_members[] = {
     MEMBER("has_more", bool, offsetof(api_run_list, has_more),
            "Further ones may follow: this page looked at 20,000 runs at most"),
     MEMBER("next_cursor", text, offsetof(api_run_list, next_cursor),
-           "The `cursor` of the page that follows", .applies = has_more),
+           "The `cursor` of the page that follows", .flags = MEMBER_OMIT_EMPTY),
 };
 const member_table run_json_list = { MEMBER_TABLE("RunList", list_members) };
 

@@ -18,8 +18,5 @@ extern const member_table run_json_error;
 /// The kind of a member that is a bf_error: null where its code is BF_OK.
 extern const member_kind run_json_error_kind;
 
-/// The kind of a member that is a run_state.
-extern const member_kind run_json_state_kind;
-
 /// Append the run as an object.
 BF_MUST_CHECK bf_status run_json_write(const api_run *record, bf_buffer *out, bf_error *err);

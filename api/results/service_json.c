@@ -38,44 +38,23 @@ static const member ticket_members[] = {
 };
 const member_table service_json_ticket_members = { MEMBER_TABLE("Ticket", ticket_members) };
 
-static bool has_limit(const void *item)
-{
-    const api_quota *quota = item;
-
-    return quota->allowed > 0;
-}
-
-static bool is_used_up(const void *item)
-{
-    const api_quota *quota = item;
-
-    return quota->release_ms > 0;
-}
-
 #define AT(place) offsetof(api_quota, place)
 static const member quota_members[] = {
     MEMBER("used", size, AT(used), "Used at the moment"),
     MEMBER("allowed", size, AT(allowed),
-           "With as much, nothing more is accepted; missing: no limit", .applies = has_limit),
+           "With as much, nothing more is accepted; missing: no limit", .flags = MEMBER_OMIT_EMPTY),
     MEMBER("available_at", time, AT(release_ms),
-           "CPU time that is used up: when a part of it is given back", .applies = is_used_up),
+           "CPU time that is used up: when a part of it is given back", .flags = MEMBER_OMIT_EMPTY),
 };
 const member_table service_json_quota_members = { MEMBER_TABLE("Quota", quota_members) };
 #undef AT
-
-static bool has_owner(const void *item)
-{
-    const api_quotas *quotas = item;
-
-    return quotas->owner[0] != '\0';
-}
 
 #define QUOTA(name, place, ...)                                                                    \
     MEMBER(name, object, offsetof(api_quotas, place), __VA_ARGS__,                                 \
            .table = &service_json_quota_members)
 static const member quotas_members[] = {
     MEMBER("owner", text, offsetof(api_quotas, owner),
-           "Owner of the access token; missing without one", .applies = has_owner),
+           "Owner of the access token; missing without one", .flags = MEMBER_OMIT_EMPTY),
     QUOTA("waiting_runs", waiting, "Runs that wait"),
     QUOTA("cpu_s", cpu_s, "CPU time of solvers in the last 24 hours, counted by the hour",
           .unit = "s"),

@@ -5,37 +5,6 @@
 
 #include <string.h>
 
-static void write_state(json_out *w, const member *m, const void *item)
-{
-    api_study_state state;
-
-    memcpy(&state, (const char *)item + m->offset, sizeof state);
-    json_out_string(w, api_study_state_word(state));
-}
-
-static const member_kind member_state = { .type = "#StudyStatus", .write = write_state };
-
-static bool has_line(const void *item)
-{
-    const api_study *about = item;
-
-    return about->line[0] != '\0';
-}
-
-static bool has_owner(const void *item)
-{
-    const api_study *about = item;
-
-    return about->owner[0] != '\0';
-}
-
-static bool is_suspect(const void *item)
-{
-    const api_study *about = item;
-
-    return about->is_suspect;
-}
-
 #define AT(place)                 offsetof(api_study, place)
 #define ENDED(name, state, help_) MEMBER(name, size, AT(n_ended[state]), help_)
 static const member trials_members[] = {
@@ -64,9 +33,10 @@ const member_table study_json_links = { MEMBER_TABLE("StudyLinks", link_members)
 
 static const member study_members[] = {
     MEMBER("id", text, AT(id), "Identifier of the study", .type = "#Id"),
-    MEMBER_OF("status", &member_state, AT(state), "State of the study"),
+    MEMBER("status", enum, AT(state), "State of the study", .words = api_study_state_words,
+           .type = "#StudyStatus"),
     MEMBER("name", text, AT(name), "For people; empty if none was given"),
-    MEMBER("line", text, AT(line), "The line that it belongs to", .applies = has_line),
+    MEMBER("line", text, AT(line), "The line that it belongs to", .flags = MEMBER_OMIT_EMPTY),
     MEMBER("method", enum, AT(method), "How its points are chosen", .words = study_document_methods,
            .type = "#StudyMethodWord"),
     MEMBER("model", enum, AT(model), "Which solver its base asks for", .words = run_model_words,
@@ -79,28 +49,21 @@ static const member study_members[] = {
     MEMBER("suspect", bool, AT(is_suspect),
            "The results of one of its trials may be wrong, and so may be what it says: true, or "
            "missing",
-           .applies = is_suspect),
+           .flags = MEMBER_OMIT_EMPTY),
     MEMBER("owner", text, AT(owner), "Whose it is, where the service has tokens",
-           .applies = has_owner),
+           .flags = MEMBER_OMIT_EMPTY),
     MEMBER("trials", object, 0, "How many trials it has", .table = &study_json_trials),
     MEMBER("links", object, 0, "Its resources", .table = &study_json_links),
 };
 const member_table study_json = { MEMBER_TABLE("Study", study_members), .size = sizeof(api_study) };
 #undef AT
 
-static bool has_more(const void *item)
-{
-    const api_study_list *list = item;
-
-    return list->has_more;
-}
-
 static const member list_members[] = {
     MEMBER("studies", array, offsetof(api_study_list, items), "A page of the list, newest first",
            .offset_n = offsetof(api_study_list, n), .table = &study_json),
     MEMBER("has_more", bool, offsetof(api_study_list, has_more), "Older ones follow"),
     MEMBER("next_cursor", text, offsetof(api_study_list, next_cursor),
-           "The `cursor` of the page that follows", .applies = has_more),
+           "The `cursor` of the page that follows", .flags = MEMBER_OMIT_EMPTY),
 };
 const member_table study_json_list = { MEMBER_TABLE("StudyList", list_members) };
 

@@ -112,7 +112,7 @@ static void write_parameters(json_out *w, const member *m, const void *item)
     const study_trial_item *of = item;
 
     (void)m;
-    write_map(w, of->columns->parameters[0], sizeof *of->columns->parameters, of->trial->parameters,
+    write_map(w, of->columns->parameters[0], sizeof *of->columns->parameters, of->trial.parameters,
               of->columns->n_parameters);
 }
 
@@ -121,86 +121,37 @@ static void write_values(json_out *w, const member *m, const void *item)
     const study_trial_item *of = item;
 
     (void)m;
-    write_map(w, of->columns->values[0], sizeof *of->columns->values, of->trial->values,
+    write_map(w, of->columns->values[0], sizeof *of->columns->values, of->trial.values,
               of->columns->n_values);
-}
-
-static void write_whole(json_out *w, const member *m, const void *item)
-{
-    const study_trial_item *of = item;
-    uint64_t number;
-
-    memcpy(&number, (const char *)of->trial + m->offset, sizeof number);
-    json_out_integer(w, (int64_t)number);
-}
-
-static void write_model(json_out *w, const member *m, const void *item)
-{
-    const study_trial_item *of = item;
-
-    (void)m;
-    json_out_string(w, run_model_words[of->trial->model]);
-}
-
-static void write_state(json_out *w, const member *m, const void *item)
-{
-    const study_trial_item *of = item;
-
-    (void)m;
-    json_out_string(w, api_trial_state_word(of->trial->state));
-}
-
-static void write_run(json_out *w, const member *m, const void *item)
-{
-    const study_trial_item *of = item;
-
-    (void)m;
-    json_out_string(w, of->trial->run);
-}
-
-static void write_fault(json_out *w, const member *m, const void *item)
-{
-    const study_trial_item *of = item;
-
-    (void)m;
-    members_write(w, &run_json_error, &of->trial->fault);
-}
-
-static bool has_run(const void *item)
-{
-    const study_trial_item *of = item;
-
-    return of->trial->run[0] != '\0';
-}
-
-static bool has_fault(const void *item)
-{
-    const study_trial_item *of = item;
-
-    return of->trial->fault.code != BF_OK;
 }
 
 static const member_kind member_parameters = { .type = "#NumbersByName",
                                                .write = write_parameters };
 static const member_kind member_values = { .type = "#NumbersByName", .write = write_values };
-static const member_kind member_trial_whole = { .type = "#Count", .write = write_whole };
-static const member_kind member_trial_model = { .type = "#Model", .write = write_model };
-static const member_kind member_trial_state = { .type = "#TrialStatus", .write = write_state };
-static const member_kind member_trial_run = { .type = "#Id", .write = write_run };
-static const member_kind member_trial_fault = { .type = "#RunError", .write = write_fault };
 
-#define AT(place) offsetof(api_trial, place)
+static bool has_fault(const void *item)
+{
+    const study_trial_item *of = item;
+
+    return of->trial.fault.code != BF_OK;
+}
+
+#define AT(place) offsetof(study_trial_item, trial.place)
 static const member members[] = {
-    MEMBER("trial", trial_whole, AT(number), "Its number, from 0"),
-    MEMBER("point", trial_whole, AT(point), "Number of its point; its replications have the same"),
-    MEMBER("model", trial_model, 0, "Which solver"),
-    MEMBER("substream", trial_whole, AT(substream), "Of its scenario"),
-    MEMBER("status", trial_state, 0, "State of the trial"),
+    MEMBER("trial", size, AT(number), "Its number, from 0", .type = "#Count"),
+    MEMBER("point", size, AT(point), "Number of its point; its replications have the same",
+           .type = "#Count"),
+    MEMBER("model", enum, AT(model), "Which solver", .words = run_model_words, .type = "#Model"),
+    MEMBER("substream", size, AT(substream), "Of its scenario", .type = "#Count"),
+    MEMBER("status", enum, AT(state), "State of the trial", .words = api_trial_state_words,
+           .type = "#TrialStatus"),
     MEMBER("parameters", parameters, 0, "The numbers of its point, by their pointers"),
     MEMBER("values", values, 0,
            "Its objectives, or of calibrate its mean squares; what its run cannot say is missing"),
-    MEMBER("run", trial_run, 0, "Its run, which may have been removed since", .applies = has_run),
-    MEMBER("error", trial_fault, 0, "Why it failed or is infeasible", .applies = has_fault),
+    MEMBER("run", text, AT(run), "Its run, which may have been removed since", .type = "#Id",
+           .flags = MEMBER_OMIT_EMPTY),
+    MEMBER("error", object, AT(fault), "Why it failed or is infeasible", .table = &run_json_error,
+           .applies = has_fault),
 };
 #undef AT
 const member_table study_trial_members = { MEMBER_TABLE("Trial", members),

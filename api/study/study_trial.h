@@ -21,7 +21,7 @@ typedef struct study_columns {
 /// A trial with the names of what it has.
 typedef struct study_trial_item {
     const study_columns *columns; ///< of its study; borrowed
-    const api_trial *trial;       ///< borrowed
+    api_trial trial;              ///< what it is
 } study_trial_item;
 
 /// A trial as JSON; the struct is study_trial_item.

@@ -1,12 +1,14 @@
 // The life of a run, against the diagram at the head of the header.
 
+#include "api/json/text.h"
 #include "api/run_state.h"
 #include "tests/unit/helper_cmocka.h"
 
 static void words_and_states_name_each_other(void **state)
 {
     for (unsigned s = 0; s < RUN_STATE_COUNT; s++)
-        assert_int_equal(run_state_find(run_state_word((run_state)s)), s);
+        assert_int_equal(
+            text_find_word(run_state_words, RUN_STATE_COUNT, run_state_word((run_state)s)), s);
     assert_string_equal(run_state_word(RUN_QUEUED), "queued");
     assert_string_equal(run_state_word(RUN_CANCELLED), "cancelled");
 }
@@ -16,7 +18,8 @@ static void what_is_no_word_is_no_state(void **state)
     static const char *const words[] = { "", "Queued", "queue", "queued ", "done" };
 
     for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-        assert_int_equal(run_state_find(words[i]), RUN_STATE_COUNT);
+        assert_int_equal(text_find_word(run_state_words, RUN_STATE_COUNT, words[i]),
+                         RUN_STATE_COUNT);
 }
 
 // One row for each state, one column for each that may follow, in the order of the enum.

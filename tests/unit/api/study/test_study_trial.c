@@ -100,7 +100,7 @@ static void columns_read_back(void **state)
 
 static bf_buffer as_json(const api_trial *trial)
 {
-    const study_trial_item item = { .columns = &columns, .trial = trial };
+    const study_trial_item item = { .columns = &columns, .trial = *trial };
     bf_buffer out = { 0 };
     json_out w = json_out_to(&out);
 
