@@ -46,6 +46,8 @@ static bool applies(const member_table *table, const member *m, const void *item
 {
     if (m->applies != NULL)
         return m->applies(item);
+    if (m->offset_if > 0)
+        return *(const bool *)((const char *)item + m->offset_if);
     if (table->choice == MEMBER_ONE_OF)
         return (size_t)(m - table->members) == read_choice(item, table->offset_choice);
     if (table->choice == MEMBER_ONE_FORM)

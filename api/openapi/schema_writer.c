@@ -123,7 +123,7 @@ static bool is_required(json_out *w, const member_table *table, const member *m,
 
     if (f->view != MEMBER_GIVEN)
         return (m->flags & (MEMBER_OMIT_EMPTY | MEMBER_OMIT_DEFAULT | MEMBER_OPTIONAL)) == 0 &&
-               (m->applies == NULL || (m->flags & MEMBER_SERVED) != 0);
+               ((m->applies == NULL && m->offset_if == 0) || (m->flags & MEMBER_SERVED) != 0);
     if (is_chosen_by(table, m, f))
         return true;
     // Without its tag an object is of the kind that is the tag's default.

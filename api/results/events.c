@@ -113,13 +113,6 @@ typedef struct snapshot_event {
     bf_grid grid;
 } snapshot_event;
 
-static bool has_parts(const void *item)
-{
-    const snapshot_event *event = item;
-
-    return event->has_parts;
-}
-
 #define AT(place) offsetof(snapshot_event, place)
 static const member snapshot_members[] = {
     MEMBER("run", text, AT(run), RUN, .type = "#Id"),
@@ -131,7 +124,7 @@ static const member snapshot_members[] = {
     MEMBER("url", link, AT(run), "Its density", .path = "/v1/runs/{id}/snapshots/{n}",
            .offset_n = AT(index)),
     MEMBER("parts_url", link, AT(run), "Its parts (microscopic model)",
-           .path = "/v1/runs/{id}/parts/{n}", .offset_n = AT(index), .applies = has_parts),
+           .path = "/v1/runs/{id}/parts/{n}", .offset_n = AT(index), .offset_if = AT(has_parts)),
     MEMBER("data", described, 0,
            "With `inline=1`: the grid as float32, little-endian, rows along y, in base64",
            .type = "#Base64", .null = "it is too large, or removed", .flags = MEMBER_OPTIONAL),

@@ -128,19 +128,13 @@ static const member run_members[] = {
 const member_table run_json = { MEMBER_TABLE("Run", run_members), .size = sizeof(api_run) };
 #undef AT
 
-static bool has_total(const void *item)
-{
-    const api_run_list *list = item;
-
-    return list->has_total;
-}
-
 static const member list_members[] = {
     MEMBER("runs", array, offsetof(api_run_list, runs),
            "A page of the list, newest first unless `sort` says otherwise",
            .offset_n = offsetof(api_run_list, n), .table = &run_json),
     MEMBER("total", size, offsetof(api_run_list, total),
-           "With `count`: runs on all pages, of the newest 50,000", .applies = has_total),
+           "With `count`: runs on all pages, of the newest 50,000",
+           .offset_if = offsetof(api_run_list, has_total)),
     MEMBER("has_more", bool, offsetof(api_run_list, has_more),
            "Further ones may follow: this page looked at 20,000 runs at most"),
     MEMBER("next_cursor", text, offsetof(api_run_list, next_cursor),

@@ -135,27 +135,6 @@ static const member_kind member_warnings = { .type = "[string]", .write = write_
 static const member_kind member_path = { .type = "string", .write = write_path };
 static const member_kind member_digest = { .type = "string", .write = write_digest };
 
-static bool is_fed(const void *item)
-{
-    const summary_view *of = item;
-
-    return of->is_fed;
-}
-
-static bool may_drop(const void *item)
-{
-    const summary_view *of = item;
-
-    return of->may_drop;
-}
-
-static bool may_end_early(const void *item)
-{
-    const summary_view *of = item;
-
-    return of->may_end_early;
-}
-
 static const char *const end_words[FRAME_END_REASON_COUNT + 1] = { "duration", "drained",
                                                                    "steady" };
 
@@ -175,7 +154,7 @@ static const member summary_members[] = {
     MEMBER("stopped", bool, AT(is_stopped), "It was stopped before its end"),
     MEMBER("end_reason", enum, AT(end.reason),
            "Why it ended: its duration, or what `until` in the scenario waited for",
-           .words = end_words, .applies = may_end_early),
+           .words = end_words, .offset_if = AT(may_end_early)),
     MEMBER("steps", size, AT(end.n_steps), "Time steps"),
     MEMBER("path", path, 0, "Equations of motion: planar or spatial", .tags = MICRO),
     MEMBER("parts", size, AT(n_parts), "Parts at the start and those of feeds that entered",
@@ -200,13 +179,13 @@ static const member summary_members[] = {
     MEMBER("snapshots", size, AT(end.n_snapshots), "Number of snapshots"),
     MEMBER("parts_start", number, AT(end.parts_start), "Parts in the domain at the start"),
     MEMBER("parts_entered", number, AT(end.parts_entered), "Parts of feeds that entered the domain",
-           .applies = is_fed),
+           .offset_if = AT(is_fed)),
     MEMBER("parts_end", number, AT(end.parts_end), "Parts in the domain at the end"),
     MEMBER("parts_left", number, AT(n_left), "Parts that left the domain"),
     MEMBER("parts_fallen", number, AT(end.parts_fallen),
            "Parts that fell off the belts, which are not among those that left the domain; where "
            "some of the domain is under no belt",
-           .applies = may_drop),
+           .offset_if = AT(may_drop)),
     MEMBER("largest_density", number, AT(end.peak), "At any time; 1 is close packing"),
     MEMBER("largest_overlap_m", number, AT(end.largest_overlap),
            "Largest overlap of two parts at any time", .unit = "m", .tags = MICRO),

@@ -142,28 +142,26 @@ bf_status store__find_snapshot(store__connection *reader, int64_t results, uint6
     return status;
 }
 
+bf_status store__find_array(store__connection *reader, const char *id, store__blob kind,
+                            uint64_t index, store__row *ret_row, api_snapshot *ret_snapshot,
+                            bf_error *err)
+{
+    bf_status status = store__find_row(reader, id, ret_row, err);
+    if (status == BF_OK && kind == STORE__BLOB_PARTS && ret_row->run.parts.n_values == 0)
+        return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
+                       run_model_words[ret_row->run.model]);
+    return status == BF_OK
+               ? store__find_snapshot(reader, ret_row->results, index, ret_snapshot, err)
+               : status;
+}
+
 // What is read of a snapshot: its row, the run's, and one of its blobs.
 typedef struct reading {
     store__blob kind;
-    uint64_t index;
     api_snapshot snapshot;
     store__row row;
     bf_buffer compressed;
 } reading;
-
-static bf_status read_compressed(store__connection *reader, const char *id, reading *r,
-                                 bf_error *err)
-{
-    bf_status status = store__find_row(reader, id, &r->row, err);
-    if (status == BF_OK && r->kind == STORE__BLOB_PARTS && r->row.run.parts.n_values == 0)
-        return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
-                       run_model_words[r->row.run.model]);
-    if (status == BF_OK)
-        status = store__find_snapshot(reader, r->row.results, r->index, &r->snapshot, err);
-    if (status == BF_OK)
-        status = store__get_chunks(reader, r->row.results, r->kind, r->index, &r->compressed, err);
-    return status;
-}
 
 // Append the blob, which should have its size, and note of parts how many there are.
 static bf_status unpack(reading *r, bf_buffer *out, bf_error *err)
@@ -189,10 +187,12 @@ static bf_status unpack(reading *r, bf_buffer *out, bf_error *err)
 bf_status store_read_array(store *s, const char *id, uint64_t index, api_array_kind kind,
                            api_array *ret_array, bf_buffer *out, bf_error *err)
 {
-    reading r = { .kind = store__blob_of(kind), .index = index };
+    reading r = { .kind = store__blob_of(kind) };
     store__connection *reader = store__acquire_reader(&s->pool);
 
-    bf_status status = read_compressed(reader, id, &r, err);
+    bf_status status = store__find_array(reader, id, r.kind, index, &r.row, &r.snapshot, err);
+    if (status == BF_OK)
+        status = store__get_chunks(reader, r.row.results, r.kind, index, &r.compressed, err);
     store__release_reader(&s->pool, reader); // before what takes a while
     if (status == BF_OK)
         status = unpack(&r, out, err);

@@ -49,12 +49,7 @@ typedef struct ends {
 static bf_status read_ends(store__connection *reader, slices *r, const char *id, ends *e,
                            bf_error *err)
 {
-    bf_status status = store__find_row(reader, id, &e->row, err);
-    if (status == BF_OK && r->kind == STORE__BLOB_PARTS && e->row.run.parts.n_values == 0)
-        return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
-                       run_model_words[e->row.run.model]);
-    if (status == BF_OK)
-        status = store__find_snapshot(reader, e->row.results, r->item, &e->snapshot, err);
+    bf_status status = store__find_array(reader, id, r->kind, r->item, &e->row, &e->snapshot, err);
     if (status != BF_OK)
         return status;
     r->results = e->row.results;

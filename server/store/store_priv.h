@@ -233,6 +233,11 @@ uint64_t store__array_bytes(const api_run *record, store__blob kind);
 /// BF_ECONFLICT: the run is not running.
 BF_MUST_CHECK bf_status store__check_running(const store__row *row, bf_error *err);
 
+/// Find a run and one of its snapshots that has a blob of this kind. BF_ENOTFOUND.
+BF_MUST_CHECK bf_status store__find_array(store__connection *reader, const char *id,
+                                          store__blob kind, uint64_t index, store__row *ret_row,
+                                          api_snapshot *ret_snapshot, bf_error *err);
+
 /// Find a snapshot's row. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_snapshot(store__connection *reader, int64_t results,
                                              uint64_t index, api_snapshot *ret_snapshot,
