@@ -5,8 +5,8 @@
 #include "api/results/results_priv.h"
 #include "api/results/run_json.h"
 #include "core/base/check.h"
-#include "core/scene/plate_drive.h"
 #include "core/world/belt_stops.h"
+#include "core/world/plate_drive.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,8 +5,8 @@
 #include "api/json/number.h"
 #include "api/json/text.h"
 #include "api/results/results_priv.h"
-#include "core/scene/plate_drive.h"
 #include "core/world/belt_stops.h"
+#include "core/world/plate_drive.h"
 
 #include <jansson.h>
 #include <stdbool.h>

@@ -148,7 +148,7 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
         const vec2 *line = s->eyes[e].line;
         for (int k = 0; k < BEAM_POINTS; k++) {
             const double place = (double)k / (BEAM_POINTS - 1);
-            const vec2 at = vec2_add(line[0], vec2_scale(vec2_sub(line[1], line[0]), place));
+            const vec2 at = vec2_between(line[0], line[1], place);
             const size_t belt = surroundings_belt_at(&around, at);
             if (belt < around.n_belts)
                 c.crosses[e][scene_belt_of(s, belt)] = true;

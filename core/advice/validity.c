@@ -12,7 +12,7 @@
 #include "core/scene/belt_range.h"
 #include "core/scene/belt_slope.h"
 #include "core/scene/mix.h"
-#include "core/scene/plate_motion.h"
+#include "core/scene/plate_pose.h"
 #include "core/scene/plate_range.h"
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
@@ -324,12 +324,10 @@ static bf_status note_moving(findings *f, scene *moved, size_t index, bf_error *
     for (int k = 0; k <= TURN_SAMPLES && status == BF_OK; k++) {
         const double part = (double)k / TURN_SAMPLES;
         const double angle = r.least + (r.most - r.least) * k / TURN_SAMPLES;
-        const plate_motion_pose pose = {
-            o->pivot, vec2_add(r.ends[0], vec2_scale(vec2_sub(r.ends[1], r.ends[0]), part)),
-            cos(angle), sin(angle)
-        };
+        const plate_pose pose = { o->pivot, vec2_between(r.ends[0], r.ends[1], part), cos(angle),
+                                  sin(angle) };
         for (size_t i = 0; i < o->n_points; i++)
-            moved->obstacles[index].path[i] = plate_motion_move(&pose, o->path[i]);
+            moved->obstacles[index].path[i] = plate_pose_move(&pose, o->path[i]);
         status = layout_measure(moved, &of, err);
         if (status == BF_OK && of.n_plates > 0)
             note_angles(f, &of);

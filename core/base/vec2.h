@@ -42,6 +42,12 @@ static inline double vec2_length(vec2 a)
     return sqrt(vec2_dot(a, a));
 }
 
+/// The point at a part of the way from a to b: a at 0, b at 1.
+static inline vec2 vec2_between(vec2 a, vec2 b, double part)
+{
+    return vec2_add(a, vec2_scale(vec2_sub(b, a), part));
+}
+
 /// a turned left by a right angle.
 static inline vec2 vec2_turn_left(vec2 a)
 {

@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/macro/swept_cells.h"
 #include "core/scene/belt_range.h"
+#include "core/scene/mix.h"
 #include "core/scene/plate_range.h"
 #include "core/scene/scene.h"
 
@@ -18,7 +19,7 @@ static const double pressed = 1.1;
 
 // Where the field has an obstacle.
 typedef struct place {
-    plate_motion_place at;
+    plate_place at;
     double presence; // 1 or 0
 } place;
 
@@ -97,12 +98,12 @@ static void set_places(moving_field *p, const place *places, bool is_all)
     p->now.n_obstacles = 0;
     for (size_t k = 0; k < s->n_obstacles; k++) {
         plate *of = &p->plates[k];
-        const plate_motion_pose pose = plate_motion_pose_at(p->motion, k, places[k].at);
+        const plate_pose pose = plate_pose_of(&p->motion->obstacles[k], places[k].at);
         const place before = of->place;
         const scene_rect was = of->around;
         of->place = places[k];
         for (size_t m = 0; m < s->obstacles[k].n_points; m++)
-            of->path[m] = plate_motion_move(&pose, s->obstacles[k].path[m]);
+            of->path[m] = plate_pose_move(&pose, s->obstacles[k].path[m]);
         of->around = scene_rect_around(of->path, s->obstacles[k].n_points);
         if (places[k].presence == 1.0) {
             p->obstacles[p->now.n_obstacles] = s->obstacles[k];
@@ -110,7 +111,7 @@ static void set_places(moving_field *p, const place *places, bool is_all)
         }
         if ((places[k].presence == 1.0 || before.presence == 1.0) &&
             (places[k].presence != before.presence ||
-             !plate_motion_is_same(places[k].at, before.at)))
+             !plate_place_is_same(places[k].at, before.at)))
             p->changed[n_changed++] =
                 (scene_rect){ fmin(was.x_min, of->around.x_min), fmax(was.x_max, of->around.x_max),
                               fmin(was.y_min, of->around.y_min),
@@ -249,7 +250,7 @@ const scene_belt *moving_field_belts(const moving_field *p)
 }
 
 // How far a point of an obstacle moves at most from one place to another, m.
-static double way_of(const plate *p, const plate_motion_place *from, const plate_motion_place *to)
+static double way_of(const plate *p, const plate_place *from, const plate_place *to)
 {
     return p->radius * fabs(to->angle - from->angle) +
            vec2_length(vec2_sub(to->shift, from->shift));
@@ -267,7 +268,7 @@ static bool is_due(const moving_field *p, double t)
         is = to->presence != of->place.presence;
         if (!is && to->presence == 1.0 && moved > 0.0)
             is = moved >= most_moved * p->edge ||
-                 plate_motion_is_same(to->at, plate_motion_at(p->motion, k, t + p->dt));
+                 plate_place_is_same(to->at, plate_motion_at(p->motion, k, t + p->dt));
     }
     return is;
 }
@@ -281,8 +282,8 @@ static bool find_sweep(const moving_field *p, size_t k, swept_cells_plate *ret_s
 
     *ret_sweep = (swept_cells_plate){ .n_lines = of->n_lines,
                                       .lines = of->lines,
-                                      .before = plate_motion_pose_at(p->motion, k, from->at),
-                                      .after = plate_motion_pose_at(p->motion, k, to->at),
+                                      .before = plate_pose_of(&p->motion->obstacles[k], from->at),
+                                      .after = plate_pose_of(&p->motion->obstacles[k], to->at),
                                       .turned = to->at.angle - from->at.angle,
                                       .moved = moved };
     return moved > 0.0 && from->presence == 1.0 && to->presence == 1.0;
@@ -302,7 +303,7 @@ static void follow(moving_field *p, size_t k, macro_solver *s)
     const scene_contact *belt = &of->micro.contact[SCENE_CONVEYOR_CARGO];
     const bf_grid grid = scene_grid(of);
     const bool has_limit = of->macro.closure == SCENE_CONGESTED;
-    const double mass_per_area = plate_drive_mass_per_area(of), gravity = of->micro.gravity;
+    const double mass_per_area = mix_mass_per_area(of), gravity = of->micro.gravity;
     const swept_cells_cargo cargo = { surroundings_of(of),
                                       full_density(of),
                                       has_limit ? pressed * full_density(of) : INFINITY,

@@ -82,19 +82,18 @@ typedef void swept_fn(void *context, size_t cell, vec2 ahead);
 static void visit_row(const bf_grid *g, const swept_cells_plate *plate, const closed_line *l,
                       size_t j, size_t i_min, size_t i_max, swept_fn *visit, void *context)
 {
-    const plate_motion_pose from = plate_motion_inverse(&plate->before);
-    const plate_motion_pose to = plate_motion_inverse(&plate->after);
+    const plate_pose from = plate_pose_inverse(&plate->before);
+    const plate_pose to = plate_pose_inverse(&plate->after);
     const vec2 shifted = vec2_sub(plate->after.shift, plate->before.shift);
-    const vec2 along = plate_motion_turn(&plate->after, vec2_sub(l->end, l->start));
+    const vec2 along = plate_pose_turn(&plate->after, vec2_sub(l->end, l->start));
     const vec2 normal = vec2_scale(vec2_turn_left(along), 1.0 / vec2_length(along));
 
     for (size_t i = i_min; i < i_max; i++) {
         const vec2 centre = { grid_x1(g, i), grid_x2(g, j) };
-        if (!closed_line_crosses(l, plate_motion_move(&from, centre),
-                                 plate_motion_move(&to, centre)))
+        if (!closed_line_crosses(l, plate_pose_move(&from, centre), plate_pose_move(&to, centre)))
             continue;
-        const vec2 velocity = plate_motion_velocity(plate_motion_pivot(&plate->after),
-                                                    plate->turned, shifted, centre);
+        const vec2 velocity =
+            plate_pose_velocity(plate_pose_pivot(&plate->after), plate->turned, shifted, centre);
         visit(context, j * g->n1 + i,
               vec2_dot(velocity, normal) < 0.0 ? vec2_scale(normal, -1.0) : normal);
     }
@@ -114,8 +113,8 @@ static void visit_swept(const bf_grid *g, const swept_cells_plate *plate, swept_
 
     for (size_t k = 0; k < plate->n_lines; k++) {
         const closed_line *l = &plate->lines[k];
-        const vec2 a = plate_motion_move(&plate->after, l->start);
-        const vec2 b = plate_motion_move(&plate->after, l->end);
+        const vec2 a = plate_pose_move(&plate->after, l->start);
+        const vec2 b = plate_pose_move(&plate->after, l->end);
         const double first = (fmin(a.y, b.y) - margin - g->lower2) / g->d2 - 0.5;
         const double last = (fmax(a.y, b.y) + margin - g->lower2) / g->d2 + 0.5;
         for (size_t j = clamp_index(floor(first), g->n2); j < clamp_index(ceil(last), g->n2); j++) {
@@ -353,7 +352,7 @@ static vec2 middle_of(const swept_cells_plate *plate)
 
     for (size_t k = 0; k < plate->n_lines; k++)
         sum = vec2_add(sum, vec2_add(plate->lines[k].start, plate->lines[k].end));
-    return plate_motion_move(&plate->before, vec2_scale(sum, 0.5 / (double)plate->n_lines));
+    return plate_pose_move(&plate->before, vec2_scale(sum, 0.5 / (double)plate->n_lines));
 }
 
 // The way around a plate's free end: away from the pivot of one that turns, away from the middle of another, across its way.
@@ -362,7 +361,7 @@ static vec2 outwards(const pushed *p, vec2 at)
     const vec2 from_middle = vec2_sub(at, p->middle);
 
     if (p->w != 0.0)
-        return vec2_sub(at, plate_motion_pivot(&p->plate->before));
+        return vec2_sub(at, plate_pose_pivot(&p->plate->before));
     return vec2_sub(from_middle,
                     vec2_scale(p->v, vec2_dot(from_middle, p->v) / vec2_dot(p->v, p->v)));
 }
@@ -433,7 +432,7 @@ swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *
         // Adds what a cell's cargo that moves with a plate takes.
         const bf_grid *g = &x.cells->grid;
         const vec2 at = { grid_x1(g, from % g->n1), grid_x2(g, from / g->n1) };
-        const vec2 from_pivot = vec2_sub(at, plate_motion_pivot(&p.plate->before));
+        const vec2 from_pivot = vec2_sub(at, plate_pose_pivot(&p.plate->before));
         const double r = vec2_length(from_pivot), lever = fmin(r, p.cargo->radius);
         const double speed = vec2_length(p.v);
         if (p.w != 0.0 && r > 0.0) {

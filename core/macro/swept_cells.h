@@ -23,7 +23,7 @@
 #include "core/macro/closed_lines.h"
 #include "core/macro/macro.h"
 #include "core/macro/velocity_field.h"
-#include "core/scene/plate_motion.h"
+#include "core/scene/plate_pose.h"
 
 enum { SWEPT_CELLS_SEARCH = 1 << 14 };
 
@@ -31,8 +31,8 @@ enum { SWEPT_CELLS_SEARCH = 1 << 14 };
 typedef struct swept_cells_plate {
     size_t n_lines;           ///< of its closed line
     const closed_line *lines; ///< as in the document
-    plate_motion_pose before; ///< where it was
-    plate_motion_pose after;  ///< where it is
+    plate_pose before;        ///< where it was
+    plate_pose after;         ///< where it is
     double turned;            ///< angle between both, counter-clockwise, rad
     double moved;             ///< how far its points have moved at most, m
 } swept_cells_plate;

@@ -196,10 +196,10 @@ static bool is_clear_of_piece(const places_parts *parts, const places_piece *pie
         return true;
     if (piece->moves) {
         // The pose seen from a plate that has moved.
-        const plate_motion_place place = plate_motion_at(motion, piece->obstacle, parts->t);
-        const plate_motion_pose of = plate_motion_pose_at(motion, piece->obstacle, place);
-        const plate_motion_pose back = plate_motion_inverse(&of);
-        const vec2 at = plate_motion_move(&back, (vec2){ pose.x, pose.y });
+        const plate_place place = plate_motion_at(motion, piece->obstacle, parts->t);
+        const plate_pose of = plate_pose_of(&motion->obstacles[piece->obstacle], place);
+        const plate_pose back = plate_pose_inverse(&of);
+        const vec2 at = plate_pose_move(&back, (vec2){ pose.x, pose.y });
         pose = (scene_pose){ at.x, at.y, pose.heading - place.angle };
     }
     return polygon_segment_distance((vec2){ pose.x, pose.y }, c[0], c[1]) > range ||

@@ -151,7 +151,7 @@ static bf_status watch_drives(control *c, uint64_t step, figures *to, const run_
         if (!motion->plates[k].moves)
             continue;
         control_drive *told = &c->drives[k];
-        const plate_motion_place place = plate_motion_at(motion, k, t);
+        const plate_place place = plate_motion_at(motion, k, t);
         const frame_change change = { .type = FRAME_CHANGE_DRIVE,
                                       .item = (uint32_t)k,
                                       .state = plate_drive_state_of(motion, k, t),

@@ -383,7 +383,6 @@ static void check_placement(scene *s, bf_faults *faults)
 void scene_check(scene *s, bf_faults *faults)
 {
     size_t n_before = faults->n;
-    bf_error err;
 
     placement_fini(&s->placement);
     if (!check_work(s, faults))
@@ -420,9 +419,6 @@ void scene_check(scene *s, bf_faults *faults)
     const bool is_sound = faults->n == n_before;
     if (n_domain == n_before && faults->n == n_others)
         check_placement(s, faults);
-    if (is_sound && scene__check_feed_lines(s, faults) != BF_OK) {
-        (void)bf_fail(&err, BF_ENOMEM, "/feeds", "no memory for the check of %zu feeds",
-                      s->n_feeds);
-        faults_add_error(faults, &err);
-    }
+    if (is_sound)
+        scene__check_feed_lines(s, faults);
 }

@@ -303,10 +303,10 @@ static bool is_free(const near_plates *near, const shape_footprint *footprint, s
 }
 
 /// True if a part of a footprint has a place on the line between walls and plates.
-static bool has_place(const plate_pieces *pieces, const scene_feed *f, const near_plates *near,
+static bool has_place(const surroundings *around, const scene_feed *f, const near_plates *near,
                       const shape_footprint *footprint)
 {
-    const feed_line_span span = feed_line_usable(&pieces->around, f, footprint, f->heading);
+    const feed_line_span span = feed_line_usable(around, f, footprint, f->heading);
 
     if (near->n == 0 || near->n == NEAR_MAX)
         return span.low <= span.high;
@@ -320,10 +320,9 @@ static bool has_place(const plate_pieces *pieces, const scene_feed *f, const nea
 }
 
 /// The line must have a place for every kind, whatever its heading.
-static void check_room(const plate_pieces *pieces, size_t feed, const shape_footprint *footprints,
-                       bf_faults *faults)
+static void check_room(const scene *s, const surroundings *around, size_t feed,
+                       const shape_footprint *footprints, bf_faults *faults)
 {
-    const scene *s = pieces->s;
     const scene_feed *f = &s->feeds[feed];
     char room[BF_POINTER_SIZE];
     near_plates near = { .n = 0 };
@@ -333,7 +332,7 @@ static void check_room(const plate_pieces *pieces, size_t feed, const shape_foot
     for (size_t k = 0; k < s->n_obstacles; k++) {
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points && near.n < NEAR_MAX; m++) {
             vec2 *plate = near.pieces[near.n];
-            if (plate_pieces_get(pieces, k, m, plate) &&
+            if (plate_pieces_get(around, &s->obstacles[k], m, plate) &&
                 polygon_distance(f->line, 2, plate, 4, &on_line, &on_plate) < range)
                 near.n++;
         }
@@ -341,7 +340,7 @@ static void check_room(const plate_pieces *pieces, size_t feed, const shape_foot
     for (uint32_t kind = 0; kind < s->n_cargo; kind++) {
         const shape_footprint disk = { .bounding_radius = footprints[kind].bounding_radius };
         if (!delivers(f, kind) ||
-            has_place(pieces, f, &near, has_one_heading(f) ? &footprints[kind] : &disk))
+            has_place(around, f, &near, has_one_heading(f) ? &footprints[kind] : &disk))
             continue;
         faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
                    "has no room between walls and plates for a part of '%s'", s->cargo[kind].id);
@@ -351,7 +350,7 @@ static void check_room(const plate_pieces *pieces, size_t feed, const shape_foot
 
 /// Where parts come from: the line, over a side with what lies less than a radius behind it. Both ends without a
 /// radius: there, plates may guide what enters. Returns the number of corners.
-static size_t place_inlet(const plate_pieces *pieces, const scene_feed *f, double radius,
+static size_t place_inlet(const surroundings *around, const scene_feed *f, double radius,
                           vec2 ret_corners[5])
 {
     const double cut = fmin(radius / vec2_length(vec2_sub(f->line[1], f->line[0])), 0.49);
@@ -361,22 +360,22 @@ static size_t place_inlet(const plate_pieces *pieces, const scene_feed *f, doubl
     ret_corners[1] = last;
     if (!f->is_edge)
         return 2;
-    const vec2 behind = vec2_scale(surroundings_side(&pieces->around, f->edge).inward, radius);
+    const vec2 behind = vec2_scale(surroundings_side(around, f->edge).inward, radius);
     vec2 corners[] = { first, last, vec2_add(first, behind), vec2_add(last, behind) };
     return polygon_convex_hull(corners, 4, ret_corners);
 }
 
-static bool check_plates(const plate_pieces *pieces, size_t feed, double radius, bf_faults *faults)
+static bool check_plates(const scene *s, const surroundings *around, size_t feed, double radius,
+                         bf_faults *faults)
 {
-    const scene *s = pieces->s;
     const scene_feed *f = &s->feeds[feed];
     vec2 plate[4], inlet[5];
-    const size_t n = place_inlet(pieces, f, radius, inlet);
+    const size_t n = place_inlet(around, f, radius, inlet);
     char room[BF_POINTER_SIZE];
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
-            if (!plate_pieces_get(pieces, k, m, plate) ||
+            if (!plate_pieces_get(around, &s->obstacles[k], m, plate) ||
                 !polygon_overlaps(inlet, n, plate, 4, SCENE_TOLERANCE))
                 continue;
             faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
@@ -388,13 +387,13 @@ static bool check_plates(const plate_pieces *pieces, size_t feed, double radius,
 }
 
 /// Whether a plate meets an inlet at a place.
-static bool stands_on(const plate_pieces *pieces, size_t obstacle, const vec2 *inlet, size_t n,
-                      plate_motion_place place)
+static bool stands_on(const surroundings *around, const scene_obstacle *o, const vec2 *inlet,
+                      size_t n, plate_place place)
 {
     vec2 plate[4];
 
-    for (size_t m = 0; m + 1 < pieces->s->obstacles[obstacle].n_points; m++) {
-        plate_pieces_placed(pieces, obstacle, m, place, plate);
+    for (size_t m = 0; m + 1 < o->n_points; m++) {
+        plate_pieces_placed(around, o, m, place, plate);
         if (polygon_overlaps(inlet, n, plate, 4, SCENE_TOLERANCE))
             return true;
     }
@@ -409,10 +408,9 @@ static int steps_on(double way, double step, int most)
 
 /// Whether a plate meets an inlet at an angle and a displacement of its range, looked for in steps by which its ends move by less than
 /// `step`, m, where SWINGS_MAX and MOVES_MAX allow so many. Displacements are those of a line, or of the box that they span.
-static bool moves_onto(const plate_pieces *pieces, size_t obstacle, const vec2 *inlet, size_t n,
-                       const plate_range *r, double step)
+static bool moves_onto(const surroundings *around, const scene_obstacle *o, const vec2 *inlet,
+                       size_t n, const plate_range *r, double step)
 {
-    const scene_obstacle *o = &pieces->s->obstacles[obstacle];
     const double radius = plate_range_radius(o);
     const vec2 from = r->is_line ? r->ends[0] : r->low, to = r->is_line ? r->ends[1] : r->high;
     const double along = r->is_line ? vec2_length(vec2_sub(to, from)) : to.x - from.x;
@@ -432,28 +430,28 @@ static bool moves_onto(const plate_pieces *pieces, size_t obstacle, const vec2 *
             for (int j = 0; j <= n_across; j++) {
                 const double u = i / fmax(n_along, 1.0),
                              v = r->is_line ? u : j / fmax(n_across, 1.0);
-                const plate_motion_place place = {
+                const plate_place place = {
                     r->least + (r->most - r->least) * k / fmax(n_angles, 1.0),
                     { from.x + (to.x - from.x) * u, from.y + (to.y - from.y) * v }
                 };
-                if (stands_on(pieces, obstacle, inlet, n, place))
+                if (stands_on(around, o, inlet, n, place))
                     return true;
             }
     return false;
 }
 
 /// Plates that do not stand on the line at the start must not move onto it, either.
-static void check_moves(const plate_pieces *pieces, size_t feed, double radius, bf_faults *faults)
+static void check_moves(const scene *s, const surroundings *around, size_t feed, double radius,
+                        bf_faults *faults)
 {
-    const scene *s = pieces->s;
     const scene_feed *f = &s->feeds[feed];
     vec2 inlet[5];
-    const size_t n = place_inlet(pieces, f, radius, inlet);
+    const size_t n = place_inlet(around, f, radius, inlet);
     char room[BF_POINTER_SIZE];
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
         const plate_range range = plate_range_of(s->obstacles, k, s->n_actions, s->actions);
-        if (!range.moves || !moves_onto(pieces, k, inlet, n, &range, 0.5 * radius))
+        if (!range.moves || !moves_onto(around, &s->obstacles[k], inlet, n, &range, 0.5 * radius))
             continue;
         faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
                    "the plate of obstacle '%s' moves onto it", s->obstacles[k].id);
@@ -485,25 +483,18 @@ static void check_others(const scene *s, size_t feed, bf_faults *faults)
     }
 }
 
-bf_status scene__check_feed_lines(const scene *s, bf_faults *faults)
+void scene__check_feed_lines(const scene *s, bf_faults *faults)
 {
     shape_footprint footprints[SCENE_KINDS_MAX];
     const double radius = mix_radii_of(s).smallest;
-    plate_pieces pieces;
+    const surroundings around = surroundings_of(s);
 
-    if (s->n_feeds == 0)
-        return BF_OK;
-    bf_status status = plate_pieces_init(&pieces, s, NULL);
-    if (status != BF_OK)
-        return status;
     mix_footprints(s, footprints);
     for (size_t k = 0; k < s->n_feeds; k++) {
-        check_belts(s, &pieces.around, k, faults);
-        check_room(&pieces, k, footprints, faults);
-        if (check_plates(&pieces, k, radius, faults))
-            check_moves(&pieces, k, radius, faults);
+        check_belts(s, &around, k, faults);
+        check_room(s, &around, k, footprints, faults);
+        if (check_plates(s, &around, k, radius, faults))
+            check_moves(s, &around, k, radius, faults);
         check_others(s, k, faults);
     }
-    plate_pieces_fini(&pieces);
-    return BF_OK;
 }

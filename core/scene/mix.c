@@ -102,3 +102,14 @@ double mix_angularity(const scene *s)
     }
     return of_kinds / sum;
 }
+
+double mix_mass_per_area(const scene *s)
+{
+    double mass = 0.0, of = 0.0;
+
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        mass += s->cargo[k].share * s->cargo[k].mass;
+        of += s->cargo[k].share;
+    }
+    return mass / of * scene_packing_density(s);
+}

@@ -33,6 +33,9 @@ mix_radii mix_inner_radii_of(const scene *s);
 /// cylinders, 0.5 of square boxes.
 double mix_angularity(const scene *s);
 
+/// Mass of close packed cargo of a resolved scene, kg/m2.
+double mix_mass_per_area(const scene *s);
+
 /// The kind of part k by what mix_draw() gave.
 static inline uint32_t mix_kind(const uint32_t *kinds, size_t k)
 {

@@ -105,14 +105,15 @@ static void check_strip(plate_findings *f, const scene_obstacle *obstacle, const
     }
 }
 
-static void check_pieces(plate_findings *f, const plate_pieces *pieces)
+static void check_pieces(plate_findings *f)
 {
     const scene *s = f->s;
+    const surroundings around = surroundings_of(s);
     vec2 plate[4];
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points && !has_ended(f); m++) {
-            if (!plate_pieces_get(pieces, k, m, plate))
+            if (!plate_pieces_get(&around, &s->obstacles[k], m, plate))
                 continue;
             const scene_rect box = box_of(plate, -INFINITY, INFINITY);
             const size_t last = strip_at(f, box.y_max + f->radius);
@@ -131,13 +132,10 @@ static void check_pieces(plate_findings *f, const plate_pieces *pieces)
 bf_status placement_check_plates(const scene *s, const scene_placement *p, bf_faults *faults)
 {
     plate_findings f = { .s = s, .p = p, .faults = faults };
-    plate_pieces pieces;
 
     if (s->n_obstacles == 0 || p->n == 0)
         return BF_OK;
-    bf_status status = plate_pieces_init(&pieces, s, NULL);
-    if (status != BF_OK)
-        return status;
+    bf_status status = BF_OK;
     mix_footprints(s, f.footprints);
     for (size_t k = 0; k < s->n_cargo; k++)
         f.radius = fmax(f.radius, f.footprints[k].bounding_radius);
@@ -166,12 +164,11 @@ bf_status placement_check_plates(const scene *s, const scene_placement *p, bf_fa
             if (f.ends[strip] > first)
                 qsort(f.places + first, f.ends[strip] - first, sizeof *f.places, compare_places);
         }
-        check_pieces(&f, &pieces);
+        check_pieces(&f);
     } else {
         status = BF_ENOMEM;
     }
     memory_free(f.ends);
     memory_free(f.places);
-    plate_pieces_fini(&pieces);
     return status;
 }

@@ -74,8 +74,8 @@ void scene__check_merges(const scene *s, bf_faults *faults);
 void scene__check_feeds(const scene *s, bf_faults *faults);
 
 /// Where feeds lie: on belts that carry their parts away, clear of plates and of each other, and with room for every
-/// kind. Needs a scene without a fault. BF_ENOMEM.
-BF_MUST_CHECK bf_status scene__check_feed_lines(const scene *s, bf_faults *faults);
+/// kind. Needs a scene without a fault.
+void scene__check_feed_lines(const scene *s, bf_faults *faults);
 
 /// How many faults of one kind about places are reported: 1 for a pattern, which is reported as a whole.
 size_t placement__reported_max(const scene *s);

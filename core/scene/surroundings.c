@@ -449,8 +449,7 @@ static double length_along(const surroundings *around, scene_side side, size_t n
         const bool is_on = fabs(next) <= SCENE_TOLERANCE;
         if (!is_on && (beyond > 0.0) == (next > 0.0))
             continue;
-        const vec2 at =
-            is_on ? b : vec2_add(a, vec2_scale(vec2_sub(b, a), beyond / (beyond - next)));
+        const vec2 at = is_on ? b : vec2_between(a, b, beyond / (beyond - next));
         const double place = fmin(fmax(is_upright ? at.y : at.x, start), end);
         least = fmin(least, place);
         most = fmax(most, place);

@@ -8,9 +8,9 @@
 
 #include "core/base/checkpoint.h"
 #include "core/base/status.h"
-#include "core/scene/plate_drive.h"
-#include "core/scene/plate_motion.h"
 #include "core/world/belt_speeds.h"
+#include "core/world/plate_drive.h"
+#include "core/world/plate_motion.h"
 
 /// The world of a scene. Begin with world_init().
 typedef struct bf_world {

@@ -21,9 +21,9 @@ void body__add_moving_plates(body_state *s, const micro_def *def, size_t obstacl
                                       .depth = s->bounding_radius_max + of->thickness };
 }
 
-static vec3 turn(const plate_motion_pose *pose, vec3 a)
+static vec3 turn(const plate_pose *pose, vec3 a)
 {
-    const vec2 turned = plate_motion_turn(pose, (vec2){ a.x, a.y });
+    const vec2 turned = plate_pose_turn(pose, (vec2){ a.x, a.y });
 
     return (vec3){ turned.x, turned.y, a.z };
 }
@@ -38,8 +38,8 @@ void body__pose_plates(body_state *s, uint64_t n_before)
             &s->common.world->plates, moving->obstacle, n_before, s->def.dt, moving->depth);
         body_plate *plate = &s->plates[k];
         const vec2 middle =
-            plate_motion_move(&step.pose, (vec2){ moving->rest.middle.x, moving->rest.middle.y });
-        const vec2 pivot = plate_motion_pivot(&step.pose);
+            plate_pose_move(&step.pose, (vec2){ moving->rest.middle.x, moving->rest.middle.y });
+        const vec2 pivot = plate_pose_pivot(&step.pose);
         plate->middle = (vec3){ middle.x, middle.y, 0.0 };
         plate->along = turn(&step.pose, moving->rest.along);
         plate->across = turn(&step.pose, moving->rest.across);

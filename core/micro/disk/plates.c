@@ -46,10 +46,10 @@ bf_status disk__copy_boundary(disk_state *s, bf_error *err)
     return BF_OK;
 }
 
-static disk_face turn_face(const disk_face *from, const plate_motion_pose *pose)
+static disk_face turn_face(const disk_face *from, const plate_pose *pose)
 {
-    const vec2 p = plate_motion_move(pose, (vec2){ from->px, from->py });
-    const vec2 n = plate_motion_turn(pose, (vec2){ from->nx, from->ny });
+    const vec2 p = plate_pose_move(pose, (vec2){ from->px, from->py });
+    const vec2 n = plate_pose_turn(pose, (vec2){ from->nx, from->ny });
     disk_face face = *from;
 
     face.px = p.x;
@@ -59,11 +59,11 @@ static disk_face turn_face(const disk_face *from, const plate_motion_pose *pose)
     return face;
 }
 
-static disk_arc turn_arc(const disk_arc *from, const plate_motion_pose *pose)
+static disk_arc turn_arc(const disk_arc *from, const plate_pose *pose)
 {
-    const vec2 p = plate_motion_move(pose, (vec2){ from->px, from->py });
-    const vec2 e = plate_motion_turn(pose, (vec2){ from->ex, from->ey });
-    const vec2 f = plate_motion_turn(pose, (vec2){ from->fx, from->fy });
+    const vec2 p = plate_pose_move(pose, (vec2){ from->px, from->py });
+    const vec2 e = plate_pose_turn(pose, (vec2){ from->ex, from->ey });
+    const vec2 f = plate_pose_turn(pose, (vec2){ from->fx, from->fy });
 
     return (disk_arc){ p.x, p.y, from->radius, e.x, e.y, f.x, f.y, from->friction };
 }
@@ -71,7 +71,7 @@ static disk_arc turn_arc(const disk_arc *from, const plate_motion_pose *pose)
 static void pose_plate(disk_state *s, const disk_plate *plate, const plate_motion_step *step)
 {
     const disk_plates *plates = &s->plates;
-    const vec2 pivot = plate_motion_pivot(&step->pose);
+    const vec2 pivot = plate_pose_pivot(&step->pose);
     const disk_surface surface = { .px = pivot.x,
                                    .py = pivot.y,
                                    .spin = step->spin,
@@ -128,8 +128,8 @@ double disk__plates_travel(const disk_state *s, uint64_t n_before)
 
 vec2 disk__surface_velocity(const disk_surface *surface, vec2 n, vec2 at)
 {
-    const vec2 rigid = plate_motion_velocity((vec2){ surface->px, surface->py }, surface->spin,
-                                             (vec2){ surface->vx, surface->vy }, at);
+    const vec2 rigid = plate_pose_velocity((vec2){ surface->px, surface->py }, surface->spin,
+                                           (vec2){ surface->vx, surface->vy }, at);
 
     return vec2_add(rigid, vec2_scale(n, surface->growth));
 }

@@ -9,6 +9,7 @@
 // Kept, so that tools that look for leaks find them.
 typedef struct kept {
     bf_world world;
+    scene_obstacle *obstacles;
     struct kept *next;
 } kept;
 
@@ -31,7 +32,7 @@ bf_world *helper_world(size_t n_belts, const scene_belt *belts, size_t n_obstacl
             own[k].force_limit = INFINITY;
     }
     BF_CHECK(world_init(&new->world, &s, NULL) == BF_OK);
-    free(own);
+    new->obstacles = own;
     new->next = all;
     all = new;
     return &new->world;

@@ -3,8 +3,8 @@
 #include "api/results/events.h"
 #include "api/results/results.h"
 #include "core/base/memory.h"
-#include "core/scene/plate_drive.h"
 #include "core/world/belt_stops.h"
+#include "core/world/plate_drive.h"
 #include "tests/unit/helper_cmocka.h"
 
 #include <math.h>

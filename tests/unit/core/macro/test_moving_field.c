@@ -5,7 +5,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
-#include "core/scene/plate_motion.h"
+#include "core/world/plate_motion.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
@@ -412,10 +412,9 @@ static void a_plate_that_came_to_rest_has_the_field_of_one_that_stands_there(voi
         make_diverter(&other, k);
         plate_motion motion;
         assert_int_equal(plate_motion_init(&motion, 1, s.obstacles, NULL), BF_OK);
-        const plate_motion_pose pose =
-            plate_motion_pose_at(&motion, 0, plate_motion_at(&motion, 0, 0.3));
+        const plate_pose pose = plate_pose_of(&s.obstacles[0], plate_motion_at(&motion, 0, 0.3));
         for (size_t i = 0; i < 2; i++)
-            other.obstacles[0].path[i] = plate_motion_move(&pose, s.obstacles[0].path[i]);
+            other.obstacles[0].path[i] = plate_pose_move(&pose, s.obstacles[0].path[i]);
         model m = start(&s, 1);
         advance(&m, 150);
         assert_int_equal(velocity_field_create(&other, &f, NULL), BF_OK);

@@ -2,7 +2,7 @@
 
 #include "core/observe/figure.h"
 #include "core/run/run.h"
-#include "core/scene/plate_drive.h"
+#include "core/world/plate_drive.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_cmocka.h"

@@ -1,7 +1,7 @@
 // Unit tests of obstacles that turn, are shifted, come and go: schedules, repeats, commands, their largest speed, and states.
 
-#include "core/scene/plate_motion.h"
 #include "core/scene/plate_range.h"
+#include "core/world/plate_motion.h"
 
 #include "core/base/memory.h"
 #include "core/scene/scene.h"
@@ -53,15 +53,14 @@ static void an_obstacle_without_motion_stands_as_in_the_document(void **state)
 {
     scene_obstacle o = gate();
     plate_motion motion = motion_of(&o);
-    const plate_motion_pose pose =
-        plate_motion_pose_at(&motion, 0, (plate_motion_place){ .angle = 0.0 });
+    const plate_pose pose = plate_pose_of(&o, (plate_place){ .angle = 0.0 });
 
     assert_false(motion.is_any);
     ASSERT_ANGLES(&motion, { 0.0, 0.0 }, { 1e6, 0.0 });
     assert_true(plate_motion_in_step(&motion, 0, 3, 1.0, 0.0).spin == 0.0);
     assert_true(plate_motion_is_present(&motion, 0, 7.0));
-    assert_true(plate_motion_move(&pose, path[1]).x == 4.0);
-    assert_true(plate_motion_move(&pose, path[1]).y == 6.0);
+    assert_true(plate_pose_move(&pose, path[1]).x == 4.0);
+    assert_true(plate_pose_move(&pose, path[1]).y == 6.0);
     assert_true(plate_range_largest_speed(&o, 0, 0, NULL) == 0.0);
     plate_motion_fini(&motion);
 }
@@ -174,10 +173,9 @@ static void it_turns_left_about_its_pivot(void **state)
 {
     scene_obstacle o = gate();
     plate_motion motion = motion_of(&o);
-    const plate_motion_pose pose =
-        plate_motion_pose_at(&motion, 0, (plate_motion_place){ .angle = M_PI / 2.0 });
-    const vec2 pivot = plate_motion_move(&pose, path[0]), end = plate_motion_move(&pose, path[1]);
-    const vec2 velocity = plate_motion_velocity(o.pivot, 2.0, (vec2){ 0.5, -1.0 }, path[1]);
+    const plate_pose pose = plate_pose_of(&o, (plate_place){ .angle = M_PI / 2.0 });
+    const vec2 pivot = plate_pose_move(&pose, path[0]), end = plate_pose_move(&pose, path[1]);
+    const vec2 velocity = plate_pose_velocity(o.pivot, 2.0, (vec2){ 0.5, -1.0 }, path[1]);
 
     assert_true(pivot.x == 1.0 && pivot.y == 2.0);
     assert_near(end.x, 1.0 - 4.0, 1e-15);
@@ -188,7 +186,7 @@ static void it_turns_left_about_its_pivot(void **state)
 
 static void assert_place(const plate_motion *motion, double t, double angle, double x, double y)
 {
-    const plate_motion_place place = plate_motion_at(motion, 0, t);
+    const plate_place place = plate_motion_at(motion, 0, t);
 
     assert_near(place.angle, angle, 1e-14);
     assert_near(place.shift.x, x, 1e-14);
@@ -222,17 +220,17 @@ static void shifts_are_linear_between_the_times_of_angles(void **state)
 
 static void what_is_turned_and_shifted_is_moved_back(void **state)
 {
-    const plate_motion_pose pose = { path[0], { 0.25, -0.5 }, 0.6, 0.8 };
-    const plate_motion_pose back = plate_motion_inverse(&pose);
-    const vec2 moved = plate_motion_move(&pose, path[1]);
-    const vec2 same = plate_motion_move(&back, moved);
+    const plate_pose pose = { path[0], { 0.25, -0.5 }, 0.6, 0.8 };
+    const plate_pose back = plate_pose_inverse(&pose);
+    const vec2 moved = plate_pose_move(&pose, path[1]);
+    const vec2 same = plate_pose_move(&back, moved);
 
     // (3, 4) from the pivot is turned to (-1.4, 4.8).
     assert_near(moved.x, 1.0 - 1.4 + 0.25, 1e-15);
     assert_near(moved.y, 2.0 + 4.8 - 0.5, 1e-15);
     assert_near(same.x, path[1].x, 1e-15);
     assert_near(same.y, path[1].y, 1e-15);
-    assert_true(plate_motion_pivot(&pose).x == 1.25 && plate_motion_pivot(&pose).y == 1.5);
+    assert_true(plate_pose_pivot(&pose).x == 1.25 && plate_pose_pivot(&pose).y == 1.5);
 }
 
 static void a_shift_is_commanded_from_where_the_plate_is(void **state)
@@ -396,16 +394,14 @@ static void without_memory_there_is_no_motion(void **state)
 {
     double times[] = { 1.0 }, values[] = { 1.0 };
     scene_obstacle o = gate();
+    plate_motion motion;
 
     o.turn = o.presence = series(1, times, values, INFINITY);
-    for (size_t n = 1; n <= 6; n++) {
-        plate_motion motion;
-        memory_plan_fault(n, 0);
-        assert_int_equal(plate_motion_init(&motion, 1, &o, NULL), BF_ENOMEM);
-        memory_plan_fault(0, 0);
-        assert_int_equal(motion.n, 0);
-        assert_null(motion.plates);
-    }
+    memory_plan_fault(1, 0);
+    assert_int_equal(plate_motion_init(&motion, 1, &o, NULL), BF_ENOMEM);
+    memory_plan_fault(0, 0);
+    assert_int_equal(motion.n, 0);
+    assert_null(motion.plates);
 }
 
 int main(void)

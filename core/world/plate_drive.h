@@ -22,8 +22,8 @@
 
 #pragma once
 
-#include "core/scene/plate_motion.h"
 #include "core/scene/types.h"
+#include "core/world/plate_motion.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -50,9 +50,6 @@ typedef enum plate_drive_state {
     PLATE_DRIVE_STALLED, ///< the load stops it
     PLATE_DRIVE_STATE_COUNT
 } plate_drive_state;
-
-/// Mass of close packed cargo of a resolved scene, kg/m2.
-double plate_drive_mass_per_area(const scene *s);
 
 /// The drive of obstacle k of a resolved scene.
 plate_drive plate_drive_of(const scene *s, size_t k);

@@ -1,24 +1,14 @@
-#include "core/scene/plate_drive.h"
+#include "core/world/plate_drive.h"
 
 #include "core/scene/belt.h"
 #include "core/scene/belt_slope.h"
+#include "core/scene/mix.h"
 #include "core/scene/plate_range.h"
 #include "core/scene/scene.h"
 
 #include <math.h>
 
 static const double eased = 0.5; // of its limit, up to which a drive is as fast as told
-
-double plate_drive_mass_per_area(const scene *s)
-{
-    double mass = 0.0, of = 0.0;
-
-    for (size_t k = 0; k < s->n_cargo; k++) {
-        mass += s->cargo[k].share * s->cargo[k].mass;
-        of += s->cargo[k].share;
-    }
-    return mass / of * scene_packing_density(s);
-}
 
 plate_drive plate_drive_of(const scene *s, size_t k)
 {
@@ -29,9 +19,9 @@ plate_drive plate_drive_of(const scene *s, size_t k)
         fmax(s->domain.x_max - s->domain.x_min, s->domain.y_max - s->domain.y_min);
     const double friction =
         belt_slope_largest_drive(s->n_belts, s->belts, &s->micro.contact[SCENE_CONVEYOR_CARGO]);
-    const double force = o->force_limit > 0.0 ? o->force_limit
-                                              : friction * s->micro.gravity *
-                                                    plate_drive_mass_per_area(s) * radius * length;
+    const double force = o->force_limit > 0.0
+                             ? o->force_limit
+                             : friction * s->micro.gravity * mix_mass_per_area(s) * radius * length;
 
     return (plate_drive){ .force = force,
                           .torque = force * radius,
@@ -48,8 +38,8 @@ bool plate_drive_is_needed(const plate_motion *motion, size_t obstacle, double t
 {
     return motion->plates[obstacle].moves &&
            (is_behind(&motion->plates[obstacle].lag) ||
-            !plate_motion_is_same(plate_motion_told(motion, obstacle, t),
-                                  plate_motion_told(motion, obstacle, until)) ||
+            !plate_place_is_same(plate_motion_told(motion, obstacle, t),
+                                 plate_motion_told(motion, obstacle, until)) ||
             plate_motion_told_extent(motion, obstacle, t) <
                 plate_motion_told_extent(motion, obstacle, until));
 }
@@ -87,9 +77,9 @@ void plate_drive_follow(plate_motion *motion, size_t obstacle, const plate_drive
                         const plate_load *load, double t, double until)
 {
     plate_motion_lag *lag = &motion->plates[obstacle].lag;
-    const plate_motion_place now = plate_motion_at(motion, obstacle, t);
-    const plate_motion_place told = plate_motion_told(motion, obstacle, t);
-    const plate_motion_place next = plate_motion_told(motion, obstacle, until);
+    const plate_place now = plate_motion_at(motion, obstacle, t);
+    const plate_place told = plate_motion_told(motion, obstacle, t);
+    const plate_place next = plate_motion_told(motion, obstacle, until);
     const vec2 extent = { plate_motion_extent(motion, obstacle, t), 0.0 };
     const vec2 told_extent = { plate_motion_told_extent(motion, obstacle, t), 0.0 };
     const vec2 next_extent = { plate_motion_told_extent(motion, obstacle, until), 0.0 };
@@ -98,7 +88,7 @@ void plate_drive_follow(plate_motion *motion, size_t obstacle, const plate_drive
 
     follow(&lag->angle, t, until, (vec2){ now.angle, 0.0 }, (vec2){ told.angle, 0.0 },
            (vec2){ next.angle, 0.0 }, drive->rate, against / drive->torque);
-    follow(&lag->extent, t, until, extent, told_extent, next_extent, 1.0 / PLATE_MOTION_COMING,
+    follow(&lag->extent, t, until, extent, told_extent, next_extent, 1.0 / PLATE_SCHEDULE_COMING,
            next_extent.x <= extent.x ? 0.0 : load->force / drive->force);
     follow(&lag->shift, t, until, now.shift, told.shift, next.shift, drive->speed,
            -vec2_dot(load->resultant, way) / vec2_length(way) / drive->force);
@@ -112,7 +102,7 @@ static bool stands(const plate_motion_ramp *ramp)
 plate_drive_state plate_drive_state_of(const plate_motion *motion, size_t obstacle, double t)
 {
     const plate_motion_lag *lag = &motion->plates[obstacle].lag;
-    const plate_motion_place told = plate_motion_told(motion, obstacle, t);
+    const plate_place told = plate_motion_told(motion, obstacle, t);
     const vec2 left = vec2_sub(lag->shift.to, told.shift);
 
     if ((stands(&lag->angle) && lag->angle.to.x != told.angle) ||

@@ -1,9 +1,10 @@
 // Unit tests of the drives of obstacles that move: the force they have by default, how they fall behind under a load
 // and catch up, and states.
 
-#include "core/scene/plate_drive.h"
+#include "core/world/plate_drive.h"
 
 #include "core/base/memory.h"
+#include "core/scene/mix.h"
 #include "core/scene/scene.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_cmocka.h"
@@ -21,7 +22,7 @@ static const plate_load none = { .torque = 0.0 }, at_limit = { .torque = -20.0 }
 
 static plate_motion turning(void)
 {
-    scene_obstacle o;
+    static scene_obstacle o; // borrowed by the motion
     plate_motion motion;
 
     scene_obstacle_init(&o);
@@ -140,12 +141,12 @@ static void a_command_begins_where_it_stands(void **state)
     plate_motion_fini(&motion);
 }
 
-// Its surfaces come forth within PLATE_MOTION_COMING; what bears on them holds them back, and it goes at once.
+// Its surfaces come forth within PLATE_SCHEDULE_COMING; what bears on them holds them back, and it goes at once.
 static void a_plate_that_comes_is_held_back_by_the_force_on_its_surfaces(void **state)
 {
     static double switches[] = { 1.0, 2.0, 3.0 }, there[] = { 0.0, 1.0, 0.0 };
     static const plate_load held = { .force = 7.5 };
-    const double come = 2.0 + PLATE_MOTION_COMING / 2.0;
+    const double come = 2.0 + PLATE_SCHEDULE_COMING / 2.0;
     scene_obstacle o;
     plate_motion motion;
 
@@ -183,7 +184,7 @@ static void its_force_is_what_the_document_says_or_twice_that_of_a_full_belt(voi
     const double packed = s.cargo[0].mass * scene_packing_density(&s);
     const double friction = s.micro.contact[SCENE_CONVEYOR_CARGO].friction;
     plate_drive of = plate_drive_of(&s, 0);
-    assert_near(plate_drive_mass_per_area(&s), packed, 1e-12 * packed);
+    assert_near(mix_mass_per_area(&s), packed, 1e-12 * packed);
     assert_near(of.force, friction * s.micro.gravity * packed * 0.5 * 2.0, 1e-12 * of.force);
     assert_near(of.torque, 0.5 * of.force, 1e-12 * of.torque);
     assert_near(of.rate, 0.5, 1e-15);
