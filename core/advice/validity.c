@@ -574,6 +574,19 @@ static bool is_straight(const scene_belt *belt)
     return !belt->arc.is_given && belt->n_more == 0;
 }
 
+static void note_arc(findings *f, const scene_belt *belt)
+{
+    const scene_arc *arc = &belt->arc;
+    const double radius = 0.5 * (arc->inner_radius + arc->outer_radius);
+    const double speed = vec2_length(belt->velocity) * radius / arc->reference_radius;
+    const double most = f->s->micro.gravity *
+                        belt_slope_least_drive(1, belt, &f->s->micro.contact[SCENE_CONVEYOR_CARGO]);
+
+    note(f, VALIDITY_CURVE, radius / (arc->outer_radius - arc->inner_radius), "/belts");
+    note(f, VALIDITY_CORNERING, most > 0.0 ? 100.0 * speed * speed / (most * radius) : NAN,
+         "/belts");
+}
+
 static void note_figures(findings *f)
 {
     const layout *of = &f->layout;
@@ -584,10 +597,14 @@ static void note_figures(findings *f)
         for (size_t i = 0; i < k && is_new; i++)
             is_new = !is_straight(&f->s->belts[k]) || !is_straight(&f->s->belts[i]) ||
                      vec2_length(vec2_sub(f->s->belts[k].velocity, f->s->belts[i].velocity)) > 0.0;
-        n_velocities += is_new;
+        n_velocities += is_new ? (is_straight(&f->s->belts[k]) ? 1 : 2) : 0;
     }
-    for (size_t k = 0; k < f->s->n_sections; k++)
-        n_arcs += f->s->belts[k].arc.is_given;
+    for (size_t k = 0; k < f->s->n_sections; k++) {
+        if (!f->s->belts[k].arc.is_given)
+            continue;
+        n_arcs++;
+        note_arc(f, &f->s->belts[k]);
+    }
     const bool is_free = of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 &&
                          n_velocities == 1 && n_arcs == 0 && !has_slopes(f->s) && !f->is_moving;
 

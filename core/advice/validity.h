@@ -59,8 +59,10 @@ typedef enum validity_figure {
     VALIDITY_SCHEDULES, ///< belts whose speed changes in time
     VALIDITY_COMMANDS,  ///< actions of photo eyes, and merges
     VALIDITY_SINKS,     ///< sinks
-    VALIDITY_BELTS,     ///< belts that differ in their velocity
+    VALIDITY_BELTS,     ///< belts that differ in their velocity; one with arcs counts twice
     VALIDITY_ARCS,      ///< arcs, those of paths too
+    VALIDITY_CURVE,     ///< radius of an arc's centre line, widths of its belt
+    VALIDITY_CORNERING, ///< v^2/(mu g R) there: friction of the belt that turning takes, %
     VALIDITY_INCLINE,   ///< of a belt that is not level, up positive, degrees
     VALIDITY_TURN,      ///< angle between the velocities of two belts, degrees
     VALIDITY_RATIO,     ///< of the speeds of two belts

@@ -17,9 +17,12 @@ static void print_range(const validity_item *item, char *ret_text, size_t size)
     const validity_row *row = &validity_table[item->figure];
     char minimum[NUMBER_TEXT_SIZE], maximum[NUMBER_TEXT_SIZE];
 
+    bool is_least = true;
+    for (int k = 0; k < VALIDITY_SUBJECT_COUNT; k++)
+        is_least = is_least && !(row->ranges[k].maximum < item->maximum);
     (void)number_text(item->minimum, DIGITS, minimum);
     (void)number_text(item->maximum, DIGITS, maximum);
-    if (row->only != NULL)
+    if (row->only != NULL && is_least)
         snprintf(ret_text, size, "%s", row->only);
     else if (!isfinite(item->minimum))
         snprintf(ret_text, size, "up to %s%s", maximum, row->of);

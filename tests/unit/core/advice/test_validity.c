@@ -696,6 +696,53 @@ static void no_memory_is_reported(void **state)
     scene_fini(&s);
 }
 
+// A belt of 0.4 m along an S that carries 5 flat parts/s of 66 mm; mu on it is 1.
+static void make_s(scene *s, double speed, double radius, bool has_lane)
+{
+    static const vec2 points[] = { { 0.0, 0.3 }, { 1.5, 0.3 }, { 2.5, 1.3 }, { 4.0, 1.3 } };
+    static const vec2 lane[] = { { 0.3, 0.5 }, { 0.7, 0.5 }, { 0.7, 1.6 }, { 0.3, 1.6 } };
+
+    helper_scene_belt(s, 4.0, 1.6, 0.022, NULL, 0);
+    s->cargo[0].shape.radius = 0.033;
+    s->cargo[0].mass = 0.1;
+    s->macro.closure = SCENE_CONGESTED;
+    s->duration = 100.0;
+    s->micro.contact[SCENE_CONVEYOR_CARGO].friction = 1.0;
+    helper_scene_add_path(s, speed, 0.4, radius, points, 4);
+    if (has_lane)
+        helper_scene_add_belt(s, (vec2){ 0.0, -speed }, lane, 4);
+    s->n_feeds = 1;
+    s->feeds = memory_alloc(1, sizeof *s->feeds);
+    assert_non_null(s->feeds);
+    scene_feed_init(&s->feeds[0]);
+    s->feeds[0].is_edge = true;
+    s->feeds[0].edge = SCENE_WEST;
+    s->feeds[0].line[0].y = 0.2;
+    s->feeds[0].line[1].y = 0.4;
+    s->feeds[0].demand = SCENE_DEMAND_RATE;
+    s->feeds[0].rate = 5.0;
+    helper_scene_resolve(s);
+}
+
+// Curves of 1.2 widths of the belt and more were compared, up to v^2/(mu g R) of 23 %, but none that a lane comes to.
+static void curves_were_compared_where_they_are_wide_and_slow(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_s(&s, 0.4, 0.6, false);
+    assert_true(validity_now(&s).is_compared);
+    s.macro.closure = SCENE_DISPERSIVE;
+    assert_false(validity_now(&s).is_compared);
+    scene_fini(&s);
+    make_s(&s, 0.4, 0.44, false);
+    assert_only(&s, VALIDITY_CURVE, 1.1, "/belts");
+    make_s(&s, 1.2, 0.6, false);
+    assert_only(&s, VALIDITY_CORNERING, 100.0 * 1.44 / (9.81 * 0.6), "/belts");
+    make_s(&s, 0.4, 0.6, true);
+    assert_only(&s, VALIDITY_BELTS, 3.0, "/belts");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -717,6 +764,7 @@ int main(void)
         cmocka_unit_test(a_funnel_was_not_compared),
         cmocka_unit_test(staggered_plates_were_not_compared_where_cargo_queues),
         cmocka_unit_test(a_steep_plate_with_two_free_ends_was_not_compared_where_cargo_queues),
+        cmocka_unit_test(curves_were_compared_where_they_are_wide_and_slow),
         cmocka_unit_test(a_plate_at_the_end_of_the_belt_was_not_compared),
         cmocka_unit_test(a_plate_that_is_bent_twice_was_not_compared),
         cmocka_unit_test(parts_of_another_size_were_not_compared),
