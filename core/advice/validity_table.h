@@ -20,7 +20,7 @@ typedef struct validity_row {
     const char *before;                            ///< words before the value
     const char *after;                             ///< words after the value
     const char *of;                                ///< words after the numbers of the range
-    const char *only;                              ///< instead of the numbers of the least range; NULL: the numbers
+    const char *only;                              ///< instead of the least range; NULL: numbers
     validity_range ranges[VALIDITY_SUBJECT_COUNT]; ///< of each subject
 } validity_row;
 
