@@ -14,3 +14,7 @@
 
 /// `all`, or `less` where that is so. A constant if both are.
 #define HELPER_AMOUNT(all, less) (HELPER_AMOUNT_IS_LESS ? (less) : (all))
+
+/// After the n-th allocation the next one that fails: each or, where less is done, each of the first 200 and every seventh
+/// of the others, which loops over items of one kind make.
+#define HELPER_AMOUNT_NEXT_FAULT(n) ((n) + ((n) < 200 ? 1 : HELPER_AMOUNT(1, 7)))

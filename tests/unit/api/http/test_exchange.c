@@ -4,6 +4,7 @@
 
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/helper_cmocka.h"
 
 #include <stdio.h>
@@ -330,7 +331,7 @@ static void out_of_memory_is_a_503(void **state)
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         const request_line *line = &lines[i];
         size_t n_faults = 1;
-        for (size_t n = 1; n_faults > 0; n++) {
+        for (size_t n = 1; n_faults > 0; n = HELPER_AMOUNT_NEXT_FAULT(n)) {
             ask_set_up(NULL);
             ask_add_run(RUN_RUNNING);
             ask_add_run(RUN_RUNNING);

@@ -9,6 +9,7 @@
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_ask.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
@@ -416,7 +417,8 @@ static void without_memory_nothing_is_written(void **unused)
     size_t n = 0;
 
     do {
-        memory_plan_fault(++n, 0);
+        n = HELPER_AMOUNT_NEXT_FAULT(n);
+        memory_plan_fault(n, 0);
         status = openapi_write(&out, NULL);
         if (status != BF_OK) {
             assert_int_equal(status, BF_ENOMEM);

@@ -6,6 +6,7 @@
 #include "api/scenario/examples.h"
 #include "core/base/random.h"
 #include "tests/unit/api/helper_document.h"
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/helper_cmocka.h"
 
 #include <jansson.h>
@@ -256,7 +257,7 @@ static void try_mutation(const char *document, size_t n, bf_random *random)
 
 static void damaged_documents_never_harm(void **unused)
 {
-    enum { MUTATIONS = 2000 };
+    enum { MUTATIONS = HELPER_AMOUNT(2000, 600) };
     bf_buffer complete = document_complete();
     bf_random random;
     size_t n;
