@@ -272,25 +272,26 @@ static void slow_and_fast_belts_were_not_compared(void **state)
     assert_only(&s, VALIDITY_SPEED, 0.9, "/belts/0/velocity_m_s");
 }
 
-// The paper's 0.395 m/s, half of it, which is 0.1975 m/s, from 2 s on, and 0.79 m/s from 3 s on.
+// The paper's 0.395 m/s, half of it, which is 0.1975 m/s, from 2 s on, and 0.79 m/s from 5 s on. Of the speeds below the range the
+// one that is farthest out is told, a quarter from 3 s on.
 static void belts_whose_speed_changes_were_not_compared(void **state)
 {
-    static const double times[] = { 2.0, 3.0 }, factors[] = { 0.5, 2.0 };
+    static const double times[] = { 2.0, 3.0, 4.0, 5.0 }, factors[] = { 0.5, 0.25, 0.5, 2.0 };
     scene s;
 
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     scene_speed_schedule *schedule = &s.belts[0].speed_schedule;
-    schedule->times = memory_alloc(2, sizeof *times);
-    schedule->factors = memory_alloc(2, sizeof *factors);
+    schedule->times = memory_alloc(4, sizeof *times);
+    schedule->factors = memory_alloc(4, sizeof *factors);
     assert_true(schedule->times != NULL && schedule->factors != NULL);
     memcpy(schedule->times, times, sizeof times);
     memcpy(schedule->factors, factors, sizeof factors);
-    schedule->n_times = schedule->n_factors = 2;
+    schedule->n_times = schedule->n_factors = 4;
     const validity of = validity_now(&s);
     assert_int_equal(of.n, 2);
     assert_int_equal(of.items[0].figure, VALIDITY_SPEED);
-    assert_near(of.items[0].value, 0.1975, 1e-12);
-    assert_string_equal(of.items[0].pointer, "/belts/0/speed_schedule/factor/0");
+    assert_near(of.items[0].value, 0.09875, 1e-12);
+    assert_string_equal(of.items[0].pointer, "/belts/0/speed_schedule/factor/1");
     assert_int_equal(of.items[1].figure, VALIDITY_SCHEDULES);
     scene_fini(&s);
 }
