@@ -51,7 +51,7 @@ static size_t find_crossings(const passages *p, double t, double travel, const p
 }
 
 bf_status passages_see(passages *p, double t, const passages_view *view, size_t eye, figures *f,
-                       bf_error *err)
+                       double *ret_free, bf_error *err)
 {
     const double travel = p->travel + 0.5 * (p->belt_speed + view->belt_speed) * (t - p->t);
     crossing *all = memory_alloc(p->n + view->n, sizeof *all);
@@ -62,7 +62,12 @@ bf_status passages_see(passages *p, double t, const passages_view *view, size_t 
     }
     const size_t n = find_crossings(p, t, travel, view, all);
     qsort(all, n, sizeof *all, compare_crossings);
+    size_t n_in = p->n; // parts in the beam
+    double gap = 0.0;   // m of travel
     for (size_t k = 0; k < n; k++) {
+        n_in = all[k].is_begin ? n_in + 1 : n_in - 1;
+        if (n_in == 0 && k + 1 < n)
+            gap = fmax(gap, all[k + 1].travel - all[k].travel);
         p->n_left += all[k].is_begin ? 0 : 1;
         if (all[k].is_begin)
             figures_eye_begin(f, eye, all[k].travel);
@@ -70,6 +75,7 @@ bf_status passages_see(passages *p, double t, const passages_view *view, size_t 
             figures_eye_end(f, eye, all[k].travel);
     }
     memory_free(all);
+    *ret_free = gap > 0.0 ? gap / (travel - p->travel) * (t - p->t) : 0.0;
     p->t = t;
     p->travel = travel;
     p->belt_speed = view->belt_speed;

@@ -76,11 +76,12 @@ static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, 
                            const run_sink *sink, merges_eye *ret_seen, bf_error *err)
 {
     run_view view = { .is_broken = false };
+    double was_free = 0.0; // since the last tick, s
     bf_status status = c->backend->look(solver, eye, &view, err);
 
     if (status == BF_OK && c->backend->parts != NULL)
-        status =
-            passages_see(&c->passages[eye], (double)step * c->dt, &view.passages, eye, to, err);
+        status = passages_see(&c->passages[eye], (double)step * c->dt, &view.passages, eye, to,
+                              &was_free, err);
     if (status == BF_OK && c->eyes.tells_kinds[eye])
         status = photo_eyes_see_parts(&c->eyes, eye, step, view.n_parts, view.parts, err);
     for (size_t k = 0; k < c->eyes.parts[eye].n && status == BF_OK; k++) {
@@ -91,19 +92,20 @@ static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, 
     }
     if (status != BF_OK)
         return status;
-    const bool has_changed = photo_eyes_see(&c->eyes, eye, step, view.is_broken);
-    *ret_seen = (merges_eye){ view.is_broken, c->eyes.states[eye].is_blocked != 0,
+    // Speeds between two ticks are not known well enough to tell shorter gaps than a step.
+    const bool is_broken = view.is_broken && was_free < c->dt;
+    const bool has_changed = photo_eyes_see(&c->eyes, eye, step, is_broken);
+    *ret_seen = (merges_eye){ is_broken, c->eyes.states[eye].is_blocked != 0,
                               c->backend->parts != NULL ? c->passages[eye].n_left : view.n_left };
     if (!has_changed)
         return BF_OK;
-    figures_eye_state(to, eye, (double)step * c->dt, view.is_broken);
+    figures_eye_state(to, eye, (double)step * c->dt, is_broken);
     const frame_change change = { .type = FRAME_CHANGE_EYE,
                                   .item = (uint32_t)eye,
-                                  .state = view.is_broken };
+                                  .state = is_broken };
     status = emit_change(c, step, &change, c->scene->eyes[eye].id, sink, err);
-    return status == BF_OK
-               ? commands_note(&c->commands, eye, SCENE_KIND_ANY, view.is_broken, step, err)
-               : status;
+    return status == BF_OK ? commands_note(&c->commands, eye, SCENE_KIND_ANY, is_broken, step, err)
+                           : status;
 }
 
 /// Let the merges stop and release their lanes.

@@ -8,6 +8,7 @@
 #include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -228,6 +229,34 @@ static void a_photo_eye_stops_a_belt(void **state)
     }
 }
 
+// Parts of 12 mm radius, 24.5 mm apart, so that each beam is free for 1.25 ms: more than a step, and a sixth of a tick.
+static void gaps_that_are_shorter_than_a_tick_are_seen(void **state)
+{
+    static const scene_pose poses[] = { { 0.1, 0.08, 0.0 }, { 0.1245, 0.08, 0.0 } };
+    enum { EYES = 5 };
+    helper_run_log *log = new_log(3);
+    scene s;
+    helper_scene_belt(&s, 0.4, 0.16, 0.01, poses, 2);
+    s.micro.integrator = SCENE_IMPLICIT;
+    s.micro.step = 1e-3;
+    s.micro.modulus_reduction = 1e4;
+    s.duration = 0.8;
+    helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, NULL, 0);
+    s.n_eyes = EYES;
+    s.eyes = memory_alloc(EYES, sizeof *s.eyes);
+    for (size_t k = 0; k < EYES; k++) {
+        scene_photo_eye_init(&s.eyes[k]);
+        snprintf(s.eyes[k].id, sizeof s.eyes[k].id, "eye-%zu", k);
+        s.eyes[k].line[0] = (vec2){ 0.2 + 7e-4 * (double)k, 0.0 };
+        s.eyes[k].line[1] = (vec2){ 0.2 + 7e-4 * (double)k, 0.16 };
+    }
+    helper_scene_resolve(&s);
+    assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
+    assert_int_equal(log->n_changes, 4 * EYES);
+    scene_fini(&s);
+    helper_run_free(log);
+}
+
 static void samples_follow_the_windows(void **state)
 {
     scene_output_window *w = memory_alloc(1, sizeof *w);
@@ -285,6 +314,7 @@ int main(void)
         cmocka_unit_test(a_run_stopped_anywhere_resumes_to_the_same_results),
         cmocka_unit_test(a_drained_run_ends_before_its_duration),
         cmocka_unit_test(a_photo_eye_stops_a_belt),
+        cmocka_unit_test(gaps_that_are_shorter_than_a_tick_are_seen),
         cmocka_unit_test(samples_follow_the_windows),
         cmocka_unit_test(out_of_memory_anywhere_ends_the_run),
     };
