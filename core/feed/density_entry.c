@@ -120,8 +120,8 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
         const double capacity = f->is_edge
                                     ? d->saturated * edge_capacity(&around, f->edge, &grid, dt,
                                                                    velocity, cells[k].length)
-                                : belt < d->scene->n_belts ? INFINITY
-                                                           : 0.0;
+                                : belt < around.n_belts ? INFINITY
+                                                        : 0.0;
         ret_line->cells[k] =
             (cell_entry){ .cell = cell,
                           .inner = f->is_edge ? inner_cell(&grid, f->edge, cell) : cell,

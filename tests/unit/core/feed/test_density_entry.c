@@ -13,6 +13,7 @@ enum { N1 = 10, N2 = 4, KINDS = 2 };
 typedef struct cells {
     double rho[N1 * N2];
     double factor;
+    size_t off;          // the belt of places that are on none
     vec2 place[N1 * N2]; // where what a cell has got came in
     double of_kind[KINDS];
 } cells;
@@ -24,7 +25,7 @@ static double density(const void *context, size_t cell)
 
 static double factor(const void *context, size_t belt)
 {
-    assert_int_equal(belt, 0);
+    assert_true(belt == 0 || belt == ((const cells *)context)->off);
     return ((const cells *)context)->factor;
 }
 
@@ -252,6 +253,29 @@ static void a_line_inside_has_no_bound_but_its_room(void **state)
     scene_fini(&s);
 }
 
+// The last section of a path goes up from x = 0.5 to 0.6 m. Of a line from 0.53 to 0.63 m the cell beside it takes nothing, as
+// it is on no belt: 5 parts are 0.05 of the other.
+static void a_line_lets_in_on_every_section_of_a_path_and_nothing_beside_it(void **state)
+{
+    static const vec2 points[] = { { 0.0, 0.15 }, { 0.55, 0.15 }, { 0.55, 0.4 } };
+    cells c;
+    scene s;
+    make_scene(&s, 1, 5.0 / dt);
+    s.n_belts = 0;
+    helper_scene_add_path(&s, 0.5, 0.1, 0.06, points, 3);
+    s.cargo[0].shape.radius = 0.01;
+    s.feeds[0].is_edge = false;
+    s.feeds[0].line[0] = (vec2){ 0.53, 0.35 };
+    s.feeds[0].line[1] = (vec2){ 0.63, 0.35 };
+    feed_density *d = make_density(&s, &c);
+    c.off = s.n_sections;
+    advance(d, dt, &c);
+    assert_near(c.rho[3 * N1 + 5], 0.05, 1e-14);
+    assert_true(c.rho[3 * N1 + 6] == 0.0);
+    feed_density_destroy(d);
+    scene_fini(&s);
+}
+
 // Blocked for 2 s at 10 parts/s, then open: those that enter are 20 less 15 that had waited for 0.5 s.
 static void waits_and_drops_follow_the_order_of_arrival(void **state)
 {
@@ -364,6 +388,7 @@ int main(void)
         cmocka_unit_test(parts_in_single_file_enter_as_wide_as_they_are),
         cmocka_unit_test(every_side_has_its_cells),
         cmocka_unit_test(a_line_inside_has_no_bound_but_its_room),
+        cmocka_unit_test(a_line_lets_in_on_every_section_of_a_path_and_nothing_beside_it),
         cmocka_unit_test(waits_and_drops_follow_the_order_of_arrival),
         cmocka_unit_test(feeds_in_the_same_cells_take_turns),
         cmocka_unit_test(what_enters_is_of_the_kinds_of_the_parts_in_their_order),
