@@ -23,13 +23,14 @@ static double cost_of(const study *s, size_t point, size_t value, bool is_maximi
     return is_maximized ? -sample.mean : sample.mean;
 }
 
+// Steps that are not given are CHOICE_RELATIVE of the least value.
 static void round_down(candidate *candidates, size_t n, size_t value, double step)
 {
     double least = (double)INFINITY;
 
     for (size_t k = 0; k < n; k++)
         least = fmin(least, candidates[k].costs[value]);
-    const double unit = isnan(step) ? CHOICE_RELATIVE * fabs(least) : step;
+    const double unit = step > 0.0 ? step : CHOICE_RELATIVE * fabs(least);
     for (size_t k = 0; k < n && unit > 0.0; k++)
         candidates[k].costs[value] = floor((candidates[k].costs[value] - least) / unit);
 }
@@ -65,7 +66,7 @@ bf_status study_front(const study *s, const study_choice *choice, bool *ret_is_o
         if (isfinite(c.costs[0]) && isfinite(c.costs[1]))
             candidates[n++] = c;
     }
-    round_down(candidates, n, 0, choice->indifference);
+    round_down(candidates, n, 0, d->indifference);
     round_down(candidates, n, 1, (double)NAN);
     qsort(candidates, n, sizeof *candidates, compare);
     // In the order of the first value a point is on the front if its second one is less than that of all before it.

@@ -1,9 +1,9 @@
 /// The front of two objectives (Pareto): the points to none of which another one is better in one objective and not worse in the
 /// other, by the means of their trials.
 ///
-/// What does not matter is no difference: both objectives are counted in whole steps above the least, of the indifference and of
-/// CHOICE_RELATIVE of the least second one. Of points that are alike in both one is on the front: that which the choice names, or the
-/// first.
+/// What does not matter is no difference: both objectives are counted in whole steps above the least, of the indifference, or
+/// CHOICE_RELATIVE of the least where none is given, and of CHOICE_RELATIVE of the least second one. Of points that are alike in both
+/// one is on the front: that which the choice names, or the first.
 ///
 /// Points that are compared are those of study_choice.h: of STUDY_SCREEN those of the microscopic model as soon as one has a
 /// value. What chance leaves open counts as nothing: a point may be on the front, or not, by chance.

@@ -163,6 +163,26 @@ static void a_front_leaves_out_differences_that_do_not_matter(void **state)
     study_destroy(s);
 }
 
+// 1 is alike 0 in the first and a step better in the second, with the steps of above or 0.5 % of 100, also where a demand is asked
+// for, for which no set is taken by the indifference.
+static void a_front_has_the_same_steps_with_a_demand(void **state)
+{
+    static const double values[POINTS] = { 100.0, 99.99, 99.7, 99.4, 98.9 },
+                        seconds[POINTS] = { 2.024, 2.012, 2.031, 2.021, 2.0 };
+    bool is_in[POINTS], is_on[POINTS];
+    for (int k = 0; k < 4; k++) {
+        study_definition d = grid;
+        d.has_demand = k < 2;
+        d.demand = 99.0;
+        d.indifference = k % 2 == 0 ? 0.5 : (double)NAN;
+        study *s = solve(&d, values, seconds);
+        const study_choice c = choose(s, is_in);
+        assert_int_equal(find_front(s, &c, is_on), 2);
+        assert_true(is_on[1] && is_on[4]);
+        study_destroy(s);
+    }
+}
+
 // One run of each where there is chance: the best value is named, and no set.
 static void without_replications_nothing_is_known_of_chance(void **state)
 {
@@ -273,11 +293,17 @@ static void without_memory_nothing_is_chosen(void **state)
     bool is_in[POINTS];
     study *s = solve(&grid, values, values);
     study_choice c;
+    size_t n_on = 1;
     for (size_t n = 1; n <= 4; n++) {
         memory_plan_fault(n, 0);
         assert_int_equal(study_choose(s, is_in, &c, NULL), BF_ENOMEM);
         memory_plan_fault(0, 0);
     }
+    c = choose(s, is_in);
+    memory_plan_fault(1, 0);
+    assert_int_equal(study_front(s, &c, is_in, &n_on, NULL), BF_ENOMEM);
+    memory_plan_fault(0, 0);
+    assert_int_equal(n_on, 0);
     study_destroy(s);
 }
 
@@ -290,6 +316,7 @@ int main(void)
         cmocka_unit_test(a_demand_needs_the_confidence_of_all_points),
         cmocka_unit_test(the_front_has_the_points_that_no_other_is_better_than),
         cmocka_unit_test(a_front_leaves_out_differences_that_do_not_matter),
+        cmocka_unit_test(a_front_has_the_same_steps_with_a_demand),
         cmocka_unit_test(without_replications_nothing_is_known_of_chance),
         cmocka_unit_test(chance_leaves_points_equal),
         cmocka_unit_test(a_study_without_values_chooses_nothing),
