@@ -48,6 +48,12 @@ static const subject_text subjects[VALIDITY_SUBJECT_COUNT] = {
                                "How well moving parts predict this was not measured." },
 };
 
+/// Titles of values that are not known, as a belt has no friction.
+static const char *const without_friction[VALIDITY_FIGURE_COUNT] = {
+    [VALIDITY_ACCELERATION] = "Without friction the fastest belt brings no part to its speed",
+    [VALIDITY_CORNERING] = "Without friction no part turns with a curve",
+};
+
 /// What to expect of an item; NULL: it was not measured.
 static const char *expectation_of(const validity_item *item, const validity_range *range,
                                   validity_way way)
@@ -74,9 +80,8 @@ void validity_complete(validity_item *item, validity_subject of, validity_way wa
     item->minimum = range->minimum;
     item->maximum = range->maximum;
     item->meaning = then == NULL ? subject->unknown : then;
-    if (item->figure == VALIDITY_ACCELERATION && isnan(item->value))
-        snprintf(item->title, sizeof item->title, "%s",
-                 "Without friction the fastest belt brings no part to its speed");
+    if (isnan(item->value) && without_friction[item->figure] != NULL)
+        snprintf(item->title, sizeof item->title, "%s", without_friction[item->figure]);
     else
         snprintf(item->title, sizeof item->title, "%s %s%s", row->before,
                  number_text(item->value, DIGITS, value), row->after);

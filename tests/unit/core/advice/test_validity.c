@@ -742,6 +742,13 @@ static void curves_were_compared_where_they_are_wide_and_slow(void **state)
     assert_only(&s, VALIDITY_CORNERING, 100.0 * 1.44 / (9.81 * 0.6), "/belts");
     make_s(&s, 0.4, 0.6, true);
     assert_only(&s, VALIDITY_BELTS, 3.0, "/belts");
+    make_s(&s, 0.4, 0.6, false);
+    s.micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.0;
+    const validity of = validity_now(&s);
+    assert_int_equal(of.n_never, 2);
+    assert_int_equal(of.never[1].figure, VALIDITY_CORNERING);
+    assert_string_equal(of.never[1].title, "Without friction no part turns with a curve");
+    scene_fini(&s);
 }
 
 int main(void)
