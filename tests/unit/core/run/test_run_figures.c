@@ -80,6 +80,52 @@ static void a_free_file_has_the_throughput_residence_and_content_of_its_feed(voi
     scene_fini(&s);
 }
 
+// Boxes of the length L, a gap g apart on a belt of the speed v: 3600 v/(L + g) of them pass in an hour, by hand; and the photo eye
+// finds gaps of g. All that is offered is admitted, whatever the room between two.
+static void singulated_boxes_pass_at_the_speed_over_their_pitch(void **state)
+{
+    static const struct {
+        double length, gap, speed; // m, m, m/s
+    } rows[] = { { 0.3, 0.2, 0.5 }, { 0.6, 0.1, 1.0 } };
+
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        const double pitch = rows[k].length + rows[k].gap;
+        scene s;
+        helper_scene_belt(&s, 2.0, 0.6, 0.05, NULL, 0);
+        s.initial.type = SCENE_INITIAL_EMPTY;
+        s.duration = 30.0;
+        s.warmup = 5.0;
+        s.output.curve_every = 0.05;
+        s.output.snapshot_every = 30.0;
+        s.macro.closure = SCENE_CONGESTED;
+        s.micro.integrator = SCENE_IMPLICIT;
+        s.cargo->shape = (scene_shape){
+            .type = SCENE_BOX, .length = rows[k].length, .width = 0.3, .height = 0.2
+        };
+        s.cargo->mass = 2.0;
+        helper_scene_add_belt(&s, (vec2){ rows[k].speed, 0.0 }, NULL, 0);
+        scene_feed *feed =
+            helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, rows[k].speed / pitch);
+        feed->line[0] = (vec2){ 0.0, 0.15 };
+        feed->line[1] = (vec2){ 0.0, 0.45 };
+        s.n_eyes = 1;
+        s.eyes = memory_alloc(1, sizeof *s.eyes);
+        scene_photo_eye_init(s.eyes);
+        s.eyes[0].line[0] = (vec2){ 1.5, 0.1 };
+        s.eyes[0].line[1] = (vec2){ 1.5, 0.5 };
+        helper_scene_resolve(&s);
+        for (size_t m = 0; m < 2; m++) {
+            helper_run_log *log = run_model_of(&s, models[m]);
+            const double by_hand = 3600.0 * rows[k].speed / pitch;
+            assert_near(value(&s, log, FIGURE_THROUGHPUT), by_hand, 0.01 * by_hand);
+            if (models[m] == RUN_MICRO)
+                assert_near(value(&s, log, FIGURE_GAP_MEAN), rows[k].gap, 0.01 * rows[k].gap);
+            helper_run_free(log);
+        }
+        scene_fini(&s);
+    }
+}
+
 // Cargo that comes evenly over the width, onto a half of the belt that runs at 0.4 m/s and one at 0.2 m/s: half of it
 // leaves after 2 s, half after 4 s.
 static void lanes_have_times_of_their_own(void **state)
@@ -270,6 +316,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_free_file_has_the_throughput_residence_and_content_of_its_feed),
+        cmocka_unit_test(singulated_boxes_pass_at_the_speed_over_their_pitch),
         cmocka_unit_test(lanes_have_times_of_their_own),
         cmocka_unit_test(flows_of_counters_and_outlets_agree_with_the_throughput),
         cmocka_unit_test(gaps_are_those_between_the_parts),
