@@ -151,6 +151,55 @@ static void an_answer_has_the_members_of_its_table_in_their_order(void **unused)
     buffer_fini(&out);
 }
 
+typedef struct sparse {
+    uint64_t n;
+    char id[8], text[8];
+    int64_t ms;
+    bool is_so, has_more;
+    unsigned word;
+} sparse;
+
+static const char *const sparse_words[] = { "one", NULL };
+
+#define AT(place) offsetof(sparse, place)
+static const member sparse_members[] = {
+    MEMBER("link", link, AT(id), "of no id", .path = "/a/{id}", .flags = MEMBER_OMIT_EMPTY),
+    MEMBER("text", text, AT(text), "of no bytes", .flags = MEMBER_OMIT_EMPTY),
+    MEMBER("size", size, AT(n), "0", .flags = MEMBER_OMIT_EMPTY),
+    MEMBER("time", time, AT(ms), "0", .flags = MEMBER_OMIT_EMPTY),
+    MEMBER("bool", bool, AT(is_so), "false", .flags = MEMBER_OMIT_EMPTY),
+    MEMBER("enum", enum, AT(word), "beyond its words", .words = sparse_words,
+           .flags = MEMBER_OMIT_EMPTY),
+    MEMBER("more", bool, AT(is_so), "of some only", .offset_if = AT(has_more)),
+};
+#undef AT
+static const member_table sparse_table = { MEMBER_TABLE("Sparse", sparse_members) };
+
+static void what_is_empty_is_left_out_and_what_is_not_stands_there(void **unused)
+{
+    static const struct {
+        sparse item;
+        const char *text;
+    } cases[] = {
+        { { .word = 1 }, "{}" },
+        { { .word = 1, .has_more = true }, "{\"more\":false}" },
+        { { .id = "7", .word = 1 }, "{\"link\":\"/a/7\"}" },
+        { { .text = "t", .word = 1 }, "{\"text\":\"t\"}" },
+        { { .n = UINT64_C(1) << 32, .word = 1 }, "{\"size\":4294967296}" },
+        { { .ms = 1, .word = 1 }, "{\"time\":\"1970-01-01T00:00:00.001Z\"}" },
+        { { .is_so = true, .word = 1 }, "{\"bool\":true}" },
+        { { .word = 0 }, "{\"enum\":\"one\"}" },
+    };
+
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        bf_buffer out = { 0 };
+        json_out w = json_out_to(&out);
+        members_write(&w, &sparse_table, &cases[k].item);
+        assert_string_equal(out.bytes, cases[k].text);
+        buffer_fini(&out);
+    }
+}
+
 static void a_pointer_leads_to_the_unit_of_a_number(void **unused)
 {
     static const struct {
@@ -251,6 +300,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_out_of_the_tables_ranges_is_refused),
         cmocka_unit_test(an_answer_has_the_members_of_its_table_in_their_order),
+        cmocka_unit_test(what_is_empty_is_left_out_and_what_is_not_stands_there),
         cmocka_unit_test(a_pointer_leads_to_the_unit_of_a_number),
         cmocka_unit_test(ranges_are_texts_made_from_the_numbers),
         cmocka_unit_test(defaults_are_those_of_core),
