@@ -1,7 +1,15 @@
 #include "server/store/columns.h"
 
-static const store__column id_column[] = { { STORE__COLUMN_TEXT, 0, API_ID_SIZE } };
-const store__record store__id_record = RECORD(id_column, char[API_ID_SIZE], NULL);
+static bf_status check_id(const store__query *q, void *of, bool is_whole, bf_error *err)
+{
+    const char *id = of;
+
+    (void)q;
+    return is_whole ? BF_OK : bf_fail(err, BF_ECORRUPT, "", "the stored id %.40s is damaged", id);
+}
+
+static const store__column id_column[] = { { STORE__COLUMN_ID, 0, API_ID_SIZE } };
+const store__record store__id_record = RECORD(id_column, char[API_ID_SIZE], check_id);
 
 const char *store__code_word(bf_status code)
 {

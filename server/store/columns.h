@@ -47,14 +47,15 @@ typedef struct store__record {
         .check = (check_)                                                                          \
     }
 
-/// An id alone, which is not checked.
+/// An id alone. BF_ECORRUPT: it has another length.
 extern const store__record store__id_record;
 
 /// Read the present row. With an error what is in *row is not defined.
 BF_MUST_CHECK bf_status store__read(const store__query *q, const store__record *record, void *row,
                                     bf_error *err);
 
-/// Read the first row of a statement, if there is one: store__find(c, sql, &record, &row, &has_row, err, TEXT(id)).
+/// Read the first row of a statement, if there is one: store__find(c, sql, &record, &row, &has_row, err, TEXT(id)). Without one
+/// *row is as before, with an error it is not defined.
 #define store__find(c, sql, record, row, ret_has_row, err, ...)                                    \
     store__find_with(c, sql, record, row, ret_has_row, err, STORE__VALUES(__VA_ARGS__))
 BF_MUST_CHECK bf_status store__find_with(store__connection *c, store__sql sql,

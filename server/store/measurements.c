@@ -106,7 +106,7 @@ static bf_status check_row(const store__query *q, void *of, bool is_whole, bf_er
 
 // As STORE__MEASUREMENT_COLUMNS.
 #define X(kind, column, member) COLUMN(kind, api_measurement, member),
-static const store__column columns[] = { COLUMN(TEXT, api_measurement, id),
+static const store__column columns[] = { COLUMN(ID, api_measurement, id),
                                          STORE__MEASUREMENT_LIST(X) };
 #undef X
 
@@ -136,6 +136,7 @@ static bf_status read_measurement(store *s, const char *id, api_curve *curve,
                                   api_measurement *ret_about, bf_error *err)
 {
     store__connection *reader = store__acquire_reader(&s->pool);
+    api_measurement about;
     bf_status status = BF_OK;
 
     store__query q = store__start(reader, STORE__SQL_FIND_MEASUREMENT, TEXT(id));
@@ -143,11 +144,13 @@ static bf_status read_measurement(store *s, const char *id, api_curve *curve,
     if (status == BF_OK && !has_row)
         status = fail_absent(id, err);
     if (status == BF_OK)
-        status = store__read(&q, &record, ret_about, err);
+        status = store__read(&q, &record, &about, err);
     if (status == BF_OK && curve != NULL)
-        status = read_samples(&q, ret_about, curve, err);
+        status = read_samples(&q, &about, curve, err);
     store__end(&q);
     store__release_reader(&s->pool, reader);
+    if (status == BF_OK)
+        *ret_about = about;
     return status;
 }
 

@@ -143,16 +143,15 @@ bf_status store__find_snapshot(store__connection *reader, int64_t results, uint6
 }
 
 bf_status store__find_array(store__connection *reader, const char *id, store__blob kind,
-                            uint64_t index, store__row *ret_row, api_snapshot *ret_snapshot,
+                            uint64_t index, store__row *row, api_snapshot *ret_snapshot,
                             bf_error *err)
 {
-    bf_status status = store__find_row(reader, id, ret_row, err);
-    if (status == BF_OK && kind == STORE__BLOB_PARTS && ret_row->run.parts.n_values == 0)
+    bf_status status = store__find_row(reader, id, row, err);
+    if (status == BF_OK && kind == STORE__BLOB_PARTS && row->run.parts.n_values == 0)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
-                       run_model_words[ret_row->run.model]);
-    return status == BF_OK
-               ? store__find_snapshot(reader, ret_row->results, index, ret_snapshot, err)
-               : status;
+                       run_model_words[row->run.model]);
+    return status == BF_OK ? store__find_snapshot(reader, row->results, index, ret_snapshot, err)
+                           : status;
 }
 
 // What is read of a snapshot: its row, the run's, and one of its blobs.

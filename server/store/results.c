@@ -63,17 +63,17 @@ static bf_status is_dear(store__connection *c, const store__row *solved, bool *r
 }
 
 bf_status store__find_solved(store__connection *c, const unsigned char digest[STORE__DIGEST_SIZE],
-                             store__row *ret_row, bool *ret_is_solved, bf_error *err)
+                             store__row *row, bool *ret_is_solved, bf_error *err)
 {
     char solver[SOLVER_NAME_SIZE];
     bool has_too_many = false;
 
     (void)solver_name(solver);
     bf_status status =
-        store__find(c, STORE__SQL_FIND_SOLVED, &store__run_record, ret_row, ret_is_solved, err,
+        store__find(c, STORE__SQL_FIND_SOLVED, &store__run_record, row, ret_is_solved, err,
                     BLOB(digest, STORE__DIGEST_SIZE), TEXT(solver));
     if (status == BF_OK && *ret_is_solved)
-        status = is_dear(c, ret_row, &has_too_many, err);
+        status = is_dear(c, row, &has_too_many, err);
     *ret_is_solved = *ret_is_solved && !has_too_many;
     return status;
 }

@@ -32,12 +32,12 @@ static const store__column columns[] = { COLUMN(INTEGER, store__row, rowid), STO
 
 const store__record store__run_record = RECORD(columns, store__row, check_row);
 
-bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row, bf_error *err)
+bf_status store__find_row(store__connection *c, const char *id, store__row *row, bf_error *err)
 {
     bool has_row = false;
 
     bf_status status =
-        store__find(c, STORE__SQL_FIND_RUN, &store__run_record, ret_row, &has_row, err, TEXT(id));
+        store__find(c, STORE__SQL_FIND_RUN, &store__run_record, row, &has_row, err, TEXT(id));
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no run %.40s", id);
     return status;

@@ -153,8 +153,8 @@ void store__begin_write(store *s, store__operation *operation);
 /// A store__row, selected as STORE__RUN_COLUMNS. BF_ECORRUPT: no run can be like this.
 extern const store__record store__run_record;
 
-/// Find a run by its id. BF_ENOTFOUND.
-BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row,
+/// Find a run by its id. BF_ENOTFOUND. With an error *row is not defined.
+BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, store__row *row,
                                         bf_error *err);
 
 /// Write a changed run back, with a new revision; its state is for store__transition().
@@ -200,10 +200,10 @@ BF_MUST_CHECK bf_status store__note_sender(store__connection *writer, const stor
 /// What was begun by another version of the solver and is not complete is not for other runs.
 BF_MUST_CHECK bf_status store__invalidate_results(store__connection *writer, bf_error *err);
 
-/// Find a run with complete results of this digest and of this solver.
+/// Find a run with complete results of this digest and of this solver. Without one *row is not defined.
 BF_MUST_CHECK bf_status store__find_solved(store__connection *c,
                                            const unsigned char digest[STORE__DIGEST_SIZE],
-                                           store__row *ret_row, bool *ret_is_solved, bf_error *err);
+                                           store__row *row, bool *ret_is_solved, bf_error *err);
 
 /// Insert *row as a run that has succeeded with the results of *solved, all its texts and events
 /// included, and save it.
@@ -233,9 +233,9 @@ uint64_t store__array_bytes(const api_run *record, store__blob kind);
 /// BF_ECONFLICT: the run is not running.
 BF_MUST_CHECK bf_status store__check_running(const store__row *row, bf_error *err);
 
-/// Find a run and one of its snapshots that has a blob of this kind. BF_ENOTFOUND.
+/// Find a run and one of its snapshots that has a blob of this kind. BF_ENOTFOUND. With an error *row is not defined.
 BF_MUST_CHECK bf_status store__find_array(store__connection *reader, const char *id,
-                                          store__blob kind, uint64_t index, store__row *ret_row,
+                                          store__blob kind, uint64_t index, store__row *row,
                                           api_snapshot *ret_snapshot, bf_error *err);
 
 /// Find a snapshot's row. BF_ENOTFOUND.

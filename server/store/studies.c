@@ -40,25 +40,23 @@ static const store__column columns[] = { COLUMN(INTEGER, store_study, rowid),
 
 static const store__record record = RECORD(columns, store_study, check_row);
 
-bf_status store__find_study(store__connection *c, const char *id, store_study *ret_row,
-                            bf_error *err)
+bf_status store__find_study(store__connection *c, const char *id, store_study *row, bf_error *err)
 {
     bool has_row = false;
 
     const bf_status status =
-        store__find(c, STORE__SQL_FIND_STUDY, &record, ret_row, &has_row, err, TEXT(id));
+        store__find(c, STORE__SQL_FIND_STUDY, &record, row, &has_row, err, TEXT(id));
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
     return status;
 }
 
 // Finds a study that is not to be removed.
-static bf_status find_visible(store__connection *c, const char *id, store_study *ret_row,
-                              bf_error *err)
+static bf_status find_visible(store__connection *c, const char *id, store_study *row, bf_error *err)
 {
-    bf_status status = store__find_study(c, id, ret_row, err);
+    bf_status status = store__find_study(c, id, row, err);
 
-    if (status == BF_OK && ret_row->stop_request == STORE_STOP_KILL)
+    if (status == BF_OK && row->stop_request == STORE_STOP_KILL)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
     return status;
 }

@@ -58,7 +58,7 @@ BF_MUST_CHECK bf_status store_list_work(store *s, store_studies which, size_t si
 
 /// A trial that begins.
 typedef struct store_trial_begin {
-    api_trial trial; ///< what it is; infeasible with its fault, or queued. Its run is set
+    api_trial trial; ///< what it is; infeasible with its fault, or queued; run, ended: set
     const api_submission *submission; ///< of its run, NULL if it is infeasible; without key
 } store_trial_begin;
 

@@ -5,9 +5,9 @@
 #include "server/store/store_priv.h"
 #include "server/store/studies.h"
 
-/// Find a study by its id, also one that is to be removed. BF_ENOTFOUND.
-BF_MUST_CHECK bf_status store__find_study(store__connection *c, const char *id,
-                                          store_study *ret_row, bf_error *err);
+/// Find a study by its id, also one that is to be removed. BF_ENOTFOUND. With an error *row is not defined.
+BF_MUST_CHECK bf_status store__find_study(store__connection *c, const char *id, store_study *row,
+                                          bf_error *err);
 
 /// Write a changed study back, with a new revision.
 BF_MUST_CHECK bf_status store__save_study(store__connection *writer, store_study *row,

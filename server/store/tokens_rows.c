@@ -93,13 +93,13 @@ static bf_status complete_token(const store__query *q, void *of, bool is_whole, 
     char scopes[API_SCOPES_SIZE];
     store__token *token = of;
 
+    (void)is_whole; // its id is a number
     store__column_text(q, SCOPES, scopes, sizeof scopes);
     // A word that this version does not know allows nothing.
     if (!api_access_read_scopes(scopes, &token->about.scopes))
         token->about.scopes = 0;
     // NULL is also what SQLite gives when it has no memory.
-    if (!is_whole || hash == NULL ||
-        sqlite3_column_bytes(q->statement, HASH) != STORE__TOKEN_HASH_BYTES)
+    if (hash == NULL || sqlite3_column_bytes(q->statement, HASH) != STORE__TOKEN_HASH_BYTES)
         return bf_fail(err, BF_ESYSTEM, "", "token %" PRIu64 " cannot be read", token->about.id);
     memcpy(token->hash, hash, STORE__TOKEN_HASH_BYTES);
     return BF_OK;

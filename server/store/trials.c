@@ -154,8 +154,8 @@ static bf_status complete_trial(const store__query *q, void *of, bool is_whole, 
     enum { PARAMETERS = sizeof columns / sizeof *columns, VALUES, STATE_OF_RUN };
     api_trial *t = of;
 
-    if (!is_whole || (unsigned)t->model >= RUN_MODEL_COUNT ||
-        (unsigned)t->state >= API_TRIAL_STATES ||
+    (void)is_whole; // a trial has no id of its own
+    if ((unsigned)t->model >= RUN_MODEL_COUNT || (unsigned)t->state >= API_TRIAL_STATES ||
         !read_doubles(q, PARAMETERS, t->parameters, STUDY_PARAMETERS, &t->n_parameters) ||
         !read_doubles(q, VALUES, t->values, STUDY_VALUES, &t->n_values))
         return bf_fail(err, BF_ECORRUPT, "", "the stored trial %llu is damaged",

@@ -229,6 +229,29 @@ static void damage_is_noticed(void **state)
     assert_int_equal(curve.n, 77);
 }
 
+// An id that is too long would be cut to that of another measurement.
+static void a_row_that_no_measurement_can_have_is_damage(void **state)
+{
+    static const char *const changes[] = { "id = id || '0'", "id = substr(id, 2)", "kind = 9" };
+    static api_measurement_list list;
+    helper_store *h = *state;
+    const api_measurement_query query = { .limit = 1 };
+    api_measurement found = { .n_samples = 77 };
+    char sql[100], id[API_ID_SIZE + 1];
+
+    for (size_t k = 0; k < sizeof changes / sizeof *changes; k++) {
+        const api_measurement added = add(h->store, "", 3);
+        list.n = 77;
+        snprintf(sql, sizeof sql, "UPDATE measurements SET %s", changes[k]);
+        helper_store_sql(h, sql);
+        snprintf(id, sizeof id, "%s%s", added.id + (k == 1), k == 0 ? "0" : "");
+        assert_int_equal(store_list_measurements(h->store, &query, &list, NULL), BF_ECORRUPT);
+        assert_int_equal(store_find_measurement(h->store, id, &found, NULL), BF_ECORRUPT);
+        assert_true(list.n == 77 && found.n_samples == 77);
+        helper_store_sql(h, "DELETE FROM measurements");
+    }
+}
+
 /// A call of the store, and what must hold when it failed.
 typedef bf_status attempt(store *s, const api_measurement *m, bf_error *err);
 
@@ -342,6 +365,7 @@ int main(void)
         STORE_TEST(removing_runs_leaves_measurements_alone),
         STORE_TEST(there_is_a_limit_to_measurements),
         STORE_TEST(damage_is_noticed),
+        STORE_TEST(a_row_that_no_measurement_can_have_is_damage),
         STORE_TEST(without_memory_every_call_fails_and_changes_nothing),
         STORE_TEST(a_measurement_that_finds_no_room_is_not_there),
     };

@@ -623,6 +623,24 @@ static void a_study_goes_with_all_it_has_when_its_runs_have_gone(void **state)
     helper_store_open(h);
 }
 
+// The id of a trial that is too long would be cut to that of another run.
+static void damage_in_a_study_removes_no_other_run(void **state)
+{
+    helper_store *h = *state;
+    const api_study of = start_study(h->store, "", 0);
+    const api_run single = helper_submit(h->store, "", 0);
+    char sql[160];
+    api_run found;
+    bool has_runs = true;
+
+    assert_int_equal(begin_trials(h->store, &of, 0, 1, NULL), BF_OK);
+    assert_int_equal(store_remove_study(h->store, of.id, API_ANY_REVISION, NULL), BF_OK);
+    snprintf(sql, sizeof sql, "UPDATE runs SET id = '%s0' WHERE parent = '%s'", single.id, of.id);
+    helper_store_sql(h, sql);
+    assert_int_equal(store_remove_runs_of_study(h->store, of.id, &has_runs, NULL), BF_ECORRUPT);
+    assert_int_equal(store_find(h->store, single.id, &found, NULL), BF_OK);
+}
+
 static void lists_of_runs_have_trials_only_where_they_are_asked_for(void **state)
 {
     store *s = ((helper_store *)*state)->store;
@@ -697,6 +715,7 @@ int main(void)
         CASE(a_study_is_suspect_when_one_of_its_trials_is),
         CASE(trials_of_a_study_that_rests_are_not_claimable),
         CASE(a_study_goes_with_all_it_has_when_its_runs_have_gone),
+        CASE(damage_in_a_study_removes_no_other_run),
         CASE(lists_of_runs_have_trials_only_where_they_are_asked_for),
         CASE(trials_take_no_room_in_the_queue),
         CASE(retention_leaves_runs_of_trials_that_are_open),
