@@ -80,7 +80,7 @@ struct member {
     /// Answers: true if the member stands in the object that *item is, which is optional then; NULL:
     /// always.
     bool (*applies)(const void *item);
-    size_t offset_if; ///< instead of it: of the bool in the struct that says so; 0: none
+    size_t offset_if; ///< instead of `applies`: of the bool in the struct that says so; 0: none
     bool (*is_empty)(
         const void *item); ///< MEMBER_OMIT_EMPTY: says so of the object; NULL: see there
 };
