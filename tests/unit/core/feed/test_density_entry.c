@@ -199,6 +199,30 @@ static void parts_in_single_file_enter_as_wide_as_they_are(void **state)
     scene_fini(&s);
 }
 
+// Parts of 0.1 m would enter from 0.15 to 0.25 m. A guide at y = 0.22 m ends that, if it is there at t = 0.
+static void what_is_wider_than_a_lane_does_not_enter_behind_its_guide(void **state)
+{
+    static const vec2 path[] = { { 0.0, 0.22 }, { 0.5, 0.22 } };
+    for (int is_there = 0; is_there < 2; is_there++) {
+        cells c;
+        scene s;
+        make_scene(&s, 1, 1e5);
+        s.cargo[0].shape.radius = 0.05;
+        s.feeds[0].line[0].y = 0.19;
+        s.feeds[0].line[1].y = 0.21;
+        scene_obstacle *guide = helper_scene_add_obstacle(&s, path, 2, SCENE_SEALED);
+        guide->thickness = 1e-6;
+        guide->presence =
+            helper_scene_series(1, (double[]){ 0.0 }, (double[]){ is_there }, INFINITY);
+        feed_density *d = make_density(&s, &c);
+        advance(d, dt, &c);
+        assert_near(c.rho[N1], 0.125, 1e-12);
+        assert_near(c.rho[2 * N1], is_there ? 0.05 : 0.125, 1e-5);
+        feed_density_destroy(d);
+        scene_fini(&s);
+    }
+}
+
 // Of a cell beside a side that has room for 0.1 the one behind takes what else the belt carries. The belt runs at 45
 // degrees into the domain, 0.5 m/s across the side.
 static void every_side_has_its_cells(void **state)
@@ -386,6 +410,7 @@ int main(void)
         cmocka_unit_test(the_inner_cell_takes_what_the_outer_one_cannot),
         cmocka_unit_test(a_part_of_a_side_takes_a_part_of_the_belt),
         cmocka_unit_test(parts_in_single_file_enter_as_wide_as_they_are),
+        cmocka_unit_test(what_is_wider_than_a_lane_does_not_enter_behind_its_guide),
         cmocka_unit_test(every_side_has_its_cells),
         cmocka_unit_test(a_line_inside_has_no_bound_but_its_room),
         cmocka_unit_test(a_line_lets_in_on_every_section_of_a_path_and_nothing_beside_it),
