@@ -1,10 +1,10 @@
-// Unit tests of belts whose speed changes: ramps, jumps, means over steps, and schedules at fault.
+// Unit tests of belts whose speed changes: ramps, jumps, and means over steps.
 
-#include "core/scene/belt_range.h"
 #include "core/world/belt_speeds.h"
 
 #include "core/base/memory.h"
 #include "core/base/random.h"
+#include "core/scene/belt_range.h"
 #include "tests/reference/schedule.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_cmocka.h"

@@ -1,9 +1,8 @@
-// Unit tests of what stops belts: failures at given and at drawn times, breaks, operating time, and entries at fault.
+// Unit tests of what stops belts: failures at given and at drawn times, breaks and operating time.
 
 #include "core/world/belt_stops.h"
 
 #include "core/base/memory.h"
-#include "core/scene/ranges.h"
 #include "core/world/belt_speeds.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_cmocka.h"

@@ -1,9 +1,9 @@
 // Unit tests of obstacles that turn, are shifted, come and go: schedules, repeats, commands, their largest speed, and states.
 
-#include "core/scene/plate_range.h"
 #include "core/world/plate_motion.h"
 
 #include "core/base/memory.h"
+#include "core/scene/plate_range.h"
 #include "core/scene/scene.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_cmocka.h"
