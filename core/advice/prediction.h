@@ -3,7 +3,7 @@
 ///     time = factor sum_i cost_i exp(correction_i) amount_i
 ///
 /// The amounts follow from the scenario and from a run of it on a coarse grid (prediction_load.h), which takes
-/// milliseconds. The costs are constants of the solvers, fitted on one machine. The factor is the time that a
+/// some 10 to 100 milliseconds. The costs are constants of the solvers, fitted on one machine. The factor is the time that a
 /// small scenario takes here, divided by what the costs say of it; there is one for each kind of solver, because
 /// machines differ in instruction sets and memory. The corrections are 0 at first and follow from what runs have taken here
 /// (prediction_learn.h).

@@ -4,7 +4,7 @@
 /// it is first asked for the speed, or after five seconds. Whenever it is asked, it learns from what the runs that have ended
 /// since then took (core/advice/prediction_learn.h), at first from the newest PREDICTOR_LEARNED in the store. Of the trials of a
 /// study it learns from one that ended after a run that was not of it. A run is predicted when somebody asks for the first
-/// time, which takes some milliseconds; so one that nobody looks at costs nothing. What was found is kept in memory, of
+/// time, which takes some 10 to 100 milliseconds; so one that nobody looks at costs nothing. What was found is kept in memory, of
 /// the PREDICTOR_RUNS_MAX runs and studies that were asked for last. Where measuring fails it is tried again for the next run.
 ///
 /// Trials of a study are taken to be alike: what is predicted of the first one stands for all of them, until
