@@ -22,8 +22,8 @@ static vec2 velocity_at(const surroundings *around, vec2 at)
 }
 
 // Whether a plate stands on a part of the way from an end of a feed's line: at a side on what lies within a radius behind it.
-static bool is_shut(const scene_feed *feed, const surroundings *around, const vec2 *way,
-                    double part, double radius, const vec2 *plate)
+static bool is_closed(const scene_feed *feed, const surroundings *around, const vec2 *way,
+                      double part, double radius, const vec2 *plate)
 {
     const vec2 end = vec2_between(way[0], way[1], part);
     vec2 ways[] = { way[0], end, way[0], end }, hull[5];
@@ -40,7 +40,7 @@ static bool is_shut(const scene_feed *feed, const surroundings *around, const ve
 }
 
 // The place on a way from an end of a feed's line up to which no plate stands at t = 0.
-static vec2 reach_of(const scene *s, const scene_feed *feed, vec2 from, vec2 to, double radius)
+static vec2 end_of_way(const scene *s, const scene_feed *feed, vec2 from, vec2 to, double radius)
 {
     const surroundings around = surroundings_of(s);
     const vec2 way[] = { from, to };
@@ -51,12 +51,12 @@ static vec2 reach_of(const scene *s, const scene_feed *feed, vec2 from, vec2 to,
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
             double low = 0.0;
             if (!plate_pieces_get(&around, &s->obstacles[k], m, plate) ||
-                !is_shut(feed, &around, way, part, radius, plate))
+                !is_closed(feed, &around, way, part, radius, plate))
                 continue;
             for (int i = 0; i < HALVINGS; i++) {
                 const double middle = 0.5 * (low + part);
-                const bool shut = is_shut(feed, &around, way, middle, radius, plate);
-                *(shut ? &part : &low) = middle;
+                const bool closes = is_closed(feed, &around, way, middle, radius, plate);
+                *(closes ? &part : &low) = middle;
             }
             part = low;
         }
@@ -77,7 +77,7 @@ void feed_wide_line(const scene *s, const scene_feed *feed, vec2 ret_line[2])
         vec2 to = vec2_add(feed->line[k], vec2_scale(along, k == 0 ? -beyond : beyond));
         to.x = fmin(fmax(to.x, s->domain.x_min), s->domain.x_max);
         to.y = fmin(fmax(to.y, s->domain.y_min), s->domain.y_max);
-        ret_line[k] = reach_of(s, feed, feed->line[k], to, radius);
+        ret_line[k] = end_of_way(s, feed, feed->line[k], to, radius);
     }
 }
 
