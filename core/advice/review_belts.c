@@ -149,6 +149,37 @@ static bf_status review_parts(borders *b, review_warnings *ret_warnings, bf_erro
     return BF_OK;
 }
 
+static bool is_outside(const scene *s, const scene_belt *section)
+{
+    if (section->n_points == 0)
+        return false;
+    const scene_rect of = scene_rect_around(section->polygon, section->n_points);
+    return of.x_min >= s->domain.x_max || of.x_max <= s->domain.x_min ||
+           of.y_min >= s->domain.y_max || of.y_max <= s->domain.y_min;
+}
+
+/// Warn of each belt no section of which reaches into the domain.
+static void review_reach(const scene *s, review_warnings *ret_warnings)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < s->n_belts; k++) {
+        bool is_one_inside = false;
+        for (size_t m = 0; m < s->n_sections && !is_one_inside; m++)
+            is_one_inside = scene_belt_of(s, m) == k && !is_outside(s, &s->belts[m]);
+        if (is_one_inside)
+            continue;
+        snprintf(pointer, sizeof pointer, "/belts/%zu", k);
+        review_warning *item =
+            review_add(ret_warnings, pointer, "A belt lies outside of the domain");
+        snprintf(item->meaning, sizeof item->meaning,
+                 "The belt '%s' carries nothing: the domain is %.6g m to %.6g m by %.6g m to "
+                 "%.6g m.",
+                 s->belts[k].id, s->domain.x_min, s->domain.x_max, s->domain.y_min,
+                 s->domain.y_max);
+    }
+}
+
 bf_status review_belts(const scene *s, review_warnings *ret_warnings, bf_error *err)
 {
     borders b = { .s = s,
@@ -156,6 +187,7 @@ bf_status review_belts(const scene *s, review_warnings *ret_warnings, bf_error *
                   .radius = mix_radii_of(s).smallest,
                   .steps_of_place = steps_of_place(s) };
 
+    review_reach(s, ret_warnings);
     if (!s->may_drop)
         return BF_OK;
     for (size_t k = 0; k < s->n_sections; k++) {

@@ -79,6 +79,8 @@ void belt_path_check(const scene_belt *belt, const char *pointer, bf_faults *fau
         snprintf(at, sizeof at, "%s/path/points_m/%zu", pointer, k + 1);
         if (c.angle != 0.0 && fabs(c.angle) < BELT_ARC_LEAST)
             faults_add(faults, at, "turns the path by less than 1 degree");
+        if (fabs(c.angle) > M_PI - BELT_ARC_LEAST)
+            faults_add(faults, at, "turns the path back by more than 179 degrees");
     }
     for (size_t k = 1; k < path->n_points && faults->n == n_before; k++) {
         const double length = vec2_length(vec2_sub(path->points[k], path->points[k - 1]));

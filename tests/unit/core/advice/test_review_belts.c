@@ -63,6 +63,28 @@ static void a_belt_that_ends_is_named_with_the_place(void **unused)
     assert_one(&found, "Cargo leaves the belts", "/belts/0/polygon_m", "(0.5, 0.00297) m");
 }
 
+// One that ends where the domain begins carries nothing; one that reaches into it by a hair does.
+static void a_belt_outside_of_the_domain_is_named(void **unused)
+{
+    static const struct {
+        double x_begin;
+        size_t n;
+    } rows[] = { { 1.0, 1 }, { 0.999, 0 }, { 5.0, 1 } };
+    scene s;
+
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        const double x = rows[k].x_begin;
+        const vec2 beyond[] = { { x, 0.0 }, { x + 1.0, 0.0 }, { x + 1.0, 0.3 }, { x, 0.3 } };
+        make_scene(&s, x == 0.999 ? 0.999 : 1.0, 1.0);
+        helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, beyond, 4);
+        const review_warnings found = warnings_of(&s);
+        assert_int_equal(found.n, rows[k].n);
+        if (rows[k].n > 0)
+            assert_one(&found, "A belt lies outside of the domain", "/belts/1",
+                       "0 m to 1 m by 0 m to 0.6 m");
+    }
+}
+
 // The second belt alone, which runs back over its western side from 1 s on.
 static void a_belt_that_runs_backwards_leads_off_over_its_other_end(void **unused)
 {
@@ -110,6 +132,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(belts_that_go_on_are_in_order),
         cmocka_unit_test(a_belt_that_ends_is_named_with_the_place),
+        cmocka_unit_test(a_belt_outside_of_the_domain_is_named),
         cmocka_unit_test(a_belt_that_runs_backwards_leads_off_over_its_other_end),
         cmocka_unit_test(a_gap_below_a_radius_is_bridged),
         cmocka_unit_test(a_plate_at_the_end_holds_cargo),

@@ -238,7 +238,7 @@ static void what_is_wrong_with_a_path_is_pointed_at(void **state)
         { repeated, "/belts/0/path/points_m/2", "repeats" },
         { far, "/belts/0/path/points_m/3", "within" },
         { no_room, "/belts/0/path/points_m/2", "the arcs of the corners there need 2.05 m" },
-        { back, "/belts/0/path/points_m/2", "need" },
+        { back, "/belts/0/path/points_m/2", "back by more than 179 degrees" },
         { hardly_bent, "/belts/0/path/points_m/1", "less than 1 degree" },
         { rising, "/belts/0/incline_deg", "level" },
         { over_itself, "/belts/0/path", "crosses itself" },
