@@ -159,7 +159,7 @@ static bool is_outside(const scene *s, const scene_belt *section)
 }
 
 /// Warn of each belt no section of which reaches into the domain.
-static void review_reach(const scene *s, review_warnings *ret_warnings)
+static void review_domain(const scene *s, review_warnings *ret_warnings)
 {
     char pointer[BF_POINTER_SIZE];
 
@@ -187,7 +187,7 @@ bf_status review_belts(const scene *s, review_warnings *ret_warnings, bf_error *
                   .radius = mix_radii_of(s).smallest,
                   .steps_of_place = steps_of_place(s) };
 
-    review_reach(s, ret_warnings);
+    review_domain(s, ret_warnings);
     if (!s->may_drop)
         return BF_OK;
     for (size_t k = 0; k < s->n_sections; k++) {
