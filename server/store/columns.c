@@ -97,8 +97,9 @@ bf_status store__list_with(store__connection *c, store__sql sql, const store__re
         n_rows += status == BF_OK;
     }
     store__end(&q);
-    *ret_n = n_rows;
-    if (ret_has_more != NULL)
+    if (status == BF_OK)
+        *ret_n = n_rows;
+    if (status == BF_OK && ret_has_more != NULL)
         *ret_has_more = has_row;
     return status;
 }

@@ -55,14 +55,15 @@ BF_MUST_CHECK bf_status store__read(const store__query *q, const store__record *
                                     bf_error *err);
 
 /// Read the first row of a statement, if there is one: store__find(c, sql, &record, &row, &has_row, err, TEXT(id)). Without one
-/// *row is as before, with an error it is not defined.
+/// *row is as before, with an error it is not defined. A value may lie in *row, as that is written after the search.
 #define store__find(c, sql, record, row, ret_has_row, err, ...)                                    \
     store__find_with(c, sql, record, row, ret_has_row, err, STORE__VALUES(__VA_ARGS__))
 BF_MUST_CHECK bf_status store__find_with(store__connection *c, store__sql sql,
                                          const store__record *record, void *row, bool *ret_has_row,
                                          bf_error *err, const store__value *values, size_t n);
 
-/// Read the rows of a statement into an array, n_most at most. ret_has_more: there are more (NULL: no matter).
+/// Read the rows of a statement into an array, n_most at most. ret_has_more: there are more (NULL: no matter). With an error what is
+/// in *rows is not defined.
 #define store__list(c, sql, record, rows, n_most, ret_n, ret_has_more, err, ...)                   \
     store__list_with(c, sql, record, rows, n_most, ret_n, ret_has_more, err,                       \
                      STORE__VALUES(__VA_ARGS__))

@@ -64,7 +64,7 @@ static id_bounds bounds_of(const api_list_query *query)
 }
 
 // How many parameters a statement has, of those of sql_lists.h; and places of two of them.
-enum { N_OLDEST = 7, N_ALL = 9, N_PAGE = 10, N_FOUND = 14, N_SORTED = 17 };
+enum { N_OLDEST = 7, N_WHOLE = 9, N_PAGE = 10, N_FOUND = 14, N_SORTED = 17 };
 enum { HOW_MANY = 1, FROM = 9 };
 
 // The parameters, and the path of a key in the figures; used until the statement ends.
@@ -196,7 +196,7 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
     fill_values(query, &bounds, &v);
     const bf_status status =
         store__find_number_with(reader, is_whole ? STORE__SQL_COUNT_LISTED : STORE__SQL_COUNT_FOUND,
-                                &n, err, v.all, is_whole ? N_ALL : N_FOUND);
+                                &n, err, v.all, is_whole ? N_WHOLE : N_FOUND);
     list->has_total = status == BF_OK;
     list->total = (uint64_t)n;
     return status;

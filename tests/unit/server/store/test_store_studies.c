@@ -5,6 +5,7 @@
 #include "tests/unit/server/helper_store.h"
 
 #include "server/store/backup.h"
+#include "server/store/store_priv.h"
 #include "server/store/studies.h"
 
 #include <math.h>
@@ -629,9 +630,10 @@ static void damage_in_a_study_removes_no_other_run(void **state)
     helper_store *h = *state;
     const api_study of = start_study(h->store, "", 0);
     const api_run single = helper_submit(h->store, "", 0);
-    char sql[160];
+    char sql[160], ids[2][API_ID_SIZE];
     api_run found;
-    bool has_runs = true;
+    bool has_runs = true, has_more = true;
+    size_t n = 77;
 
     assert_int_equal(begin_trials(h->store, &of, 0, 1, NULL), BF_OK);
     assert_int_equal(store_remove_study(h->store, of.id, API_ANY_REVISION, NULL), BF_OK);
@@ -639,6 +641,12 @@ static void damage_in_a_study_removes_no_other_run(void **state)
     helper_store_sql(h, sql);
     assert_int_equal(store_remove_runs_of_study(h->store, of.id, &has_runs, NULL), BF_ECORRUPT);
     assert_int_equal(store_find(h->store, single.id, &found, NULL), BF_OK);
+    store__connection *reader = store__acquire_reader(&h->store->pool);
+    assert_int_equal(store__list(reader, STORE__SQL_LIST_RUNS_OF_STUDY, &store__id_record, ids, 2,
+                                 &n, &has_more, NULL, TEXT(of.id), INTEGER(2)),
+                     BF_ECORRUPT);
+    store__release_reader(&h->store->pool, reader);
+    assert_true(n == 77 && has_more);
 }
 
 static void lists_of_runs_have_trials_only_where_they_are_asked_for(void **state)
