@@ -19,7 +19,7 @@ typedef struct bf_world {
     plate_drive *drives; ///< of each obstacle
 } bf_world;
 
-/// The world of a resolved scene at t = 0. The caller owns it: world_fini(). BF_ENOMEM: *ret_world is empty.
+/// The world of a resolved scene at t = 0, which must outlive it. The caller owns it: world_fini(). BF_ENOMEM: *ret_world is empty.
 BF_MUST_CHECK bf_status world_init(bf_world *ret_world, const scene *s, bf_error *err);
 
 /// Free what *w owns and zero it.

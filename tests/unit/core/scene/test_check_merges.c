@@ -103,6 +103,11 @@ static void no_parts(scene *s)
     s->merges[0].parts = 0;
 }
 
+static void half_a_part(scene *s)
+{
+    s->merges[0].parts = 1.5;
+}
+
 static void no_time(scene *s)
 {
     s->merges[0].time = 0.0;
@@ -132,6 +137,7 @@ static void what_is_wrong_is_pointed_at(void **unused)
         { scheduled_belt, "/merges/0/lanes/1/belt", "speed_schedule" },
         { commanded_belt, "/merges/0/lanes/2/belt", "commanded by an action" },
         { no_parts, "/merges/0/parts", "at least 1" },
+        { half_a_part, "/merges/0/parts", "a whole number" },
         { no_time, "/merges/0/time_s", "above 0" },
         { gap_backwards, "/merges/0/gap_s", "at least 0" },
         { no_order, "/merges/0/order", "is not an order" },
