@@ -1,5 +1,6 @@
 #include "core/advice/advice.h"
 
+#include "core/advice/review_belts.h"
 #include "core/advice/review_closure.h"
 #include "core/advice/review_operation.h"
 #include "core/advice/review_plates.h"
@@ -126,6 +127,7 @@ bf_status advice_of(const scene *s, run_model model, advice *ret_advice, bf_erro
         status = review_plates(s, warnings, err);
     if (status != BF_OK)
         return status;
+    review_belts_outside(s, warnings);
     review_append(warnings, &v->falls);
     if ((status = review_sinks(s, warnings, err)) != BF_OK)
         return status;

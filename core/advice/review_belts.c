@@ -158,8 +158,7 @@ static bool is_outside(const scene *s, const scene_belt *section)
            of.y_min >= s->domain.y_max || of.y_max <= s->domain.y_min;
 }
 
-/// Warn of each belt no section of which reaches into the domain.
-static void review_domain(const scene *s, review_warnings *ret_warnings)
+void review_belts_outside(const scene *s, review_warnings *ret_warnings)
 {
     char pointer[BF_POINTER_SIZE];
 
@@ -187,7 +186,6 @@ bf_status review_belts(const scene *s, review_warnings *ret_warnings, bf_error *
                   .radius = mix_radii_of(s).smallest,
                   .steps_of_place = steps_of_place(s) };
 
-    review_domain(s, ret_warnings);
     if (!s->may_drop)
         return BF_OK;
     for (size_t k = 0; k < s->n_sections; k++) {

@@ -9,6 +9,9 @@
 #include "core/base/status.h"
 #include "core/scene/scene.h"
 
-/// Warn of each belt that lies outside of the domain, of each that ends where none goes on, and of parts that begin off every belt. What takes longer than a tenth
+/// Warn of each belt that ends where none goes on, and of parts that begin off every belt. What takes longer than a tenth
 /// of a second is left out. BF_ENOMEM.
 BF_MUST_CHECK bf_status review_belts(const scene *s, review_warnings *ret_warnings, bf_error *err);
+
+/// Warn of each belt no section of which reaches into the domain.
+void review_belts_outside(const scene *s, review_warnings *ret_warnings);

@@ -264,6 +264,26 @@ static void both_models_warn_of_it(void **unused)
     scene_fini(&s);
 }
 
+// It is warned of once, and is no place at which cargo leaves the belts.
+static void a_belt_outside_of_the_domain_is_warned_of(void **unused)
+{
+    static const vec2 beyond[] = { { 5.0, 0.0 }, { 6.0, 0.0 }, { 6.0, 0.3 }, { 5.0, 0.3 } };
+    static advice given;
+    size_t n = 0;
+    scene s;
+
+    make_scene(&s, false);
+    helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, beyond, 4);
+    helper_scene_resolve(&s);
+    assert_int_equal(advice_of(&s, RUN_MACRO, &given, NULL), BF_OK);
+    for (size_t k = 0; k < given.warnings.n; k++)
+        n += strcmp(given.warnings.items[k].title, "A belt lies outside of the domain") == 0;
+    assert_int_equal(n, 1);
+    for (size_t k = 0; k < given.validity.n_never; k++)
+        assert_int_not_equal(given.validity.never[k].figure, VALIDITY_FALLS);
+    scene_fini(&s);
+}
+
 static void no_memory_is_reported(void **unused)
 {
     bf_status status = BF_ENOMEM;
@@ -362,6 +382,7 @@ int main(void)
         cmocka_unit_test(results_beyond_what_can_be_trusted_are_doubted),
         cmocka_unit_test(a_macroscopic_step_that_may_make_densities_negative_is_warned_of),
         cmocka_unit_test(all_is_warned_of_that_lies_outside_the_validity),
+        cmocka_unit_test(a_belt_outside_of_the_domain_is_warned_of),
         cmocka_unit_test(no_memory_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
