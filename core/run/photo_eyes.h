@@ -2,7 +2,7 @@
 ///
 ///     The state of an eye becomes blocked when its beam has been broken for block_time, and clear when it
 ///     has been free for clear_time, each without interruption, as seen at the ticks of a run.
-///     A beam that was free between two parts since the last tick counts as free at this one.
+///     A beam that was free between two parts since the last tick, for a step of the solver at least, counts as free at this one.
 ///
 /// With a kind of cargo an action acts for each part of that kind: of each part that has broken the beam the eye keeps a state of
 /// its own, which becomes blocked and clear by the same rule, of this part alone. So of two parts that break the beam at once,
