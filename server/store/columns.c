@@ -1,5 +1,7 @@
 #include "server/store/columns.h"
 
+#include "core/base/check.h"
+
 static bf_status check_id(const store__query *q, void *of, bool is_whole, bf_error *err)
 {
     const char *id = of;
@@ -28,6 +30,7 @@ static void read_integer(int64_t value, size_t size, void *to)
 {
     const uint32_t low = (uint32_t)value;
 
+    BF_CHECK(size == sizeof(bool) || size == sizeof low || size == sizeof value);
     if (size == sizeof(bool))
         *(bool *)to = value != 0;
     else if (size == sizeof low)

@@ -314,18 +314,45 @@ static void without_memory_a_batch_is_refused_once(void **state)
     end_outcome(&o);
 }
 
-// A thread that serves clients must come back from a store whose readers hang.
+// A read, and what became of it.
+typedef struct finding {
+    store *store;
+    const char *id;
+    bf_status status;
+} finding;
+
+static void *find_run(void *context)
+{
+    finding *of = context;
+    api_run found;
+
+    of->status = store_find(of->store, of->id, &found, NULL);
+    return NULL;
+}
+
+// Threads that serve clients must come back from a store whose readers hang.
 static void a_read_waits_for_a_reader_for_a_limited_time(void **state)
 {
+    enum { N = 3 };
     store *s = ((helper_store *)*state)->store;
     store__connection *readers[STORE__READERS_MAX];
     api_run record = helper_submit(s, "busy", 0), found;
+    pthread_t threads[N];
+    finding findings[N];
 
     for (int i = 0; i < STORE__READERS_MAX; i++)
         readers[i] = store__acquire_reader(&s->pool);
+    for (int i = 0; i < N; i++) {
+        findings[i] = (finding){ .store = s, .id = record.id };
+        assert_int_equal(pthread_create(&threads[i], NULL, find_run, &findings[i]), 0);
+    }
     int64_t start_ms = clock_monotonic_ms();
     assert_int_equal(store_find(s, record.id, &found, NULL), BF_EBUSY);
     assert_true(clock_monotonic_ms() - start_ms >= STORE__READER_MS);
+    for (int i = 0; i < N; i++) {
+        pthread_join(threads[i], NULL);
+        assert_int_equal(findings[i].status, BF_EBUSY);
+    }
     store__release_reader(&s->pool, readers[0]);
     assert_int_equal(store_find(s, record.id, &found, NULL), BF_OK);
     for (int i = 1; i < STORE__READERS_MAX; i++)
