@@ -288,10 +288,43 @@ static void none_is_wrong_and_none_is_missing(void **state)
     }
 }
 
+// Three belts at three velocities: `dispersive` was compared on one alone, which has words, `congested` on up to two.
+static void a_range_that_another_model_has_more_of_is_told_in_numbers(void **state)
+{
+    static const char *const expected[] = {
+        [SCENE_DISPERSIVE] = "The density model was compared with moving parts for one alone.",
+        [SCENE_CONGESTED] = "The density model was compared with moving parts for up to 2.",
+    };
+    static validity of;
+
+    for (int closure = 0; closure < SCENE_CLOSURE_COUNT; closure++) {
+        bool is_found = false;
+        scene s;
+        helper_scene_example(&s, 60.0, SCENE_SEALED);
+        for (int k = 0; k < 2; k++) {
+            const double y = 0.2 * (k + 1);
+            const vec2 strip[] = { { 0.0, y }, { 1.0, y }, { 1.0, y + 0.2 }, { 0.0, y + 0.2 } };
+            helper_scene_add_belt(&s, (vec2){ 0.41 + 0.01 * k, 0.0 }, strip, 4);
+        }
+        s.macro.closure = (scene_closure)closure;
+        helper_scene_resolve(&s);
+        assert_int_equal(validity_of(&s, &of, NULL), BF_OK);
+        for (size_t k = 0; k < of.n; k++) {
+            if (of.items[k].figure != VALIDITY_BELTS)
+                continue;
+            assert_string_equal(of.items[k].comparison, expected[closure]);
+            is_found = true;
+        }
+        assert_true(is_found);
+        scene_fini(&s);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(none_is_wrong_and_none_is_missing),
+        cmocka_unit_test(a_range_that_another_model_has_more_of_is_told_in_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
