@@ -89,6 +89,26 @@ static void test_a_long_run_is_followed_for_a_part_of_it(void **state)
     scene_fini(&s);
 }
 
+// 5 parts/s that all stay before a plate across the belt: their number rises as the time, up to 750, and none of the run stands for
+// the rest of it.
+static void test_a_queue_that_grows_all_the_time_is_followed_to_the_end(void **state)
+{
+    const vec2 across[] = { { 1.5, 0.0 }, { 1.5, 0.48 } };
+    const double expected = 0.5 * 5.0 * 150.0 * 150.0;
+    scene s;
+
+    make_scene(&s, 150.0);
+    s.initial.type = SCENE_INITIAL_EMPTY;
+    helper_scene_add_obstacle(&s, across, 2, SCENE_SEALED);
+    helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 5.0);
+    s.output.curve_every = s.output.snapshot_every = 1.0;
+    check_scene(&s, RUN_MACRO);
+    const prediction_load load = load_of(&s);
+    assert_near(load.parts, expected, 0.03 * expected);
+    assert_true(load.saturated > 0.7 * expected && load.saturated < load.parts);
+    scene_fini(&s);
+}
+
 static void test_fields_are_made_while_plates_move(void **state)
 {
     const vec2 flap[] = { { 1.5, 0.0 }, { 1.7, 0.0 } };
@@ -231,6 +251,7 @@ int main(void)
         cmocka_unit_test(test_parts_that_leave_stop_to_count),
         cmocka_unit_test(test_parts_that_jam_count_to_the_end),
         cmocka_unit_test(test_a_long_run_is_followed_for_a_part_of_it),
+        cmocka_unit_test(test_a_queue_that_grows_all_the_time_is_followed_to_the_end),
         cmocka_unit_test(test_fields_are_made_while_plates_move),
         cmocka_unit_test(test_tracers_are_there_while_cargo_is_fed),
         cmocka_unit_test(test_kinds_count_where_they_are_told_apart),
