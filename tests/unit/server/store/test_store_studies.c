@@ -624,6 +624,41 @@ static void a_study_goes_with_all_it_has_when_its_runs_have_gone(void **state)
     helper_store_open(h);
 }
 
+static void a_row_that_no_study_or_trial_can_have_is_damage(void **state)
+{
+    static const char *const of_studies[] = { "id = id || '0'", "method = 99", "model = 9",
+                                              "stop_request = 3" };
+    static const char *const of_trials[] = { "model = 9", "parameters = x'00'",
+                                             "vals = zeroblob(8000)" };
+    helper_store *h = *state;
+    const api_study of = start_study(h->store, "", 0);
+    const api_trial_query query = { .order = API_TRIALS_BY_NUMBER, .limit = 1 };
+    reading r = { .n = 0 };
+    char sql[160], id[API_ID_SIZE + 1];
+    api_study found = { .n_trials = 77 };
+
+    assert_int_equal(begin_trials(h->store, &of, 0, 1, NULL), BF_OK);
+    for (size_t k = 0; k < sizeof of_trials / sizeof *of_trials; k++) {
+        snprintf(sql, sizeof sql, "UPDATE trials SET %s", of_trials[k]);
+        helper_store_sql(h, sql);
+        assert_int_equal(store_read_trials(h->store, of.id, &query, take, &r, NULL), BF_ECORRUPT);
+        helper_store_sql(h, "UPDATE trials SET model = 0, parameters = x'', vals = x''");
+    }
+    assert_int_equal(store_read_trials(h->store, of.id, &query, take, &r, NULL), BF_OK);
+    assert_int_equal(r.n, 1);
+    for (size_t k = 0; k < sizeof of_studies / sizeof *of_studies; k++) {
+        snprintf(sql, sizeof sql, "UPDATE studies SET %s", of_studies[k]);
+        helper_store_sql(h, sql);
+        snprintf(id, sizeof id, "%s%s", of.id, k == 0 ? "0" : "");
+        assert_int_equal(store_find_study(h->store, id, &found, NULL), BF_ECORRUPT);
+        snprintf(sql, sizeof sql,
+                 "UPDATE studies SET id = '%s', method = 0, model = 0, stop_request = 0", of.id);
+        helper_store_sql(h, sql);
+    }
+    assert_int_equal(found.n_trials, 77);
+    assert_int_equal(store_find_study(h->store, of.id, &found, NULL), BF_OK);
+}
+
 // The id of a trial that is too long would be cut to that of another run.
 static void damage_in_a_study_removes_no_other_run(void **state)
 {
@@ -723,6 +758,7 @@ int main(void)
         CASE(a_study_is_suspect_when_one_of_its_trials_is),
         CASE(trials_of_a_study_that_rests_are_not_claimable),
         CASE(a_study_goes_with_all_it_has_when_its_runs_have_gone),
+        CASE(a_row_that_no_study_or_trial_can_have_is_damage),
         CASE(damage_in_a_study_removes_no_other_run),
         CASE(lists_of_runs_have_trials_only_where_they_are_asked_for),
         CASE(trials_take_no_room_in_the_queue),
