@@ -54,10 +54,10 @@ bf_status study_front(const study *s, const study_choice *choice, bool *ret_is_o
     candidate *candidates = memory_alloc(choice->end - choice->first + 1, sizeof *candidates);
     size_t n = 0;
 
-    memset(ret_is_on, 0, s->n_points * sizeof *ret_is_on);
-    *ret_n = 0;
     if (candidates == NULL)
         return bf_fail_memory(err);
+    memset(ret_is_on, 0, s->n_points * sizeof *ret_is_on);
+    *ret_n = 0;
     for (size_t point = choice->first; point < choice->end; point++) {
         const candidate c = { point,
                               point != choice->best,
