@@ -4,6 +4,7 @@
 #include "core/base/memory.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /// A copy of n items in memory of its own.
@@ -181,4 +182,27 @@ double helper_scene_draw(bf_random *random, double low, double high, double cell
     default:
         return x;
     }
+}
+
+scene_belt helper_scene_oblique_belt(double acceleration, double deceleration, size_t n,
+                                     double *times, double *factors)
+{
+    return (scene_belt){ .velocity = { 0.3, 0.4 },
+                         .acceleration = acceleration,
+                         .deceleration = deceleration,
+                         .speed_schedule = { n, times, n, factors } };
+}
+
+scene_failure helper_scene_failure(const char *id, scene_drawn_time between,
+                                   scene_drawn_time repair)
+{
+    scene_failure f = { .type = SCENE_FAILURE_DRAWN, .between = between, .repair = repair };
+
+    snprintf(f.id, sizeof f.id, "%s", id);
+    return f;
+}
+
+scene_drawn_time helper_scene_fixed_time(double mean)
+{
+    return (scene_drawn_time){ mean, SCENE_TIME_FIXED, 1.0 };
 }

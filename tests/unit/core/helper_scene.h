@@ -52,3 +52,12 @@ scene_series helper_scene_series(size_t n, const double *times, const double *va
 
 /// A number from low to high; now and then one of the places of a grid of cells, which are the hard cases.
 double helper_scene_draw(bf_random *random, double low, double high, double cell);
+
+/// A belt of 0.3 m/s to the east and 0.4 m/s to the north, 0.5 m/s, and a schedule of its speed; it borrows both arrays.
+scene_belt helper_scene_oblique_belt(double acceleration, double deceleration, size_t n,
+                                     double *times, double *factors);
+
+/// Failures at drawn times, and a time that is always the same.
+scene_failure helper_scene_failure(const char *id, scene_drawn_time between,
+                                   scene_drawn_time repair);
+scene_drawn_time helper_scene_fixed_time(double mean);

@@ -3,21 +3,11 @@
 #include "core/scene/belt_range.h"
 
 #include "core/scene/ranges.h"
+#include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
-
-// 0.3 m/s to the east and 0.4 m/s to the north: 0.5 m/s.
-static scene_belt belt_with(double acceleration, double deceleration, size_t n, double *times,
-                            double *factors)
-{
-    return (scene_belt){ .velocity = { 0.3, 0.4 },
-                         .acceleration = acceleration,
-                         .deceleration = deceleration,
-                         .speed_schedule = { n, times, n, factors } };
-}
 
 static const bf_faults *faults_of(const scene_belt *belt)
 {
@@ -42,9 +32,9 @@ static void accelerations_are_positive(void **state)
     const double bad[] = { 0.0, -1.0, NAN, -INFINITY, 1e300 };
 
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
-        scene_belt belt = belt_with(bad[k], INFINITY, 0, NULL, NULL);
+        scene_belt belt = helper_scene_oblique_belt(bad[k], INFINITY, 0, NULL, NULL);
         assert_fault(&belt, BF_EINPUT, "/b/acceleration_m_s2");
-        belt = belt_with(INFINITY, bad[k], 0, NULL, NULL);
+        belt = helper_scene_oblique_belt(INFINITY, bad[k], 0, NULL, NULL);
         assert_fault(&belt, BF_EINPUT, "/b/deceleration_m_s2");
     }
 }
@@ -75,7 +65,7 @@ static void times_rise_and_factors_are_finite(void **state)
         double times[3], factors[3];
         memcpy(times, schedules[k].times, sizeof times);
         memcpy(factors, schedules[k].factors, sizeof factors);
-        const scene_belt belt = belt_with(1.0, 1.0, 3, times, factors);
+        const scene_belt belt = helper_scene_oblique_belt(1.0, 1.0, 3, times, factors);
         if (schedules[k].pointer != NULL)
             assert_fault(&belt, BF_EINPUT, schedules[k].pointer);
         else
@@ -86,22 +76,22 @@ static void times_rise_and_factors_are_finite(void **state)
 static void there_is_a_factor_for_each_time_and_not_too_many(void **state)
 {
     static double times[SCENE_SPEEDS_MAX + 1], factors[SCENE_SPEEDS_MAX + 1];
-    scene_belt belt = belt_with(1.0, 1.0, 3, times, factors);
+    scene_belt belt = helper_scene_oblique_belt(1.0, 1.0, 3, times, factors);
 
     for (int k = 0; k <= SCENE_SPEEDS_MAX; k++)
         times[k] = k;
     belt.speed_schedule.n_factors = 2;
     assert_fault(&belt, BF_EINPUT, "/b/speed_schedule");
-    belt = belt_with(1.0, 1.0, SCENE_SPEEDS_MAX, times, factors);
+    belt = helper_scene_oblique_belt(1.0, 1.0, SCENE_SPEEDS_MAX, times, factors);
     assert_int_equal(faults_of(&belt)->n, 0);
-    belt = belt_with(1.0, 1.0, SCENE_SPEEDS_MAX + 1, times, factors);
+    belt = helper_scene_oblique_belt(1.0, 1.0, SCENE_SPEEDS_MAX + 1, times, factors);
     assert_fault(&belt, BF_ELIMIT, "/b/speed_schedule");
 }
 
 static void a_belt_may_reverse_by_its_schedule_or_by_a_command(void **state)
 {
     double times[] = { 1.0, 2.0 }, targets[] = { 0.0, 2.0 };
-    scene_belt belt = belt_with(1.0, 1.0, 2, times, targets);
+    scene_belt belt = helper_scene_oblique_belt(1.0, 1.0, 2, times, targets);
 
     assert_false(belt_range_may_reverse(&belt));
     belt.is_commanded = belt.command_reverses = true;
@@ -112,22 +102,9 @@ static void a_belt_may_reverse_by_its_schedule_or_by_a_command(void **state)
     assert_true(belt_range_may_reverse(&belt));
 }
 
-static scene_failure drawn(const char *id, scene_drawn_time between, scene_drawn_time repair)
-{
-    scene_failure f = { .type = SCENE_FAILURE_DRAWN, .between = between, .repair = repair };
-
-    snprintf(f.id, sizeof f.id, "%s", id);
-    return f;
-}
-
-static scene_drawn_time fixed(double mean)
-{
-    return (scene_drawn_time){ mean, SCENE_TIME_FIXED, 1.0 };
-}
-
 static void assert_stops_fault(const scene_stops *stops, bf_status code, const char *pointer)
 {
-    scene_belt belt = belt_with(INFINITY, INFINITY, 0, NULL, NULL);
+    scene_belt belt = helper_scene_oblique_belt(INFINITY, INFINITY, 0, NULL, NULL);
 
     belt.stops = *stops;
     if (pointer != NULL)
@@ -144,16 +121,16 @@ static void times_and_shapes_are_in_range(void **state)
         const char *pointer;
     } cases[] = {
         { good, good, NULL },
-        { fixed(-1.0), good, "/b/failures/0/mtbf_s" },
-        { fixed(0.0), good, "/b/failures/0/mtbf_s" },
-        { good, fixed(0.0), "/b/failures/0/mttr_s" },
-        { good, fixed(NAN), "/b/failures/0/mttr_s" },
+        { helper_scene_fixed_time(-1.0), good, "/b/failures/0/mtbf_s" },
+        { helper_scene_fixed_time(0.0), good, "/b/failures/0/mtbf_s" },
+        { good, helper_scene_fixed_time(0.0), "/b/failures/0/mttr_s" },
+        { good, helper_scene_fixed_time(NAN), "/b/failures/0/mttr_s" },
         { { 9.0, SCENE_TIME_WEIBULL, 0.19 }, good, "/b/failures/0/mtbf_shape" },
         { { 9.0, SCENE_TIME_WEIBULL, 0.2 }, { 9.0, SCENE_TIME_WEIBULL, 100.0 }, NULL },
         { good, { 9.0, SCENE_TIME_WEIBULL, 101.0 }, "/b/failures/0/mttr_shape" },
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scene_failure f = drawn("f", cases[k].between, cases[k].repair);
+        scene_failure f = helper_scene_failure("f", cases[k].between, cases[k].repair);
         assert_stops_fault(&(scene_stops){ .n_failures = 1, .failures = &f, .until = 10.0 },
                            BF_EINPUT, cases[k].pointer);
     }
@@ -199,7 +176,8 @@ static void there_are_not_too_many_stops(void **state)
 {
     static scene_failure many[SCENE_FAILURES_MAX + 1];
     static scene_break breaks[SCENE_BREAKS_MAX + 1];
-    scene_failure f = drawn("f", fixed(0.9), fixed(0.1));
+    scene_failure f =
+        helper_scene_failure("f", helper_scene_fixed_time(0.9), helper_scene_fixed_time(0.1));
     scene_stops stops = { .n_failures = 1, .failures = &f, .until = 1.0 * SCENE_STOPS_MAX };
     assert_stops_fault(&stops, BF_ELIMIT, NULL);
     stops.until += 1.0;

@@ -10,18 +10,6 @@
 #include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
-
-// 0.3 m/s to the east and 0.4 m/s to the north: 0.5 m/s.
-static scene_belt belt_with(double acceleration, double deceleration, size_t n, double *times,
-                            double *factors)
-{
-    return (scene_belt){ .velocity = { 0.3, 0.4 },
-                         .acceleration = acceleration,
-                         .deceleration = deceleration,
-                         .speed_schedule = { n, times, n, factors } };
-}
 
 static belt_speeds speeds_of(const scene_belt *belt)
 {
@@ -43,7 +31,7 @@ static void assert_factors(const belt_speeds *speeds, size_t n, const double (*e
 
 static void without_a_schedule_the_factor_is_1(void **state)
 {
-    const scene_belt belt = belt_with(INFINITY, INFINITY, 0, NULL, NULL);
+    const scene_belt belt = helper_scene_oblique_belt(INFINITY, INFINITY, 0, NULL, NULL);
     belt_speeds speeds = speeds_of(&belt);
     double factors[2];
 
@@ -59,7 +47,7 @@ static void without_a_schedule_the_factor_is_1(void **state)
 static void a_target_is_reached_by_a_ramp(void **state)
 {
     double times[] = { 1.0, 2.0, 4.0 }, targets[] = { 0.5, 1.5, 0.0 };
-    const scene_belt belt = belt_with(1.0, 2.0, 3, times, targets);
+    const scene_belt belt = helper_scene_oblique_belt(1.0, 2.0, 3, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
     ASSERT_FACTORS(&speeds, { 0.0, 1.0 }, { 1.0, 1.0 }, { 1.0625, 0.75 }, { 1.125, 0.5 },
@@ -72,7 +60,7 @@ static void a_target_is_reached_by_a_ramp(void **state)
 static void without_accelerations_the_speed_jumps(void **state)
 {
     double times[] = { 1.0, 2.0 }, targets[] = { 0.0, 2.0 };
-    const scene_belt belt = belt_with(INFINITY, INFINITY, 2, times, targets);
+    const scene_belt belt = helper_scene_oblique_belt(INFINITY, INFINITY, 2, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
     assert_true(belt_speeds_at(&speeds, 0, nextafter(1.0, 0.0)) == 1.0);
@@ -85,7 +73,7 @@ static void without_accelerations_the_speed_jumps(void **state)
 static void a_belt_without_velocity_needs_no_ramp(void **state)
 {
     double times[] = { 1.0 }, targets[] = { 0.25 };
-    scene_belt belt = belt_with(1.0, 1.0, 1, times, targets);
+    scene_belt belt = helper_scene_oblique_belt(1.0, 1.0, 1, times, targets);
 
     belt.velocity = (vec2){ 0.0, 0.0 };
     belt_speeds speeds = speeds_of(&belt);
@@ -97,7 +85,7 @@ static void a_belt_without_velocity_needs_no_ramp(void **state)
 static void a_factor_at_0_holds_from_the_start(void **state)
 {
     double times[] = { 0.0, 1.0 }, targets[] = { 0.0, 0.5 };
-    const scene_belt belt = belt_with(1.0, 1.0, 2, times, targets);
+    const scene_belt belt = helper_scene_oblique_belt(1.0, 1.0, 2, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
     ASSERT_FACTORS(&speeds, { 0.0, 0.0 }, { 1.0, 0.0 }, { 1.125, 0.25 }, { 1.25, 0.5 });
@@ -109,7 +97,7 @@ static void a_factor_at_0_holds_from_the_start(void **state)
 static void a_ramp_that_is_interrupted_goes_on_from_the_speed_it_has(void **state)
 {
     double times[] = { 1.0, 1.5 }, targets[] = { 0.0, 1.0 };
-    const scene_belt belt = belt_with(0.25, 0.5, 2, times, targets);
+    const scene_belt belt = helper_scene_oblique_belt(0.25, 0.5, 2, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
     ASSERT_FACTORS(&speeds, { 1.25, 0.75 }, { 1.5, 0.5 }, { 2.0, 0.75 }, { 2.5, 1.0 },
@@ -121,7 +109,7 @@ static void a_ramp_that_is_interrupted_goes_on_from_the_speed_it_has(void **stat
 static void the_mean_over_a_step_is_the_displacement_in_it(void **state)
 {
     double times[] = { 1.0, 3.0 }, targets[] = { 0.0, 2.0 };
-    const scene_belt belt = belt_with(INFINITY, 2.0, 2, times, targets);
+    const scene_belt belt = helper_scene_oblique_belt(INFINITY, 2.0, 2, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
     assert_near(belt_speeds_mean(&speeds, 0, 0.0, 2.0), 0.5 * (1.0 + 0.125), 1e-15);
@@ -151,8 +139,8 @@ static void random_schedules_agree_with_the_recursion_over_them(void **state)
             targets[k] = k % 5 == 0 ? 0.0 : 2.0 * random_unit(&r);
             t += 0.05 + random_unit(&r);
         }
-        const scene_belt belt =
-            belt_with(0.1 + random_unit(&r), 0.1 + random_unit(&r), TIMES, times, targets);
+        const scene_belt belt = helper_scene_oblique_belt(
+            0.1 + random_unit(&r), 0.1 + random_unit(&r), TIMES, times, targets);
         belt_speeds speeds = speeds_of(&belt);
         const double dt = 0.01 + random_unit(&r);
         for (unsigned long n = 0; (double)n * dt < t; n++) {
@@ -168,8 +156,8 @@ static void random_schedules_agree_with_the_recursion_over_them(void **state)
 static void off_every_belt_the_factor_is_1(void **state)
 {
     double times[] = { 0.0 }, targets[] = { 0.5 };
-    const scene_belt belts[] = { belt_with(1.0, 1.0, 1, times, targets),
-                                 belt_with(1.0, 1.0, 0, NULL, NULL) };
+    const scene_belt belts[] = { helper_scene_oblique_belt(1.0, 1.0, 1, times, targets),
+                                 helper_scene_oblique_belt(1.0, 1.0, 0, NULL, NULL) };
     belt_speeds speeds;
     double factors[3];
 
@@ -183,8 +171,8 @@ static void off_every_belt_the_factor_is_1(void **state)
 static void without_memory_there_are_no_speeds(void **state)
 {
     double times[] = { 1.0 }, targets[] = { 0.5 };
-    const scene_belt belts[] = { belt_with(1.0, 1.0, 1, times, targets),
-                                 belt_with(1.0, 1.0, 1, times, targets) };
+    const scene_belt belts[] = { helper_scene_oblique_belt(1.0, 1.0, 1, times, targets),
+                                 helper_scene_oblique_belt(1.0, 1.0, 1, times, targets) };
 
     for (size_t n = 1; n <= 3; n++) {
         belt_speeds speeds;
@@ -200,7 +188,7 @@ static void without_memory_there_are_no_speeds(void **state)
 static scene_belt commanded_belt(void)
 {
     static double times[] = { 10.0 }, factors[] = { 0.0 };
-    scene_belt belt = belt_with(0.25, 0.5, 1, times, factors);
+    scene_belt belt = helper_scene_oblique_belt(0.25, 0.5, 1, times, factors);
 
     belt.is_commanded = true;
     belt.command_factor = 1.5;
@@ -231,7 +219,7 @@ static void a_belt_stands_between_knots_without_speed(void **state)
 {
     static double times[] = { 0.0, 1.0, 2.5, 5.0, 6.0, 7.0 };
     static double factors[] = { 0.0, 1.0, 0.0, 1.0, 0.0, 1.0 };
-    const scene_belt belt = belt_with(INFINITY, 0.5, 6, times, factors);
+    const scene_belt belt = helper_scene_oblique_belt(INFINITY, 0.5, 6, times, factors);
     const struct {
         double t, until;
         bool stands;
@@ -253,7 +241,7 @@ static void a_belt_stands_between_knots_without_speed(void **state)
 static void a_belt_reverses_over_rest(void **state)
 {
     double times[] = { 2.0, 6.0, 7.5, 8.25 }, targets[] = { -1.0, 0.5, -1.0, -0.25 };
-    scene_belt belt = belt_with(0.25, 0.5, 4, times, targets);
+    scene_belt belt = helper_scene_oblique_belt(0.25, 0.5, 4, times, targets);
     belt_speeds speeds = speeds_of(&belt);
 
     ASSERT_FACTORS(&speeds, { 2.0, 1.0 }, { 2.5, 0.5 }, { 3.0, 0.0 }, { 4.0, -0.5 }, { 5.0, -1.0 },
@@ -285,8 +273,8 @@ static void a_command_reverses_over_rest(void **state)
 
 static void saved_commands_come_back_with_the_same_bits(void **state)
 {
-    const scene_belt belts[] = { belt_with(INFINITY, INFINITY, 0, NULL, NULL), commanded_belt(),
-                                 commanded_belt() };
+    const scene_belt belts[] = { helper_scene_oblique_belt(INFINITY, INFINITY, 0, NULL, NULL),
+                                 commanded_belt(), commanded_belt() };
     belt_speeds speeds, loaded;
     checkpoint_writer w;
     checkpoint_reader r;

@@ -8,9 +8,7 @@
 #include "tests/unit/helper_cmocka.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 // A belt of 0.5 m/s that stops at once.
 static scene_belt belt_with(scene_stops stops)
@@ -18,19 +16,6 @@ static scene_belt belt_with(scene_stops stops)
     return (scene_belt){
         .velocity = { 0.3, 0.4 }, .acceleration = INFINITY, .deceleration = INFINITY, .stops = stops
     };
-}
-
-static scene_failure drawn(const char *id, scene_drawn_time between, scene_drawn_time repair)
-{
-    scene_failure f = { .type = SCENE_FAILURE_DRAWN, .between = between, .repair = repair };
-
-    snprintf(f.id, sizeof f.id, "%s", id);
-    return f;
-}
-
-static scene_drawn_time fixed(double mean)
-{
-    return (scene_drawn_time){ mean, SCENE_TIME_FIXED, 1.0 };
 }
 
 static belt_speeds speeds_of(const scene_belt *belt)
@@ -80,7 +65,8 @@ static void listed_failures_stop_a_belt_with_its_ramps(void **state)
 
 static void a_belt_that_stands_by_its_schedule_does_not_fail(void **state)
 {
-    scene_failure f = drawn("f", fixed(10.0), fixed(2.0));
+    scene_failure f =
+        helper_scene_failure("f", helper_scene_fixed_time(10.0), helper_scene_fixed_time(2.0));
     double times[] = { 4.0, 7.0, 27.0 }, factors[] = { 0.0, 0.5, 0.0 };
     scene_belt belt = belt_with((scene_stops){ .n_failures = 1, .failures = &f, .until = 100.0 });
     belt.speed_schedule = (scene_speed_schedule){ 3, times, 3, factors };
@@ -93,7 +79,8 @@ static void a_belt_that_stands_by_its_schedule_does_not_fail(void **state)
 
 static void a_belt_that_runs_backwards_fails_and_comes_to_rest(void **state)
 {
-    scene_failure f = drawn("f", fixed(10.0), fixed(2.0));
+    scene_failure f =
+        helper_scene_failure("f", helper_scene_fixed_time(10.0), helper_scene_fixed_time(2.0));
     double times[] = { 4.0 }, factors[] = { -1.0 };
     scene_belt belt = belt_with((scene_stops){ .n_failures = 1, .failures = &f, .until = 20.0 });
     belt.speed_schedule = (scene_speed_schedule){ 1, times, 1, factors };
@@ -110,8 +97,10 @@ static void a_belt_that_runs_backwards_fails_and_comes_to_rest(void **state)
 // Failures of "often" at 3, 3 + 1 + 3 = 7 ... of operating time 3 each; "rare" is due after 10 of it.
 static void while_one_failure_lasts_the_others_wait(void **state)
 {
-    scene_failure failures[] = { drawn("often", fixed(3.0), fixed(1.0)),
-                                 drawn("rare", fixed(10.0), fixed(5.0)) };
+    scene_failure failures[] = {
+        helper_scene_failure("often", helper_scene_fixed_time(3.0), helper_scene_fixed_time(1.0)),
+        helper_scene_failure("rare", helper_scene_fixed_time(10.0), helper_scene_fixed_time(5.0))
+    };
     const scene_belt belt =
         belt_with((scene_stops){ .n_failures = 2, .failures = failures, .until = 25.0 });
     belt_speeds speeds = speeds_of(&belt);
@@ -122,8 +111,10 @@ static void while_one_failure_lasts_the_others_wait(void **state)
 
 static void failures_that_are_due_at_once_come_one_after_the_other(void **state)
 {
-    scene_failure failures[] = { drawn("a", fixed(4.0), fixed(1.0)),
-                                 drawn("b", fixed(4.0), fixed(2.0)) };
+    scene_failure failures[] = {
+        helper_scene_failure("a", helper_scene_fixed_time(4.0), helper_scene_fixed_time(1.0)),
+        helper_scene_failure("b", helper_scene_fixed_time(4.0), helper_scene_fixed_time(2.0))
+    };
     const scene_belt belt =
         belt_with((scene_stops){ .n_failures = 2, .failures = failures, .until = 12.0 });
     belt_speeds speeds = speeds_of(&belt);
@@ -134,7 +125,8 @@ static void failures_that_are_due_at_once_come_one_after_the_other(void **state)
 // In a break no operating time passes, and a repair goes on.
 static void breaks_repeat_and_repairs_go_on_in_them(void **state)
 {
-    scene_failure f = drawn("f", fixed(8.5), fixed(3.0));
+    scene_failure f =
+        helper_scene_failure("f", helper_scene_fixed_time(8.5), helper_scene_fixed_time(3.0));
     scene_break breaks[] = { { .start = 10.0, .duration = 5.0, .every = 20.0 },
                              { .start = 0.0, .duration = 1.0, .every = INFINITY } };
     const scene_belt belt = belt_with((scene_stops){
@@ -223,9 +215,9 @@ static void drawn_times_have_their_distributions(void **state)
         double shape_up, shape_down;
     } cases[] = { { 1.0, 2.5 }, { 0.7, 1.0 }, { 3.0, 0.5 } };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        const scene_failure f =
-            drawn("f", (scene_drawn_time){ 40.0, SCENE_TIME_WEIBULL, cases[k].shape_up },
-                  (scene_drawn_time){ 10.0, SCENE_TIME_WEIBULL, cases[k].shape_down });
+        const scene_failure f = helper_scene_failure(
+            "f", (scene_drawn_time){ 40.0, SCENE_TIME_WEIBULL, cases[k].shape_up },
+            (scene_drawn_time){ 10.0, SCENE_TIME_WEIBULL, cases[k].shape_down });
         times all = find_times(&f, 7, 250000.0);
         assert_true(all.n > 4500 && all.n < 5500);
         assert_weibull(all.up, all.n, 40.0, cases[k].shape_up);
@@ -239,7 +231,8 @@ static void draws_follow_the_id_and_the_substream_alone(void **state)
 {
     const scene_drawn_time up = { 40.0, SCENE_TIME_EXPONENTIAL, 1.0 },
                            down = { 10.0, SCENE_TIME_EXPONENTIAL, 1.0 };
-    const scene_failure f = drawn("f", up, down), g = drawn("g", up, down);
+    const scene_failure f = helper_scene_failure("f", up, down),
+                        g = helper_scene_failure("g", up, down);
     times of[] = { find_times(&f, 0, 1000.0), find_times(&f, 0, 1000.0), find_times(&f, 1, 1000.0),
                    find_times(&g, 0, 1000.0) };
     assert_int_equal(of[0].n, of[1].n);
@@ -266,7 +259,8 @@ static scene_belt commanded_belt(scene_failure *f)
 // Failures are due after 10 s of operating time: what was left of it at a command is left after it.
 static void commands_stop_the_clock_and_failures_override_them(void **state)
 {
-    scene_failure f = drawn("f", fixed(10.0), fixed(3.0));
+    scene_failure f =
+        helper_scene_failure("f", helper_scene_fixed_time(10.0), helper_scene_fixed_time(3.0));
     const scene_belt belt = commanded_belt(&f);
     belt_speeds speeds = speeds_of(&belt);
     belt_speeds_command(&speeds, 0, 4.0, 0.0);
@@ -285,8 +279,9 @@ static void commands_stop_the_clock_and_failures_override_them(void **state)
 
 static void a_belt_that_was_commanded_fails_as_before_after_a_checkpoint(void **state)
 {
-    scene_failure f = drawn("f", (scene_drawn_time){ 8.0, SCENE_TIME_EXPONENTIAL, 1.0 },
-                            (scene_drawn_time){ 3.0, SCENE_TIME_WEIBULL, 2.0 });
+    scene_failure f =
+        helper_scene_failure("f", (scene_drawn_time){ 8.0, SCENE_TIME_EXPONENTIAL, 1.0 },
+                             (scene_drawn_time){ 3.0, SCENE_TIME_WEIBULL, 2.0 });
     const scene_belt belt = commanded_belt(&f);
     belt_speeds speeds = speeds_of(&belt);
     for (int n = 0; n < 12; n++) {
@@ -312,7 +307,8 @@ static void a_belt_that_was_commanded_fails_as_before_after_a_checkpoint(void **
 
 static void without_memory_there_are_no_stops(void **state)
 {
-    scene_failure f = drawn("f", fixed(10.0), fixed(3.0));
+    scene_failure f =
+        helper_scene_failure("f", helper_scene_fixed_time(10.0), helper_scene_fixed_time(3.0));
     const scene_belt belt =
         belt_with((scene_stops){ .n_failures = 1, .failures = &f, .until = 50.0 });
     for (size_t n = 1; n <= 3; n++) {
