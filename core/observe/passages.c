@@ -75,7 +75,8 @@ bf_status passages_see(passages *p, double t, const passages_view *view, size_t 
             figures_eye_end(f, eye, all[k].travel);
     }
     memory_free(all);
-    *ret_free = gap > 0.0 ? gap / (travel - p->travel) * (t - p->t) : 0.0;
+    // Of a belt that went back, or there and back, nothing is known between the ticks.
+    *ret_free = gap > 0.0 && travel > p->travel ? gap / (travel - p->travel) * (t - p->t) : 0.0;
     p->t = t;
     p->travel = travel;
     p->belt_speed = view->belt_speed;

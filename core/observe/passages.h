@@ -47,7 +47,8 @@ typedef struct passages {
 void passages_fini(passages *p);
 
 /// Tell what an eye sees at a tick, t rising; the figures get what began and ended since the last one, in the order of
-/// travel. *ret_free is for how long the beam was free between two parts since then, s, the longest such time. BF_ENOMEM.
+/// travel. *ret_free is for how long the beam was free between two parts since then, s, the longest such time; 0 of a belt that went back.
+/// BF_ENOMEM.
 BF_MUST_CHECK bf_status passages_see(passages *p, double t, const passages_view *view, size_t eye,
                                      figures *f, double *ret_free, bf_error *err);
 

@@ -113,6 +113,17 @@ static void a_belt_that_stands_leaves_nothing_free(void **state)
     end(&x);
 }
 
+// There and back by as much: the gap of two parts over a travel of 0 is no time.
+static void a_belt_that_turns_back_leaves_nothing_free(void **state)
+{
+    const passages_part seven = { 7, 0.05, 0.02 }, three = { 3, 0.05, 0.1 };
+    fixture x;
+    begin(&x);
+    (void)see(&x, 0.1, 0.5, 1, &seven);
+    assert_near(see(&x, 0.2, -0.5, 1, &three), 0.0, 0.0);
+    end(&x);
+}
+
 // Parts 1 and 2 break the beam together; 3 comes alone.
 static void parts_side_by_side_are_doubles(void **state)
 {
@@ -207,6 +218,7 @@ int main(void)
         cmocka_unit_test(what_happens_between_two_ticks_is_put_in_order),
         cmocka_unit_test(gaps_between_two_ticks_are_told),
         cmocka_unit_test(a_belt_that_stands_leaves_nothing_free),
+        cmocka_unit_test(a_belt_that_turns_back_leaves_nothing_free),
         cmocka_unit_test(parts_side_by_side_are_doubles),
         cmocka_unit_test(a_belt_that_stands_makes_no_gap),
         cmocka_unit_test(a_part_that_stands_has_no_end),
