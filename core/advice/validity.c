@@ -75,8 +75,8 @@ static void collect(const scene *s, const validity__findings *f, validity *out)
     out->falls = f->falls;
     out->is_compared = out->n == 0 && out->n_never == 0;
     values_of(f, values);
-    if (s->n_sinks ==
-        0) // rates of the scenes that were compared are those of what leaves over a side
+    // Rates of the scenes that were compared are those of what leaves over a side.
+    if (s->n_sinks == 0)
         comparisons_find(f->subject, values, &out->like);
 }
 

@@ -55,8 +55,10 @@ static vec2 end_of_way(const scene *s, const scene_feed *feed, vec2 from, vec2 t
                 continue;
             for (int i = 0; i < HALVINGS; i++) {
                 const double middle = 0.5 * (low + part);
-                const bool closes = is_closed(feed, &around, way, middle, radius, plate);
-                *(closes ? &part : &low) = middle;
+                if (is_closed(feed, &around, way, middle, radius, plate))
+                    part = middle;
+                else
+                    low = middle;
             }
             part = low;
         }
