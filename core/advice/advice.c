@@ -33,18 +33,17 @@ unsigned advice_doubts(run_model model, const frame_end *end)
 static void review_opening(const scene *s, const layout *of, review_warnings *ret_warnings)
 {
     const double radius = mix_inner_radii_of(s).largest, opening = of->opening.value;
-    char pointer[BF_POINTER_SIZE], width[NUMBER_TEXT_SIZE], least[NUMBER_TEXT_SIZE];
+    char width[NUMBER_TEXT_SIZE], least[NUMBER_TEXT_SIZE];
 
     // One of 0 is closed, not narrow: validity says so.
     if (opening == 0.0 || opening >= layout_least_width(radius))
         return;
-    snprintf(pointer, sizeof pointer, "/obstacles/%zu", of->opening.index);
-    review_warning *item =
-        review_add(ret_warnings, pointer, "Parts do not fit through the narrowest opening");
-    snprintf(item->meaning, sizeof item->meaning,
-             "It is %s m wide, and parts are up to %s m wide where they are narrowest: those that "
-             "have no other way stay before it.",
-             number_text(opening, DIGITS, width), number_text(2.0 * radius, DIGITS, least));
+    review_explain(
+        review_add(ret_warnings, "Parts do not fit through the narrowest opening", "/obstacles/%zu",
+                   of->opening.index),
+        "It is %s m wide, and parts are up to %s m wide where they are narrowest: those that "
+        "have no other way stay before it.",
+        number_text(opening, DIGITS, width), number_text(2.0 * radius, DIGITS, least));
 }
 
 static void review_step(const scene *s, review_warnings *ret_warnings)
@@ -54,10 +53,10 @@ static void review_step(const scene *s, review_warnings *ret_warnings)
     if (step < positive)
         return;
     review_warning *item =
-        review_add(ret_warnings, "/macro/step_s", "The time step of the density model is long");
-    snprintf(item->meaning, sizeof item->meaning,
-             "Densities may become negative, and the figures wrong: choose a shorter step, or "
-             "leave the choice to the program.");
+        review_add(ret_warnings, "The time step of the density model is long", "/macro/step_s");
+    review_explain(
+        item, "Densities may become negative, and the figures wrong: choose a shorter step, or "
+              "leave the choice to the program.");
     snprintf(item->detail, sizeof item->detail, "The step is %.6g s, and not below %.6g s.", step,
              positive);
 }
@@ -67,8 +66,8 @@ static void warn_of_items(const validity_item *items, size_t n, review_warnings 
     for (size_t k = 0; k < n; k++) {
         if (items[k].figure == VALIDITY_OVERLAP || items[k].figure == VALIDITY_FALLS)
             continue; // review_hardness() and the falls say so
-        review_warning *item = review_add(ret_warnings, items[k].pointer, items[k].title);
-        snprintf(item->meaning, sizeof item->meaning, "%s", items[k].meaning);
+        review_warning *item = review_add(ret_warnings, items[k].title, "%s", items[k].pointer);
+        review_explain(item, "%s", items[k].meaning);
         snprintf(item->detail, sizeof item->detail, "%s", items[k].comparison);
     }
 }
@@ -81,12 +80,14 @@ static void review_hardness(const scene *s, double overlap, double reduction,
 
     if (overlap <= advice_overlap_trusted)
         return;
-    review_warning *item = review_add(ret_warnings, "/micro/modulus_reduction",
-                                      "Parts are softer than the load of a queue needs");
-    snprintf(item->meaning, sizeof item->meaning,
-             "A queue may press them into each other and into plates: more come through than in "
-             "reality, and beyond %.3g %% of a radius the run fails.",
-             100.0 * s->micro.overlap_limit);
+    review_warning *item =
+        review_add(ret_warnings, "Parts are softer than the load of a queue needs",
+                   "/micro/modulus_reduction");
+    review_explain(
+        item,
+        "A queue may press them into each other and into plates: more come through than in "
+        "reality, and beyond %.3g %% of a radius the run fails.",
+        100.0 * s->micro.overlap_limit);
     snprintf(item->detail, sizeof item->detail,
              "With moduli divided by %s an overlap of %.3g %% of the smallest radius is to be "
              "expected, more than %.3g %%.%s",

@@ -1,20 +1,33 @@
 #include "core/advice/review.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 
-review_warning *review_add(review_warnings *w, const char *pointer, const char *title)
+review_warning *review_add(review_warnings *w, const char *title, const char *pointer, ...)
 {
     review_warning *item = &w->items[w->n];
+    va_list args;
 
     *item = (review_warning){ 0 };
     snprintf(item->title, sizeof item->title, "%s", title);
-    snprintf(item->pointer, sizeof item->pointer, "%s", pointer);
+    va_start(args, pointer);
+    vsnprintf(item->pointer, sizeof item->pointer, pointer, args);
+    va_end(args);
     w->n += w->n < REVIEW_WARNINGS_MAX;
     return item;
+}
+
+void review_explain(review_warning *item, const char *meaning, ...)
+{
+    va_list args;
+
+    va_start(args, meaning);
+    vsnprintf(item->meaning, sizeof item->meaning, meaning, args);
+    va_end(args);
 }
 
 void review_append(review_warnings *w, const review_warnings *others)
 {
     for (size_t k = 0; k < others->n; k++)
-        *review_add(w, "", "") = others->items[k];
+        *review_add(w, "", "%s", others->items[k].pointer) = others->items[k];
 }

@@ -27,8 +27,13 @@ typedef struct review_warnings {
     review_warning items[REVIEW_WARNINGS_MAX + 1]; ///< the last one takes what is dropped
 } review_warnings;
 
-/// Add a warning with title and pointer, and return it: the caller writes its meaning and detail.
-review_warning *review_add(review_warnings *w, const char *pointer, const char *title);
+/// Add a warning with a title about what a pointer, given by its format, leads to, and return it.
+review_warning *review_add(review_warnings *w, const char *title, const char *pointer, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/// Write its meaning.
+void review_explain(review_warning *item, const char *meaning, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /// Add all of the others.
 void review_append(review_warnings *w, const review_warnings *others);

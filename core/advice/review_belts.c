@@ -8,7 +8,6 @@
 #include "core/scene/surroundings.h"
 
 #include <math.h>
-#include <stdio.h>
 
 enum {
     BORDER_POINTS = 101, ///< of a border that are looked at
@@ -83,14 +82,10 @@ static bool leaves_at(const borders *b, size_t belt, vec2 at, vec2 out, vec2 way
 
 static void warn(const scene *s, size_t belt, vec2 at, review_warnings *ret_warnings)
 {
-    char pointer[BF_POINTER_SIZE];
-
     const size_t of = scene_belt_of(s, belt);
-    snprintf(pointer, sizeof pointer, "/belts/%zu/%s", of,
-             s->belts[of].path.n_points > 0 ? "path" : "polygon_m");
-    review_warning *item = review_add(ret_warnings, pointer, "Cargo leaves the belts");
-    snprintf(
-        item->meaning, sizeof item->meaning,
+    review_explain(
+        review_add(ret_warnings, "Cargo leaves the belts", "/belts/%zu/%s", of,
+                   s->belts[of].path.n_points > 0 ? "path" : "polygon_m"),
         "The belt '%s' carries cargo over its border at (%.4g, %.4g) m to where no belt is: it "
         "falls there, and counts as fallen, not as throughput. Gaps narrower than the radius "
         "of the smallest part are bridged.",
@@ -139,11 +134,11 @@ static bf_status review_parts(borders *b, review_warnings *ret_warnings, bf_erro
         n_off++;
     }
     if (n_off > 0 && b->steps <= STEPS_MAX) {
-        review_warning *item = review_add(ret_warnings, "/initial", "Cargo starts off every belt");
-        snprintf(item->meaning, sizeof item->meaning,
-                 "%zu of %zu parts start where no belt is, the first one at (%.4g, %.4g) m: they "
-                 "fall at once.",
-                 n_off, placed.n, placed.poses[first].x, placed.poses[first].y);
+        review_explain(
+            review_add(ret_warnings, "Cargo starts off every belt", "/initial"),
+            "%zu of %zu parts start where no belt is, the first one at (%.4g, %.4g) m: they "
+            "fall at once.",
+            n_off, placed.n, placed.poses[first].x, placed.poses[first].y);
     }
     placement_fini(&placed);
     return BF_OK;
@@ -160,22 +155,17 @@ static bool is_outside(const scene *s, const scene_belt *section)
 
 void review_belts_outside(const scene *s, review_warnings *ret_warnings)
 {
-    char pointer[BF_POINTER_SIZE];
-
     for (size_t k = 0; k < s->n_belts; k++) {
         bool is_one_inside = false;
         for (size_t m = 0; m < s->n_sections && !is_one_inside; m++)
             is_one_inside = scene_belt_of(s, m) == k && !is_outside(s, &s->belts[m]);
         if (is_one_inside)
             continue;
-        snprintf(pointer, sizeof pointer, "/belts/%zu", k);
-        review_warning *item =
-            review_add(ret_warnings, pointer, "A belt lies outside of the domain");
-        snprintf(item->meaning, sizeof item->meaning,
-                 "The belt '%s' carries nothing: the domain is %.6g m to %.6g m by %.6g m to "
-                 "%.6g m.",
-                 s->belts[k].id, s->domain.x_min, s->domain.x_max, s->domain.y_min,
-                 s->domain.y_max);
+        review_explain(
+            review_add(ret_warnings, "A belt lies outside of the domain", "/belts/%zu", k),
+            "The belt '%s' carries nothing: the domain is %.6g m to %.6g m by %.6g m to "
+            "%.6g m.",
+            s->belts[k].id, s->domain.x_min, s->domain.x_max, s->domain.y_min, s->domain.y_max);
     }
 }
 

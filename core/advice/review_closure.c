@@ -14,9 +14,8 @@ static void add_unused(const char *pointer, const char *member, const char *clos
     char title[REVIEW_TEXT_SIZE];
 
     snprintf(title, sizeof title, "'%s' has no effect on the density model", member);
-    review_warning *item = review_add(ret_warnings, pointer, title);
-    snprintf(item->meaning, sizeof item->meaning,
-             "Only the closure '%s' uses it: leave it out, or choose that closure.", closure);
+    review_explain(review_add(ret_warnings, title, "%s", pointer),
+                   "Only the closure '%s' uses it: leave it out, or choose that closure.", closure);
 }
 
 static void review_macro(const scene *s, review_warnings *ret_warnings)
@@ -69,11 +68,10 @@ static void review_cell(const scene *s, review_warnings *ret_warnings)
 
     if (wanted == 0.0 || off <= fitted_most * wanted)
         return;
-    review_warning *item = review_add(ret_warnings, "/macro/cell_m",
-                                      "The domain is not a whole number of cells of this size");
-    snprintf(item->meaning, sizeof item->meaning,
-             "The density model has cells of %.4g m x %.4g m instead of %.4g m.", c.d1, c.d2,
-             wanted);
+    review_explain(
+        review_add(ret_warnings, "The domain is not a whole number of cells of this size",
+                   "/macro/cell_m"),
+        "The density model has cells of %.4g m x %.4g m instead of %.4g m.", c.d1, c.d2, wanted);
 }
 
 void review_closure(const scene *s, review_warnings *ret_warnings)

@@ -8,7 +8,6 @@
 #include "core/scene/surroundings.h"
 
 #include <math.h>
-#include <stdio.h>
 
 enum { DIGITS = 4 };          ///< of numbers in sentences
 enum { LEAST_FAILURES = 10 }; ///< of a kind in a run: their number is then known to a third
@@ -20,7 +19,6 @@ static bf_status review_rate(const scene *s, size_t k, review_warnings *ret_warn
     static const char *const members[SCENE_DEMAND_COUNT] = { "rate_per_s", "profile", "schedule" };
     const scene_feed *feed = &s->feeds[k];
     const double capacity = feed_capacity(s, feed);
-    char pointer[BF_POINTER_SIZE];
     feed_arrivals *arrivals;
 
     bf_status status = feed_arrivals_create(feed, s->substream, &arrivals, err);
@@ -28,16 +26,15 @@ static bf_status review_rate(const scene *s, size_t k, review_warnings *ret_warn
         return status;
     const double rate = feed_arrivals_largest_rate(arrivals);
     feed_arrivals_destroy(arrivals);
-    snprintf(pointer, sizeof pointer, "/feeds/%zu/%s", k, members[feed->demand]);
     if (rate <= capacity)
         return BF_OK;
     char due[NUMBER_TEXT_SIZE], carried[NUMBER_TEXT_SIZE];
-    review_warning *item =
-        review_add(ret_warnings, pointer, "More parts arrive than the belt carries away");
-    snprintf(item->meaning, sizeof item->meaning,
-             "The feed '%s' delivers up to %s parts/s, but belts carry at most %s parts/s "
-             "away from its line: the others wait.",
-             feed->id, number_text(rate, DIGITS, due), number_text(capacity, DIGITS, carried));
+    review_explain(review_add(ret_warnings, "More parts arrive than the belt carries away",
+                              "/feeds/%zu/%s", k, members[feed->demand]),
+                   "The feed '%s' delivers up to %s parts/s, but belts carry at most %s parts/s "
+                   "away from its line: the others wait.",
+                   feed->id, number_text(rate, DIGITS, due),
+                   number_text(capacity, DIGITS, carried));
     return BF_OK;
 }
 
@@ -89,8 +86,6 @@ static bool stays(const standing *c, size_t belt)
 /// Warn of photo eyes that command something and lie beside all belts.
 static void review_beams(const standing *c, review_warnings *ret_warnings)
 {
-    char pointer[BF_POINTER_SIZE];
-
     for (size_t e = 0; e < c->s->n_eyes; e++) {
         bool commands = false, crosses = false;
         for (size_t k = 0; k < c->s->n_actions; k++)
@@ -102,33 +97,29 @@ static void review_beams(const standing *c, review_warnings *ret_warnings)
             crosses = crosses || c->crosses[e][k];
         if (!commands || crosses)
             continue;
-        snprintf(pointer, sizeof pointer, "/photo_eyes/%zu/line_m", e);
-        review_warning *item =
-            review_add(ret_warnings, pointer, "A photo eye lies beside the belts");
-        snprintf(item->meaning, sizeof item->meaning,
-                 "No cargo is carried through the beam of '%s', so that nothing it commands will "
-                 "happen.",
-                 c->s->eyes[e].id);
+        review_explain(
+            review_add(ret_warnings, "A photo eye lies beside the belts", "/photo_eyes/%zu/line_m",
+                       e),
+            "No cargo is carried through the beam of '%s', so that nothing it commands will "
+            "happen.",
+            c->s->eyes[e].id);
     }
 }
 
 /// Warn of lanes whose parts their photo eyes do not see.
 static void review_lanes(const standing *c, review_warnings *ret_warnings)
 {
-    char pointer[BF_POINTER_SIZE];
-
     for (size_t k = 0; k < c->s->n_merges; k++) {
         for (size_t i = 0; i < c->s->merges[k].n_lanes; i++) {
             const scene_lane *lane = &c->s->merges[k].lanes[i];
             if (c->crosses[lane->eye][lane->belt])
                 continue;
-            snprintf(pointer, sizeof pointer, "/merges/%zu/lanes/%zu/photo_eye", k, i);
-            review_warning *item =
-                review_add(ret_warnings, pointer, "A lane does not come to its photo eye");
-            snprintf(item->meaning, sizeof item->meaning,
-                     "The beam of '%s' does not cross the belt '%s', which stops and goes by what "
-                     "is in it.",
-                     c->s->eyes[lane->eye].id, c->s->belts[lane->belt].id);
+            review_explain(
+                review_add(ret_warnings, "A lane does not come to its photo eye",
+                           "/merges/%zu/lanes/%zu/photo_eye", k, i),
+                "The beam of '%s' does not cross the belt '%s', which stops and goes by what "
+                "is in it.",
+                c->s->eyes[lane->eye].id, c->s->belts[lane->belt].id);
         }
     }
 }
@@ -138,7 +129,6 @@ static void review_lanes(const standing *c, review_warnings *ret_warnings)
 static void review_actions(const scene *s, review_warnings *ret_warnings)
 {
     standing c = { .s = s };
-    char pointer[BF_POINTER_SIZE];
     bool changes = true;
 
     if (s->n_actions == 0 && s->n_merges == 0)
@@ -179,12 +169,11 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
         const scene_action *a = &s->actions[k];
         if (!stops_itself(&c, a))
             continue;
-        snprintf(pointer, sizeof pointer, "/actions/%zu", k);
-        review_warning *item = review_add(ret_warnings, pointer, "Actions in a circle stop a belt");
-        snprintf(item->meaning, sizeof item->meaning,
-                 "Cargo in the beam of '%s' stops the belt '%s' under it, which nothing but photo "
-                 "eyes above standing belts starts again.",
-                 s->eyes[a->eye].id, s->belts[a->target].id);
+        review_explain(
+            review_add(ret_warnings, "Actions in a circle stop a belt", "/actions/%zu", k),
+            "Cargo in the beam of '%s' stops the belt '%s' under it, which nothing but photo "
+            "eyes above standing belts starts again.",
+            s->eyes[a->eye].id, s->belts[a->target].id);
     }
 }
 
@@ -192,8 +181,7 @@ static void review_actions(const scene *s, review_warnings *ret_warnings)
 static void review_failures(const scene *s, review_warnings *ret_warnings)
 {
     const double lasts = fmax(s->duration - s->warmup, 0.0);
-    char pointer[BF_POINTER_SIZE], every[NUMBER_TEXT_SIZE], expected[NUMBER_TEXT_SIZE],
-        needed[NUMBER_TEXT_SIZE];
+    char every[NUMBER_TEXT_SIZE], expected[NUMBER_TEXT_SIZE], needed[NUMBER_TEXT_SIZE];
 
     for (size_t k = 0; k < figure_items(s, FIGURE_OF_FAILURE); k++) {
         size_t i;
@@ -202,11 +190,9 @@ static void review_failures(const scene *s, review_warnings *ret_warnings)
         const double cycle = f->between.mean + f->repair.mean;
         if (f->type != SCENE_FAILURE_DRAWN || lasts >= LEAST_FAILURES * cycle)
             continue;
-        snprintf(pointer, sizeof pointer, "/belts/%zu/failures/%zu/mtbf_s", belt, i);
-        review_warning *item =
-            review_add(ret_warnings, pointer, "The run is too short to see what failures do");
-        snprintf(
-            item->meaning, sizeof item->meaning,
+        review_explain(
+            review_add(ret_warnings, "The run is too short to see what failures do",
+                       "/belts/%zu/failures/%zu/mtbf_s", belt, i),
             "'%s' stops the belt '%s' every %s s, so that the run has about %s of them after "
             "its warm-up, and its figures are those of chance: about %s s are needed for %d, or "
             "as many in replications.",

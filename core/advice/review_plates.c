@@ -117,7 +117,7 @@ static void explain_foot(plates *p, const scene_obstacle *obstacle, vec2 at, cha
 static void review_parts(plates *p, size_t k, review_warnings *ret_warnings)
 {
     const scene_obstacle *obstacle = &p->s->obstacles[k];
-    char pointer[BF_POINTER_SIZE], why[128];
+    char why[128];
     size_t n_behind = 0;
     vec2 found = { 0.0, 0.0 };
 
@@ -131,18 +131,16 @@ static void review_parts(plates *p, size_t k, review_warnings *ret_warnings)
     if (n_behind == 0 || p->steps > STEPS_MAX)
         return;
     explain_foot(p, obstacle, found, why, sizeof why);
-    snprintf(pointer, sizeof pointer, "/obstacles/%zu", k);
-    review_warning *item = review_add(ret_warnings, pointer, "Cargo starts behind a deflector");
-    snprintf(item->meaning, sizeof item->meaning,
-             "%zu of %zu parts start behind '%s', which does not hold them back: %s.", n_behind,
-             p->placement.n, obstacle->id, why);
+    review_explain(review_add(ret_warnings, "Cargo starts behind a deflector", "/obstacles/%zu", k),
+                   "%zu of %zu parts start behind '%s', which does not hold them back: %s.",
+                   n_behind, p->placement.n, obstacle->id, why);
 }
 
 /// A feed on a line inside may deliver behind a plate on purpose: then all of its line is there.
 static void review_feed(plates *p, size_t k, const scene_feed *feed, review_warnings *ret_warnings)
 {
     const scene_obstacle *obstacle = &p->s->obstacles[k];
-    char pointer[BF_POINTER_SIZE], why[128];
+    char why[128];
     size_t n_behind = 0;
     vec2 found = { 0.0, 0.0 };
 
@@ -158,12 +156,11 @@ static void review_feed(plates *p, size_t k, const scene_feed *feed, review_warn
     if (n_behind == 0 || (n_behind == LINE_POINTS && !feed->is_edge) || p->steps > STEPS_MAX)
         return;
     explain_foot(p, obstacle, found, why, sizeof why);
-    snprintf(pointer, sizeof pointer, "/obstacles/%zu", k);
-    review_warning *item = review_add(ret_warnings, pointer, "Cargo enters behind a deflector");
-    snprintf(item->meaning, sizeof item->meaning,
-             "%zu %% of the line of the feed '%s' lie behind '%s', which does not hold back what "
-             "enters there: %s.",
-             (100 * n_behind + LINE_POINTS / 2) / LINE_POINTS, feed->id, obstacle->id, why);
+    review_explain(
+        review_add(ret_warnings, "Cargo enters behind a deflector", "/obstacles/%zu", k),
+        "%zu %% of the line of the feed '%s' lie behind '%s', which does not hold back what "
+        "enters there: %s.",
+        (100 * n_behind + LINE_POINTS / 2) / LINE_POINTS, feed->id, obstacle->id, why);
 }
 
 /// True if the belt runs over the open side beyond which a place lies.
@@ -183,19 +180,17 @@ static bool leaves_there(const plates *p, vec2 at, vec2 belt)
 static bool review_end(plates *p, size_t k, vec2 before, vec2 end, review_warnings *ret_warnings)
 {
     const vec2 belt = direction_of(p, before), piece = vec2_sub(end, before);
-    char pointer[BF_POINTER_SIZE];
 
     if (is_beyond(p, before) || vec2_dot(piece, belt) <= 0.0 ||
         fabs(vec2_cross(piece, belt)) <= SURROUNDINGS_GUIDE_SINE * vec2_length(piece) ||
         !leaves_there(p, end, belt))
         return false;
-    snprintf(pointer, sizeof pointer, "/obstacles/%zu", k);
     const vec2 said = rounded(end);
-    review_warning *item = review_add(ret_warnings, pointer, "A deflector ends off the belt");
-    snprintf(item->meaning, sizeof item->meaning,
-             "'%s' leads cargo to its end at (%.3g, %.3g) m, which lies off the belt: cargo passes "
-             "it where the belt ends.",
-             p->s->obstacles[k].id, said.x, said.y);
+    review_explain(
+        review_add(ret_warnings, "A deflector ends off the belt", "/obstacles/%zu", k),
+        "'%s' leads cargo to its end at (%.3g, %.3g) m, which lies off the belt: cargo passes "
+        "it where the belt ends.",
+        p->s->obstacles[k].id, said.x, said.y);
     return true;
 }
 
@@ -212,11 +207,11 @@ static bool review_shift(const plates *p, size_t k, vec2 shift, const char *poin
 
     if (vec2_length(to) <= 2.0 * radius)
         return false;
-    review_warning *item = review_add(ret_warnings, pointer, "A plate is shifted far off the line");
-    snprintf(item->meaning, sizeof item->meaning,
-             "'%s' is shifted by (%.3g, %.3g) m, to where it is %.3g m off the domain: nothing is "
-             "there that it could hold or push.",
-             o->id, shift.x, shift.y, vec2_length(to));
+    review_explain(
+        review_add(ret_warnings, "A plate is shifted far off the line", "%s", pointer),
+        "'%s' is shifted by (%.3g, %.3g) m, to where it is %.3g m off the domain: nothing is "
+        "there that it could hold or push.",
+        o->id, shift.x, shift.y, vec2_length(to));
     return true;
 }
 

@@ -4,7 +4,6 @@
 #include "core/scene/surroundings.h"
 
 #include <math.h>
-#include <stdio.h>
 
 enum { PLACES_ALONG = 64, PLACES_ACROSS = 17 }; // of the rectangle about a sink that are looked at
 
@@ -58,7 +57,6 @@ static bf_grid places_of(const scene_sink *sink)
 bf_status review_sinks(const scene *s, review_warnings *ret_warnings, bf_error *err)
 {
     search f = { .around = surroundings_of(s), .domain = &s->domain, .steps_of_place = 1.0 };
-    char pointer[BF_POINTER_SIZE];
 
     for (size_t k = 0; k < s->n_sections; k++)
         f.steps_of_place += 1.0 + (double)s->belts[k].n_points;
@@ -69,11 +67,10 @@ bf_status review_sinks(const scene *s, review_warnings *ret_warnings, bf_error *
             return bf_fail(err, BF_ENOMEM, "", "no memory for the review of sinks");
         if (f.is_crossed || f.is_left_out)
             continue;
-        snprintf(pointer, sizeof pointer, "/sinks/%zu/polygon_m", k);
-        review_warning *item = review_add(ret_warnings, pointer, "No belt carries goods to a sink");
-        snprintf(item->meaning, sizeof item->meaning,
-                 "No belt moves under the sink '%s': it takes what is pushed there, if anything.",
-                 s->sinks[k].id);
+        review_explain(
+            review_add(ret_warnings, "No belt carries goods to a sink", "/sinks/%zu/polygon_m", k),
+            "No belt moves under the sink '%s': it takes what is pushed there, if anything.",
+            s->sinks[k].id);
     }
     return BF_OK;
 }

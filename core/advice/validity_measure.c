@@ -6,9 +6,9 @@
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
 #include "core/feed/arrivals.h"
-#include "core/feed/capacity.h"
 #include "core/scene/belt_range.h"
 #include "core/scene/belt_slope.h"
+#include "core/scene/feed_line.h"
 #include "core/scene/mix.h"
 #include "core/scene/plate_pose.h"
 #include "core/scene/plate_range.h"
@@ -248,7 +248,7 @@ static double carried_rate(const measures *f, const surroundings *around, const 
         return 0.0;
     const vec2 velocity = surroundings_velocity_at(around, under, middle);
     vec2 line[2];
-    feed_wide_line(f->s, feed, line);
+    feed_line_widened(f->s, feed, line);
     const double across = fabs(vec2_cross(velocity, vec2_sub(line[1], line[0])));
     return fmin(scene_packing_density(f->s) * across, belt_capacity(f->s, &around->belts[under]));
 }

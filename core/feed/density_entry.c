@@ -2,8 +2,8 @@
 
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
-#include "core/feed/capacity.h"
 #include "core/feed/line_cells.h"
+#include "core/scene/feed_line.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -101,7 +101,7 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
     line_cell *cells = NULL;
     vec2 inward = { 0.0, 0.0 }, line[2];
 
-    feed_wide_line(d->scene, f, line);
+    feed_line_widened(d->scene, f, line);
     // A line on a side lies in the cells beside it, not on their border.
     if (f->is_edge)
         inward = surroundings_side(&around, f->edge).inward;

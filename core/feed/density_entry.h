@@ -1,7 +1,7 @@
 /// How the parts of feeds enter the macroscopic model: as a density in the cells of their lines.
 ///
 /// With Lambda of arrivals.h, at a time t a feed has offered Lambda(t) parts, of which S were admitted or discarded.
-/// The rest, Lambda(t) - S, is spread over the cells that its line, as wide as a part at least (capacity.h), crosses in proportion to the line's length w_k in
+/// The rest, Lambda(t) - S, is spread over the cells that its line, as wide as a part at least (feed_line_widened()), crosses in proportion to the line's length w_k in
 /// each. Cell k takes at most its room; what some cannot take goes to the others in proportion ("water filling"), so
 /// that it gets min(room_k, w_k h) with the h at which everything, or all room, is used:
 ///

@@ -116,9 +116,8 @@ BF_MUST_CHECK bf_status macro_create(const macro_def *def, macro_solver **ret_so
 /// Free a solver and what it owns. NULL is fine. Always returns NULL.
 macro_solver *macro_destroy(macro_solver *s);
 
-/// Copy n = n1 * n2 densities in. BF_EINPUT: wrong n, or a value negative or not finite.
-BF_MUST_CHECK bf_status macro_set_density(macro_solver *s, const double *rho, size_t n,
-                                          bf_error *err);
+/// Copy n1 * n2 densities in, finite and not negative.
+void macro_set_density(macro_solver *s, const double *rho);
 
 /// Add a density to a cell, layout of grid.h, between two steps; one below 0 takes some of what there is. Of kinds it has the
 /// given fractions, n_kinds of the sum 1; NULL: those of the cell.

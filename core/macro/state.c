@@ -70,14 +70,8 @@ static void take_density(macro_solver *s, const char *rho)
     }
 }
 
-bf_status macro_set_density(macro_solver *s, const double *rho, size_t n, bf_error *err)
+void macro_set_density(macro_solver *s, const double *rho)
 {
-    if (n != grid_cells(&s->def.grid))
-        return bf_fail(err, BF_EINPUT, "", "%zu densities for %zu cells", n,
-                       grid_cells(&s->def.grid));
-    for (size_t k = 0; k < n; k++)
-        if (!isfinite(rho[k]) || rho[k] < 0.0)
-            return bf_fail(err, BF_EINPUT, "", "density %g of cell %zu is not possible", rho[k], k);
     take_density(s, (const char *)rho);
     s->steps = 0;
     if (s->fallen != NULL)
@@ -86,7 +80,6 @@ bf_status macro_set_density(macro_solver *s, const double *rho, size_t n, bf_err
         congested_reset(s);
     if (s->tracers != NULL)
         tracers_reset(s);
-    return BF_OK;
 }
 
 void macro_add(macro_solver *s, size_t cell, double density, const double *fractions)

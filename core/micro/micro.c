@@ -34,7 +34,6 @@ struct micro_solver {
     double overlap_limit; // see micro_def
     double reduction;     // of the moduli, now
     bool hardens;         // see micro_def
-    scene_rect domain;
     size_t n_kinds;
     size_t n_defined; // parts of the definition
     bool admits;      // parts may be admitted
@@ -267,7 +266,6 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
                          .reduction = own.modulus_reduction,
                          .hardens = own.hardens && own.integrator == MICRO_IMPLICIT &&
                                     backend == &micro__disk,
-                         .domain = def->domain,
                          .n_kinds = def->n_kinds,
                          .n_defined = def->n_parts,
                          .admits = def->n_parts_expected > 0 };
@@ -391,36 +389,17 @@ static size_t find_gone(const micro_solver *s, size_t first)
     return left < fell ? left : fell;
 }
 
-static bf_status check_arrival(const micro_solver *s, const micro_arrival *arrival, bf_error *err)
-{
-    const scene_rect *d = &s->domain;
-    const scene_pose *pose = &arrival->pose;
-
-    if (!s->admits)
-        return bf_fail(err, BF_EINPUT, "", "the definition does not expect parts to be admitted");
-    if (arrival->kind >= s->n_kinds)
-        return bf_fail(err, BF_EINPUT, "/cargo", "kind %u of %zu", (unsigned)arrival->kind,
-                       s->n_kinds);
-    if (!(pose->x >= d->x_min && pose->x <= d->x_max && pose->y >= d->y_min &&
-          pose->y <= d->y_max && isfinite(pose->heading) && isfinite(arrival->velocity.x) &&
-          isfinite(arrival->velocity.y)))
-        return bf_fail(err, BF_EINPUT, "", "no part can enter at (%g, %g) m with (%g, %g) m/s",
-                       pose->x, pose->y, arrival->velocity.x, arrival->velocity.y);
-    return BF_OK;
-}
-
 bf_status micro_admit(micro_solver *s, const micro_arrival *arrival, size_t *ret_part,
                       bf_error *err)
 {
-    bf_status status = check_arrival(s, arrival, err);
-    if (status != BF_OK)
-        return status;
+    BF_CHECK(s->admits && arrival->kind < s->n_kinds);
     const size_t k = s->first_free = find_handle(s, s->first_free, MICRO_FREE);
     if (k == SCENE_PARTS_MAX)
         return bf_fail(err, BF_ELIMIT, "", "the limit is %d parts at a time", SCENE_PARTS_MAX);
     if (memory_reserve(&s->ids, &s->capacity, k + 1, sizeof *s->ids) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", k + 1);
-    if ((status = s->backend->admit(s->state, k, arrival, err)) != BF_OK)
+    const bf_status status = s->backend->admit(s->state, k, arrival, err);
+    if (status != BF_OK)
         return status;
     s->ids[k] = s->next_id++;
     s->n += k == s->n;

@@ -182,9 +182,8 @@ bool micro_is_gone(const micro_solver *s, size_t k);
 /// Id of part k.
 uint64_t micro_id_of(const micro_solver *s, size_t k);
 
-/// Add a part; it moves from the next step on. It may overlap others: micro_is_free(). BF_EINPUT: a member is out of
-/// range, or n_parts_expected is 0; BF_ELIMIT: SCENE_PARTS_MAX are in the domain; BF_ENOMEM. On an error s is
-/// as before.
+/// Add a part, in the domain, where n_parts_expected is not 0; it moves from the next step on. It may overlap others:
+/// micro_is_free(). BF_ELIMIT: SCENE_PARTS_MAX are in the domain; BF_ENOMEM. On an error s is as before.
 BF_MUST_CHECK bf_status micro_admit(micro_solver *s, const micro_arrival *arrival, size_t *ret_part,
                                     bf_error *err);
 

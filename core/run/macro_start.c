@@ -91,7 +91,7 @@ bf_status macro_start(const scene *s, macro_solver *solver, uint64_t *ret_n_part
     for (int is_off = 0; s->may_drop && is_off < 2 && status == BF_OK; is_off++)
         status = add_density(s, solver, &p, is_off, rho, err);
     if (status == BF_OK)
-        status = macro_set_density(solver, rho, n_cells, err);
+        macro_set_density(solver, rho);
     if (status == BF_OK && scene_tells_kinds(s) && p.n > 0)
         status = place_kinds(s, solver, &p, err);
     if (status == BF_OK)

@@ -15,6 +15,11 @@ typedef struct feed_line_span {
 feed_line_span feed_line_usable(const surroundings *around, const scene_feed *feed,
                                 const shape_footprint *footprint, double heading);
 
+/// The line of a checked scene's feed, about its middle as long as the smallest kind of parts is wide at least: parts of a lane in
+/// single file have their centres on a line that is shorter than they are wide. It ends at the domain's sides, and at plates that stand
+/// there at t = 0.
+void feed_line_widened(const scene *s, const scene_feed *feed, vec2 ret_line[2]);
+
 /// A point of the line, m.
 static inline vec2 feed_line_at(const scene_feed *feed, double place)
 {

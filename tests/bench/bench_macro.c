@@ -97,9 +97,9 @@ static macro_solver *start(const work *w, const double *rho)
 {
     macro_solver *s = NULL;
 
-    if (macro_create(&w->def, &s, NULL) != BF_OK ||
-        macro_set_density(s, rho, w->n_cells, NULL) != BF_OK)
+    if (macro_create(&w->def, &s, NULL) != BF_OK)
         fail("no solver");
+    macro_set_density(s, rho);
     return s;
 }
 

@@ -15,7 +15,7 @@ void helper_congested_fill(const scene *s, scene_rect where, double density, mac
             if (grid_x1(&g, i) > where.x_min && grid_x1(&g, i) < where.x_max &&
                 grid_x2(&g, j) > where.y_min && grid_x2(&g, j) < where.y_max)
                 rho[j * g.n1 + i] = density;
-    BF_CHECK(macro_set_density(solver, rho, grid_cells(&g), NULL) == BF_OK);
+    macro_set_density(solver, rho);
     memory_free(rho);
 }
 

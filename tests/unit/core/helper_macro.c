@@ -91,7 +91,7 @@ macro_solver *helper_macro_start(const scene *s, int n_threads)
     BF_CHECK(placement_of(s, &p, NULL) == BF_OK);
     BF_CHECK(density_from_parts(&grid, scene_packing_density(s), s->macro.initial_mollifier,
                                 p.poses, p.n, rho, NULL) == BF_OK);
-    BF_CHECK(macro_set_density(solver, rho, grid_cells(&grid), NULL) == BF_OK);
+    macro_set_density(solver, rho);
     placement_fini(&p);
     memory_free(rho);
     return solver;
@@ -102,7 +102,7 @@ macro_solver *helper_macro_start_with(const macro_def *def, const double *rho)
     macro_solver *solver = NULL;
 
     BF_CHECK(macro_create(def, &solver, NULL) == BF_OK);
-    BF_CHECK(macro_set_density(solver, rho, grid_cells(&def->grid), NULL) == BF_OK);
+    macro_set_density(solver, rho);
     return solver;
 }
 

@@ -132,7 +132,7 @@ static void compare_with_direct_sum(fixture *s)
 
     assert_non_null(slow);
     assert_int_equal(macro_create(&s->def, &fast, NULL), BF_OK);
-    assert_int_equal(macro_set_density(fast, s->rho, n, NULL), BF_OK);
+    macro_set_density(fast, s->rho);
     direct_set_density(slow, s->rho);
     for (int step = 0; step < 25; step++) {
         macro_step(fast);
@@ -193,7 +193,7 @@ static uint64_t digest_with(const fixture *s, macro_sweep_fn *sweep)
     def.n_threads = 1;
     assert_int_equal(macro_create(&def, &solver, NULL), BF_OK);
     solver->sweep = sweep;
-    assert_int_equal(macro_set_density(solver, s->rho, grid_cells(&s->def.grid), NULL), BF_OK);
+    macro_set_density(solver, s->rho);
     for (int step = 0; step < HELPER_AMOUNT(60, 15); step++)
         macro_step(solver);
     uint64_t digest = macro_digest(solver);

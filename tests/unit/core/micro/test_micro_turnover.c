@@ -224,32 +224,6 @@ static void impulses_of_parts_that_left_are_erased(void **state)
     micro__body.destroy(own);
 }
 
-static void assert_refused(const helper_fed_belt *w, micro_arrival arrival)
-{
-    micro_solver *s = helper_fed_belt_start(w);
-    const uint64_t before = micro_digest(s);
-    size_t part = 7;
-
-    assert_int_equal(micro_admit(s, &arrival, &part, NULL), BF_EINPUT);
-    assert_true(part == 7 && micro_parts(s) == 0 && micro_digest(s) == before);
-    micro_destroy(s);
-}
-
-static void arrivals_that_cannot_be_are_refused(void **state)
-{
-    for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
-        helper_fed_belt w;
-        helper_fed_belt_init(&w, k);
-        assert_refused(&w, (micro_arrival){ 2, { 0.05, 0.05, 0.0 }, { speed, 0.0 } });
-        assert_refused(&w, (micro_arrival){ 0, { 0.13, 0.05, 0.0 }, { speed, 0.0 } });
-        assert_refused(&w, (micro_arrival){ 0, { 0.05, NAN, 0.0 }, { speed, 0.0 } });
-        assert_refused(&w, (micro_arrival){ 0, { 0.05, 0.05, INFINITY }, { speed, 0.0 } });
-        assert_refused(&w, (micro_arrival){ 0, { 0.05, 0.05, 0.0 }, { speed, NAN } });
-        w.def.n_parts_expected = 0;
-        assert_refused(&w, (micro_arrival){ 0, { 0.05, 0.05, 0.0 }, { speed, 0.0 } });
-    }
-}
-
 static void there_is_a_limit_to_the_parts_at_a_time(void **state)
 {
     const micro_arrival arrival = { 0, { 0.05, 0.05, 0.0 }, { speed, 0.0 } };
@@ -394,7 +368,6 @@ int main(void)
         cmocka_unit_test(departures_that_nobody_takes_keep_their_handles),
         cmocka_unit_test(a_handle_can_be_used_again_at_once),
         cmocka_unit_test(impulses_of_parts_that_left_are_erased),
-        cmocka_unit_test(arrivals_that_cannot_be_are_refused),
         cmocka_unit_test(there_is_a_limit_to_the_parts_at_a_time),
         cmocka_unit_test(without_memory_nobody_enters_and_nothing_is_lost),
         cmocka_unit_test(forged_handles_and_ids_are_refused),
