@@ -7,6 +7,8 @@
 
 #include "core/base/simd.h"
 
+#include <stdbool.h>
+
 enum { SIMD_FLOAT_LANES = 2 * SIMD_LANES }; ///< floats in a register
 
 /// A register of floats; + - * / act lane by lane, and with a scalar on all lanes.
@@ -87,6 +89,23 @@ static inline simd_float simd_float_min(simd_float x, simd_float y)
 }
 
 #endif
+
+/// True if a bit of a lane of x is set. Of lanes that are not negative: if one is not 0.
+static inline bool simd_float_has_bits(simd_float x)
+{
+#if defined(__AVX512F__)
+    return _mm512_test_epi32_mask((__m512i)x, (__m512i)x) != 0;
+#elif defined(__AVX2__)
+    return _mm256_testz_si256((__m256i)x, (__m256i)x) == 0;
+#else
+    int32_t bits[SIMD_FLOAT_LANES], all = 0;
+
+    memcpy(bits, &x, sizeof bits);
+    for (int k = 0; k < SIMD_FLOAT_LANES; k++)
+        all |= bits[k];
+    return all != 0;
+#endif
+}
 
 /// The larger of `largest` and of all lanes of x.
 static inline float simd_float_largest(simd_float x, float largest)

@@ -173,6 +173,7 @@ void arc_faces_fini(arc_faces *faces)
 /// of smaller q where it lies within its line (sign 1), those of larger ones where it lies beyond (-1).
 static void spread(arc_corners *c, const bf_grid *g, size_t m, size_t n, double excess, double sign)
 {
+    const double far_sqr = 0.999 * ARC_LANES_SPREAD * ARC_LANES_SPREAD;
     const double q = c->lane[n * c->n1 + m];
     // Beyond this the corner's own q differs less, as that changes by at most the way.
     const double reach = sign * excess / (ARC_LANES_SPREAD - 1.0);
@@ -180,15 +181,22 @@ static void spread(arc_corners *c, const bf_grid *g, size_t m, size_t n, double 
     const size_t m_end = m + across1 < c->n1 ? m + across1 + 1 : c->n1;
     const size_t n_end = n + across2 < c->n2 ? n + across2 + 1 : c->n2;
 
-    for (size_t row = n > across2 ? n - across2 : 0; row < n_end; row++)
+    for (size_t row = n > across2 ? n - across2 : 0; row < n_end; row++) {
+        const double way2 = ((double)row - (double)n) * g->d2;
+        const double *lanes = c->lane + row * c->n1;
         for (size_t column = m > across1 ? m - across1 : 0; column < m_end; column++) {
-            const size_t at = row * c->n1 + column;
             const double way1 = ((double)column - (double)m) * g->d1;
-            const double way2 = ((double)row - (double)n) * g->d2;
-            const double most = ARC_LANES_SPREAD * sqrt(way1 * way1 + way2 * way2);
-            if (c->line[at] == 0 && sign * (q - c->lane[at]) > most)
+            const double way_sqr = way1 * way1 + way2 * way2;
+            const double differs = sign * (q - lanes[column]);
+            // Most corners are far from their bound: these need no root.
+            if (differs <= 0.0 || differs * differs < far_sqr * way_sqr)
+                continue;
+            const size_t at = row * c->n1 + column;
+            const double most = ARC_LANES_SPREAD * sqrt(way_sqr);
+            if (c->line[at] == 0 && differs > most)
                 c->lane[at] = q - sign * most;
         }
+    }
 }
 
 static void spread_all(arc_corners *c, const arc_grid *a, double sign)

@@ -195,12 +195,13 @@ static bool lay_out(macro_solver *s, congested *c)
     const int of_cells = c->has_drives ? 6 : 4;
     c->storage =
         memory_alloc((size_t)(of_cells + CONGESTED_SIDES * arrays) * n, sizeof *c->storage);
-    c->is_uniform = memory_alloc(2 * n / CONGESTED_GROUP, sizeof *c->is_uniform);
+    c->is_uniform = memory_alloc(2 * n, sizeof *c->is_uniform);
+    c->is_unforced = memory_alloc(2 * n, sizeof *c->is_unforced);
     c->range = memory_alloc((size_t)s->n2, sizeof *c->range);
     c->found = memory_alloc((size_t)s->n2, sizeof *c->found);
     c->slots = memory_alloc(2 * (size_t)s->def.n_threads, sizeof *c->slots);
-    if (c->storage == NULL || c->is_uniform == NULL || c->range == NULL || c->found == NULL ||
-        c->slots == NULL)
+    if (c->storage == NULL || c->is_uniform == NULL || c->is_unforced == NULL || c->range == NULL ||
+        c->found == NULL || c->slots == NULL)
         return false;
     float *at = c->storage;
     for (int colour = 0; colour < 2; colour++) {
@@ -337,6 +338,7 @@ congested *congested_destroy(congested *c)
     memory_free(c->present);
     memory_free(c->storage);
     memory_free(c->is_uniform);
+    memory_free(c->is_unforced);
     memory_free(c->range);
     memory_free(c->found);
     memory_free(c->slots);

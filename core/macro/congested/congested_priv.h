@@ -1,13 +1,12 @@
 /// Inside of the congested closure (core/macro/congested.h).
 ///
-/// Cells are coloured like a chessboard, red where i + j is even, so that all cells of a colour can be
-/// relaxed at once. Each colour has rows of its own, "half rows": cell k of row j is cell i = 2 k + (j & 1) of the
-/// red ones, i = 2 k + 1 - (j & 1) of the black ones. Half rows -1 and n2 and margins on both sides hold
-/// zeros. Each face has exactly one red cell, so what belongs to faces stands in half rows of red cells too: one
-/// array for their west faces, one each for east, south and north.
+/// Cells are coloured like a chessboard, red where i + j is even, so that all cells of a colour can be relaxed at once. Each colour
+/// has rows of its own, "half rows": cell k of row j is cell i = 2 k + (j & 1) of the red ones, i = 2 k + 1 - (j & 1) of the black
+/// ones. Half rows -1 and n2 and margins on both sides hold zeros. Each face has exactly one red cell, so what belongs to faces
+/// stands in half rows of red cells too: one array for their west faces, one each for east, south and north.
 ///
-/// Every step is made by a team of threads that meet at barriers. What a thread writes depends on nothing that
-/// another one writes between the same barriers, so the bits are the same for any number of threads.
+/// Every step is made by a team of threads that meet at barriers. What a thread writes depends on nothing that another one writes
+/// between the same barriers, so the bits are the same for any number of threads.
 
 #pragma once
 
@@ -103,9 +102,9 @@ typedef struct congested_stage {
 
 /// One build of the loops for an instruction set.
 typedef struct congested_kernels {
-    /// Relax red cells of rows first <= row < last, black ones of rows between, or black ones of one: largest change.
-    float (*relax)(const congested *c, ptrdiff_t first, ptrdiff_t last);
-    float (*relax_black)(const congested *c, ptrdiff_t row);
+    /// Relax red cells of rows first <= row < last, black ones of rows between, or black ones of one: largest change; sets is_unforced first.
+    float (*relax)(const congested *c, ptrdiff_t first, ptrdiff_t last, bool is_first);
+    float (*relax_black)(const congested *c, ptrdiff_t row, bool is_first);
     /// Fill the fluxes of the faces of a row's red cells, and of its black ones on the sides of the grid.
     void (*make_flux)(const macro_solver *s, const congested *c, ptrdiff_t row);
     /// Transport of a row's cells i_min <= i < i_max by v_stat: rho* = rho - dt div(rho v_stat), upwind.
@@ -171,7 +170,8 @@ struct congested {
     float *excess[2];        ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
     congested_uniform uniform;          ///< of a forward solver
-    bool *is_uniform; ///< per row, colour and group: all faces have the law `uniform`
+    bool *is_uniform;  ///< per row, colour and group: all faces have the law `uniform`
+    bool *is_unforced; ///< same of registers: only a pressure beside its cells gives them one
     congested_range *range,
         *found;     ///< per row: the active cells of this step; those that the row itself asks for
     double relaxed; ///< congested_relaxed()
@@ -192,10 +192,10 @@ static inline float *congested__row(const congested *c, float *rows, ptrdiff_t j
     return rows + (j + 1) * c->half_stride + CONGESTED_UNIT;
 }
 
-/// Groups of a half row for which the member is_uniform of the solver holds.
-static inline bool *congested__uniform_groups(const congested *c, ptrdiff_t row, int colour)
+/// The flags of a half row, is_uniform by groups or is_unforced by registers.
+static inline bool *congested__flags(const congested *c, bool *flags, ptrdiff_t row, int colour)
 {
-    return c->is_uniform + (2 * row + colour) * (c->half_stride / CONGESTED_GROUP);
+    return flags + (2 * row + colour) * c->half_stride;
 }
 
 /// Where the faces between row j and the rows next to it have their red cells: the face west of the black cell k of

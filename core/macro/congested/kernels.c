@@ -164,52 +164,81 @@ static inline bool are_uniform(const bool *groups, ptrdiff_t k)
     return groups[first] && groups[first + (SIMD_FLOAT_LANES - 1) / CONGESTED_GROUP];
 }
 
-// `kind` is that of the cells that are not uniform.
+// True if no cell of a register, nor one beside it, has a pressure.
+static inline bool is_unpressed(const row_pressures *p, ptrdiff_t k)
+{
+    typedef int32_t lanes __attribute__((vector_size(SIMD_FLOAT_LANES * sizeof(int32_t))));
+    const lanes bits = (lanes)simd_float_load(p->own + k) | (lanes)simd_float_load(p->west + k) |
+                       (lanes)simd_float_load(p->east + k) | (lanes)simd_float_load(p->south + k) |
+                       (lanes)simd_float_load(p->north + k);
+
+    return !simd_float_has_bits((simd_float)bits);
+}
+
+// `kind` is that of the cells that are not uniform. Cells without a pressure, in them or beside them, that get none in the first
+// sweep of a step get none in later ones either, as long as there is none: these are skipped, with the same bits.
 static inline __attribute__((always_inline)) simd_float relax_row(const congested *c, ptrdiff_t row,
                                                                   int colour, loop_kind kind,
-                                                                  simd_float largest)
+                                                                  bool is_first, simd_float largest)
 {
     const half_row r = half_row_of(c, row, colour);
-    const bool *groups = congested__uniform_groups(c, row, colour);
+    const bool *groups = congested__flags(c, c->is_uniform, row, colour);
+    bool *unforced = congested__flags(c, c->is_unforced, row, colour);
     const congested_range cells = c->range[row];
 
-    for (ptrdiff_t k = cells.first; k < cells.last; k += SIMD_FLOAT_LANES)
+    for (ptrdiff_t k = cells.first; k < cells.last; k += SIMD_FLOAT_LANES) {
+        bool *is_unforced = unforced + k / SIMD_FLOAT_LANES;
+        if (is_first)
+            *is_unforced = is_unpressed(&r.p, k);
+        else if (*is_unforced && is_unpressed(&r.p, k))
+            continue;
         if (kind == LOOP_FORWARD && are_uniform(groups, k))
             largest = relax_cells(&r, k, LOOP_UNIFORM, largest);
         else
             largest = relax_cells(&r, k, kind, largest);
+        if (is_first)
+            *is_unforced = *is_unforced && !simd_float_has_bits(simd_float_load(r.p.own + k));
+    }
     return largest;
 }
 
 // The loop over rows is in here and not in step.c: a row has some 70 active cells of a colour in a jam, few enough
 // that a call for each row, and the largest lane of its changes, would count.
 static inline __attribute__((always_inline)) float relax_rows(const congested *c, ptrdiff_t first,
-                                                              ptrdiff_t last, loop_kind kind)
+                                                              ptrdiff_t last, loop_kind kind,
+                                                              bool is_first)
 {
     simd_float largest = simd_float_all(0.0F);
 
     for (ptrdiff_t row = first; row < last; row++) {
-        largest = relax_row(c, row, 0, kind, largest);
+        largest = relax_row(c, row, 0, kind, is_first, largest);
         if (row - 1 > first)
-            largest = relax_row(c, row - 1, 1, kind, largest);
+            largest = relax_row(c, row - 1, 1, kind, is_first, largest);
     }
     return simd_float_largest(largest, 0.0F);
 }
 
-static float relax(const congested *c, ptrdiff_t first, ptrdiff_t last)
+static float relax_any(const congested *c, ptrdiff_t first, ptrdiff_t last, loop_kind kind,
+                       bool is_first)
 {
-    return c->is_forward   ? relax_rows(c, first, last, LOOP_FORWARD)
-           : c->has_drives ? relax_rows(c, first, last, LOOP_DRIVES)
-                           : relax_rows(c, first, last, LOOP_OBLIQUE);
+    return is_first ? relax_rows(c, first, last, kind, true)
+                    : relax_rows(c, first, last, kind, false);
 }
 
-static float relax_black(const congested *c, ptrdiff_t row)
+static float relax(const congested *c, ptrdiff_t first, ptrdiff_t last, bool is_first)
+{
+    return c->is_forward   ? relax_any(c, first, last, LOOP_FORWARD, is_first)
+           : c->has_drives ? relax_any(c, first, last, LOOP_DRIVES, is_first)
+                           : relax_any(c, first, last, LOOP_OBLIQUE, is_first);
+}
+
+static float relax_black(const congested *c, ptrdiff_t row, bool is_first)
 {
     const simd_float none = simd_float_all(0.0F);
 
-    return simd_float_largest(c->is_forward   ? relax_row(c, row, 1, LOOP_FORWARD, none)
-                              : c->has_drives ? relax_row(c, row, 1, LOOP_DRIVES, none)
-                                              : relax_row(c, row, 1, LOOP_OBLIQUE, none),
+    return simd_float_largest(c->is_forward   ? relax_row(c, row, 1, LOOP_FORWARD, is_first, none)
+                              : c->has_drives ? relax_row(c, row, 1, LOOP_DRIVES, is_first, none)
+                                              : relax_row(c, row, 1, LOOP_OBLIQUE, is_first, none),
                               0.0F);
 }
 
@@ -319,10 +348,11 @@ static inline simd chosen(__typeof__((simd){ 0 } > (simd){ 0 }) mask, simd x, si
     return (simd)((mask & (lanes)x) | (~mask & (lanes)y));
 }
 
-// The gradient along faces and the slip at them, from the faces of the other axis around.
-static inline void couple_faces(const congested *c, int axis, congested_side_faces own,
-                                const crossing_faces crossings[CROSSINGS], ptrdiff_t k,
-                                simd *ret_crosswise, simd *ret_threshold)
+// The gradient along faces and the slip at them, from the faces of the other axis around. `ratio` is that of the cells' edges: a
+// constant 1 where they are square, so that nothing is divided by it.
+static inline __attribute__((always_inline)) void couple_faces(
+    int axis, double ratio, congested_side_faces own, const crossing_faces crossings[CROSSINGS],
+    ptrdiff_t k, simd *ret_crosswise, simd *ret_threshold)
 {
     const ptrdiff_t at = own.at + k;
     const simd along = simd_load_floats(own.law->along + at);
@@ -330,8 +360,7 @@ static inline void couple_faces(const congested *c, int axis, congested_side_fac
     const simd full = simd_load_floats(own.law->full_slip + at);
     const simd zero = simd_all(0.0);
     const double sign = axis == 0 ? 1.0 : -1.0; // of the left of the normal on the other axis
-    const double own_scale = axis == 0 ? 1.0 : (double)c->ratio;
-    const double other_scale = axis == 0 ? (double)c->ratio : 1.0;
+    const double own_scale = axis == 0 ? 1.0 : ratio, other_scale = axis == 0 ? ratio : 1.0;
     simd gradient = zero, slip = zero;
 
     for (int n = 0; n < CROSSINGS; n++) {
@@ -350,7 +379,7 @@ static inline void couple_faces(const congested *c, int axis, congested_side_fac
     }
     const simd threshold = simd_load_floats(own.law->threshold + at);
     // Along x2 the gradient is the drop times the ratio, and at an x2-face it is kept times the ratio: once in each case.
-    const simd crosswise = 0.25 * (double)c->ratio * gradient;
+    const simd crosswise = 0.25 * ratio * gradient;
     const simd gain = simd_load_floats(own.law->gain + at);
     // Where the belt stands both stay, like pressures.
     *ret_crosswise = chosen(full == zero, simd_load_floats(own.law->crosswise + at), crosswise);
@@ -370,8 +399,10 @@ static inline void store_between(float *at, ptrdiff_t k, ptrdiff_t first, ptrdif
 }
 
 // The west (axis 0) or south faces of the cells of a half row.
-static inline void couple_half_row(const macro_solver *s, const congested *c, ptrdiff_t row,
-                                   int colour, int axis)
+static inline __attribute__((always_inline)) void couple_half_row(const macro_solver *s,
+                                                                  const congested *c, ptrdiff_t row,
+                                                                  int colour, int axis,
+                                                                  double ratio)
 {
     const ptrdiff_t odd = (row + colour) & 1; // cell k of the half row is cell 2 k + odd of the row
     const ptrdiff_t first = axis == 0 && odd == 0 ? 1 : 0, last = (s->n1 - odd + 1) / 2;
@@ -402,19 +433,29 @@ static inline void couple_half_row(const macro_solver *s, const congested *c, pt
     const congested_side_faces faces = here.side[own];
     for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_LANES) {
         simd crosswise, threshold;
-        couple_faces(c, axis, faces, crossings, k, &crosswise, &threshold);
+        couple_faces(axis, ratio, faces, crossings, k, &crosswise, &threshold);
         store_between(faces.law->crosswise + faces.at, k, first, last, crosswise);
         store_between(faces.law->threshold + faces.at, k, first, last, threshold);
     }
 }
 
-static void make_coupling(const macro_solver *s, const congested *c, ptrdiff_t row)
+static inline __attribute__((always_inline)) void couple_row(const macro_solver *s,
+                                                             const congested *c, ptrdiff_t row,
+                                                             double ratio)
 {
     for (int colour = 0; colour < 2; colour++) {
-        couple_half_row(s, c, row, colour, 0);
+        couple_half_row(s, c, row, colour, 0, ratio);
         if (row > 0)
-            couple_half_row(s, c, row, colour, 1);
+            couple_half_row(s, c, row, colour, 1, ratio);
     }
+}
+
+static void make_coupling(const macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    if (c->ratio == 1.0F)
+        couple_row(s, c, row, 1.0);
+    else
+        couple_row(s, c, row, (double)c->ratio);
 }
 
 // The fluxes of the faces around the cells of a half row, element k for cell k.

@@ -237,7 +237,7 @@ static bool has_uniform_law(const congested *c, const congested_row_faces *faces
 static void find_uniform_groups(const macro_solver *s, congested *c, ptrdiff_t row, int colour)
 {
     const congested_row_faces faces = congested__faces(c, row, colour);
-    bool *is_uniform = congested__uniform_groups(c, row, colour);
+    bool *is_uniform = congested__flags(c, c->is_uniform, row, colour);
 
     for (ptrdiff_t first = 0; 2 * first < s->n1; first += CONGESTED_GROUP) {
         bool are_uniform = true;

@@ -211,16 +211,16 @@ static double count_active(const congested *c)
 
 // One sweep over a member's rows, red before black. A black row follows as soon as the red rows around it are
 // relaxed, while the laws of their faces are still in the cache; the first and the last need the neighbours' rows.
-static float sweep(const congested *c, row_span rows, team_barrier *barrier)
+static float sweep(const congested *c, row_span rows, bool is_first, team_barrier *barrier)
 {
     const congested_kernels *kernels = &c->kernels;
-    float largest = kernels->relax(c, rows.first, rows.last);
+    float largest = kernels->relax(c, rows.first, rows.last, is_first);
 
     team_barrier_wait(barrier);
     if (rows.first < rows.last)
-        largest = fmaxf(largest, kernels->relax_black(c, rows.first));
+        largest = fmaxf(largest, kernels->relax_black(c, rows.first, is_first));
     if (rows.last - 1 > rows.first)
-        largest = fmaxf(largest, kernels->relax_black(c, rows.last - 1));
+        largest = fmaxf(largest, kernels->relax_black(c, rows.last - 1, is_first));
     return largest;
 }
 
@@ -231,7 +231,7 @@ static int relax(congested *c, row_span rows, int member, int n_members, team_ba
 
     for (int k = 0; k < CONGESTED_SWEEPS; k++) {
         congested_slot *slots = c->slots + (k & 1) * n_members;
-        float largest = slots[member].residual = sweep(c, rows, barrier);
+        float largest = slots[member].residual = sweep(c, rows, k == 0, barrier);
         team_barrier_wait(barrier);
         for (int other = 0; other < n_members; other++)
             largest = slots[other].residual > largest ? slots[other].residual : largest;
