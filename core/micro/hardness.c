@@ -12,6 +12,7 @@
 #include <math.h>
 
 const double hardness_goal = 0.02;
+const double hardness_masses_most = 300.0;
 
 static const double lines = 2.0;         // that one contact may bear
 static const double softest = 1e6;       // reduction, the paper's

@@ -39,4 +39,8 @@ double micro_reduction(const micro_solver *s);
 /// The overlap that hardness_reduction() aims at, as a share of the smallest radius.
 extern const double hardness_goal;
 
+/// Of kinds of parts whose masses have a larger ratio light ones are squeezed by heavy ones faster than contacts follow: runs may fail, or
+/// take so long that they do not end. Up to it overlaps are at most 7 % of a radius at the defaults.
+extern const double hardness_masses_most;
+
 enum { HARDNESS_STEPS = 32 }; ///< after so many steps a run may become harder

@@ -1,14 +1,12 @@
 #include "core/run/micro_press.h"
 
 #include "core/base/polygon.h"
+#include "core/micro/hardness.h"
 #include "core/scene/mix.h"
 #include "core/scene/plate_range.h"
 
 #include <math.h>
 #include <stdio.h>
-
-// Kinds of parts whose masses have this ratio overlap by up to 7 % of a radius at the defaults.
-static const double unlike = 300.0;
 
 static const char no_way_out[] =
     "the plate moves into cargo that has no way out: let it move slower or less far";
@@ -50,18 +48,6 @@ static void point_at(const scene *s, size_t k, char pointer[BF_POINTER_SIZE])
                    s->obstacles[k].turn.n_times > 0 ? "/motion" : "");
 }
 
-// The largest mass of a kind divided by the smallest.
-static double ratio_of_masses(const scene *s)
-{
-    double least = HUGE_VAL, largest = 0.0;
-
-    for (size_t k = 0; k < s->n_cargo; k++) {
-        least = fmin(least, s->cargo[k].mass);
-        largest = fmax(largest, s->cargo[k].mass);
-    }
-    return largest / least;
-}
-
 // Whether a belt and a plate or wall can lock a part with sides between them: each presses it onto the other by its friction,
 // which grows without bound where the product of both is above 1.
 static bool can_wedge(const scene *s)
@@ -97,11 +83,11 @@ bf_status micro_press_fail(const scene *s, const micro_press *press, double t, b
         change =
             "parts are too soft for what presses on them: leave modulus_reduction out, or make "
             "it smaller";
-    } else if (is_between_parts && ratio_of_masses(s) > unlike) {
+    } else if (mix_mass_ratio(s) > hardness_masses_most) {
         snprintf(pointer, sizeof pointer, "/cargo");
         change =
-            "the masses of the kinds differ so much that light parts are squeezed between heavy "
-            "ones faster than contacts follow: give them masses that are more alike";
+            "the masses of the kinds differ so much that light parts are squeezed by heavy ones "
+            "faster than contacts follow: give them masses that are more alike";
     } else if (!is_between_parts && can_wedge(s)) {
         snprintf(pointer, sizeof pointer, "/contacts/handling_cargo/friction");
         change = "belt and plate wedge the part, since the product of their frictions is above 1: "

@@ -103,6 +103,17 @@ double mix_angularity(const scene *s)
     return of_kinds / sum;
 }
 
+double mix_mass_ratio(const scene *s)
+{
+    double least = INFINITY, largest = 0.0;
+
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        least = fmin(least, s->cargo[k].mass);
+        largest = fmax(largest, s->cargo[k].mass);
+    }
+    return largest / least;
+}
+
 double mix_mass_per_area(const scene *s)
 {
     double mass = 0.0, of = 0.0;

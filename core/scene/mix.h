@@ -33,6 +33,9 @@ mix_radii mix_inner_radii_of(const scene *s);
 /// cylinders, 0.5 of square boxes.
 double mix_angularity(const scene *s);
 
+/// The largest mass of a kind divided by the smallest.
+double mix_mass_ratio(const scene *s);
+
 /// Mass of close packed cargo of a resolved scene, kg/m2.
 double mix_mass_per_area(const scene *s);
 

@@ -264,6 +264,36 @@ static void both_models_warn_of_it(void **unused)
     scene_fini(&s);
 }
 
+// 295 and 305 times: the limit is 300. The density has no contacts.
+static void masses_that_contacts_cannot_follow_are_warned_of(void **unused)
+{
+    static const double masses[][2] = { { 0.002, 0.59 }, { 0.002, 0.61 }, { 0.61, 0.002 } };
+    static const char *const lightest[] = { NULL, "/cargo/0/mass_kg", "/cargo/1/mass_kg" };
+
+    for (size_t k = 0; k < 3; k++)
+        for (int model = RUN_MACRO; model <= RUN_MICRO; model++) {
+            static advice given;
+            const char *pointer = NULL;
+            scene s;
+            make_scene(&s, false);
+            s.cargo[1] = s.cargo[0];
+            s.n_cargo = 2;
+            for (size_t kind = 0; kind < 2; kind++)
+                s.cargo[kind].mass = masses[k][kind];
+            helper_scene_resolve(&s);
+            assert_int_equal(advice_of(&s, (run_model)model, &given, NULL), BF_OK);
+            for (size_t n = 0; n < given.warnings.n; n++)
+                if (strcmp(given.warnings.items[n].title,
+                           "The masses of the kinds of parts differ too much") == 0)
+                    pointer = given.warnings.items[n].pointer;
+            if (model == RUN_MACRO || lightest[k] == NULL)
+                assert_null(pointer);
+            else
+                assert_string_equal(pointer, lightest[k]);
+            scene_fini(&s);
+        }
+}
+
 // It is warned of once, and is no place at which cargo leaves the belts.
 static void a_belt_outside_of_the_domain_is_warned_of(void **unused)
 {
@@ -382,6 +412,7 @@ int main(void)
         cmocka_unit_test(results_beyond_what_can_be_trusted_are_doubted),
         cmocka_unit_test(a_macroscopic_step_that_may_make_densities_negative_is_warned_of),
         cmocka_unit_test(all_is_warned_of_that_lies_outside_the_validity),
+        cmocka_unit_test(masses_that_contacts_cannot_follow_are_warned_of),
         cmocka_unit_test(a_belt_outside_of_the_domain_is_warned_of),
         cmocka_unit_test(no_memory_is_reported),
     };
