@@ -49,12 +49,12 @@ static void collect_warnings(summary_view *of)
     review_warning *item;
 
     if (of->is_stopped) {
-        item = review_add(&of->warnings, "", "The run was stopped before its end");
+        item = review_add(&of->warnings, "The run was stopped before its end", "%s", "");
         snprintf(item->meaning, sizeof item->meaning, "The results are those of %.6g s of %.6g s.",
                  of->end.t, of->begin.duration);
     }
     if (of->end.parts_fallen >= FALLEN_TOLD) {
-        item = review_add(&of->warnings, "/belts", "Parts fell off the belts");
+        item = review_add(&of->warnings, "Parts fell off the belts", "/belts");
         snprintf(item->meaning, sizeof item->meaning,
                  of->model == RUN_MACRO
                      ? "%.4g parts came to where no belt is. They are gone, and count as fallen, "
@@ -64,7 +64,7 @@ static void collect_warnings(summary_view *of)
                  of->end.parts_fallen);
     }
     if ((doubts & ADVICE_DOUBT_DENSITY) != 0) {
-        item = review_add(&of->warnings, "/macro", "The jam is denser than real parts can be");
+        item = review_add(&of->warnings, "The jam is denser than real parts can be", "/macro");
         snprintf(item->meaning, sizeof item->meaning, "It looks shorter than it will be.%s",
                  of->advice.validity.is_compared
                      ? " The outflow is as for moving parts all the same: for scenarios like this "
@@ -76,8 +76,8 @@ static void collect_warnings(summary_view *of)
     }
     review_append(&of->warnings, &of->advice.warnings);
     if ((doubts & ADVICE_DOUBT_OVERLAP) != 0) {
-        item = review_add(&of->warnings, "/micro/modulus_reduction",
-                          "The parts were computed softer than they are");
+        item = review_add(&of->warnings, "The parts were computed softer than they are",
+                          "/micro/modulus_reduction");
         snprintf(item->meaning, sizeof item->meaning,
                  "They were pressed into each other in the jam, so that the outflow may differ "
                  "somewhat from that of hard parts.");
