@@ -1,5 +1,6 @@
 // Benchmark of the prediction of how long a run takes: for each scenario that is named its kind of solver, the CPU time
-// that was measured and predicted, what the prediction itself took, s, and the amounts of prediction.h, as CSV.
+// that was measured, the same on the machine of the costs, what was predicted, what the prediction itself took, s, and the amounts
+// of prediction.h, as CSV.
 // tests/bench/prediction.py makes scenarios, judges, and fits the costs.
 //
 //     bench_prediction macro|micro scenario.json...
@@ -19,9 +20,16 @@
 #include <string.h>
 #include <time.h>
 
-enum { ROUNDS = 3 };                // of which the fastest counts
+enum { ROUNDS = 3 };
 static const double speed_s = 0.03; // as the daemon does
-static const double enough_s = 0.3; // of all rounds of a scenario
+static const double enough_s = 4.0; // of all rounds of a scenario
+
+static int compare(const void *one, const void *other)
+{
+    const double a = *(const double *)one, b = *(const double *)other;
+
+    return (a > b) - (a < b);
+}
 
 static double now_s(void)
 {
@@ -36,23 +44,30 @@ static bf_status take(void *context, const frame *f, bf_error *err)
     return BF_OK;
 }
 
-static double solve(const scene *s, run_model model)
+// The CPU time of a run, s, the least of the rounds; and on the machine of the costs: the median of the rounds' times, each by the
+// speed of this machine at that moment, which other processes change.
+static double solve(const scene *s, run_model model, prediction_kind kind, double *ret_reference_s)
 {
     const run_sink sink = { NULL, take, NULL };
-    double best = INFINITY;
-    bf_error err;
-    run *r = NULL;
+    double references[ROUNDS], best = INFINITY;
+    size_t n = 0;
 
-    const double first = now_s();
-    for (int round = 0; round < ROUNDS && (round == 0 || now_s() < first + enough_s); round++) {
+    do {
+        double factor;
+        run *r = NULL;
+        BF_CHECK(prediction_measure(kind, now_s, speed_s, &factor, NULL) == BF_OK);
         const double begin = now_s();
-        BF_CHECK(run_create(s, model, 1, &r, &err) == BF_OK);
-        const bf_status status = run_execute(r, &sink, &err);
+        BF_CHECK(run_create(s, model, 1, &r, NULL) == BF_OK);
+        const bf_status status = run_execute(r, &sink, NULL);
         r = run_destroy(r);
         if (status != BF_OK)
             return NAN;
-        best = fmin(best, now_s() - begin);
-    }
+        const double seconds = now_s() - begin;
+        best = fmin(best, seconds);
+        references[n++] = seconds / factor;
+    } while (n < ROUNDS && best * (double)(n + 1) < enough_s);
+    qsort(references, n, sizeof *references, compare);
+    *ret_reference_s = references[n / 2];
     return best;
 }
 
@@ -83,13 +98,14 @@ static bool measure(const char *path, run_model model, const prediction_speed *h
     const double begin = now_s();
     BF_CHECK(prediction_work_of(&s, model, &work, &err) == BF_OK);
     const double spent = now_s() - begin;
-    const double seconds = solve(&s, model);
+    double reference_s;
+    const double seconds = solve(&s, model, work.kind, &reference_s);
     buffer_fini(&text);
     scene_fini(&s);
     if (isnan(seconds))
         return false;
-    printf("%s,%s,%.6g,%.6g,%.6g", path, prediction_kind_words[work.kind], seconds,
-           prediction_seconds(&work, here), spent);
+    printf("%s,%s,%.6g,%.6g,%.6g,%.6g", path, prediction_kind_words[work.kind], seconds,
+           reference_s, prediction_seconds(&work, here), spent);
     for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
         printf(",%.6g", work.amounts[i]);
     printf("\n");

@@ -3,11 +3,13 @@
 
     tests/bench/prediction.py                  judge: scenarios of a seed that the costs were not fitted to
     tests/bench/prediction.py --learn          judge how much better they are when runs were learned from
-    tests/bench/prediction.py --fit            fit the costs to scenarios of another seed; prints the table
+    tests/bench/prediction.py --fit            fit the costs to scenarios of other seeds, some of them with equipment, and to
+                                               the ready ones; prints the table
 
 The machine's speed is measured as the daemon does it, so that costs of one machine are judged on another. Prints each
 ratio of predicted to measured CPU time; status 1 if not all ready scenarios and nine tenths of the random ones are within 25 %.
---fit needs SciPy (apt-get install -y --no-install-recommends python3-scipy) and a machine that does nothing else.
+--fit needs SciPy (apt-get install -y --no-install-recommends python3-scipy). It takes times by the speed of the machine that is
+measured right before each of them: what other processes slow down in between does not spoil the costs.
 """
 
 import argparse
@@ -25,7 +27,7 @@ KINDS = ["roe", "muscl", "congested", "planar_verlet", "planar_implicit", "spati
 TERMS = ["RUN", "CELLS", "SNAPSHOT_CELLS", "STEPS", "ROW_STEPS", "CELL_STEPS", "COVERED_STEPS", "SATURATED_STEPS",
          "RELAXED", "COUPLED", "FIELD_CELLS", "SAMPLE_CELLS", "TRACER_STEPS", "KIND_STEPS", "PART_STEPS",
          "ROUND_STEPS", "PAIR_STEPS"]
-SEED_OF_FIT, SEED_OF_JUDGEMENT = 1, 2
+SEEDS_OF_FIT, SEED_OF_JUDGEMENT = range(11, 17), 2
 BOUND = 1.25
 SHARE_OF_RANDOM = 0.9
 NEGLIGIBLE = 0.02  # share of a term in the time of any run, below which its cost is left out
@@ -104,12 +106,12 @@ def make(draw, kind):
 
 
 def measure(paths, model):
-    """{path, kind, measured, predicted, amounts} of each scenario that the model can solve."""
+    """{name, kind, measured, reference, predicted, amounts} of each scenario that the model can solve."""
     output = subprocess.run([PROGRAM, model, *paths], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                             check=True).stdout
     rows = [line.split(",") for line in output.splitlines()]
     return [{"name": pathlib.Path(row[0]).stem, "kind": row[1], "measured": float(row[2]),
-             "predicted": float(row[3]), "amounts": [float(value) for value in row[5:]]} for row in rows]
+             "reference": float(row[3]), "predicted": float(row[4]), "amounts": [float(value) for value in row[6:]]} for row in rows]
 
 
 def equip(draw, scene):
@@ -175,7 +177,7 @@ def fit(rows):
     import numpy
     from scipy.optimize import least_squares, nnls
     amounts = numpy.array([row["amounts"] for row in rows])
-    measured = numpy.array([row["measured"] for row in rows])
+    measured = numpy.array([row["reference"] for row in rows])
     scale = numpy.where(amounts.max(0) > 0, amounts.max(0), 1)
     costs, _ = nnls(amounts / scale / measured[:, None], numpy.ones(len(rows)))
     found = least_squares(lambda x: numpy.log(amounts / scale @ numpy.exp(x)) - numpy.log(measured),
@@ -192,7 +194,9 @@ def main():
     parser.add_argument("--each", type=int, default=12, help="random scenarios of each kind")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        rows = measure_random(SEED_OF_FIT if options.fit else SEED_OF_JUDGEMENT, options.each, folder)
+        rows = [row for seed in (SEEDS_OF_FIT if options.fit else [SEED_OF_JUDGEMENT])
+                for is_equipped in ([False, True] if options.fit else [False])
+                for row in measure_random(seed, options.each, folder, is_equipped)]
         if options.learn:
             judge_learning(rows + measure_random(SEED_OF_JUDGEMENT, options.each, folder, True))
             return 0

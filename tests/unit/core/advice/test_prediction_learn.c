@@ -7,6 +7,8 @@
 
 #include <math.h>
 
+enum { RUNS = 64 }; // as many as the daemon learns from when it starts
+
 static prediction_speed speed_of(double factor)
 {
     prediction_speed speed = { 0 };
@@ -16,11 +18,11 @@ static prediction_speed speed_of(double factor)
     return speed;
 }
 
-// Work of the congested closure of 1 to 10 million cell steps, of which up to a tenth are a jam that takes 100 sweeps.
+// Work of the congested closure of 10 to 100 million cell steps, of which up to a tenth are a jam that takes 100 sweeps.
 static prediction_work draw_work(bf_random *random)
 {
     prediction_work work = { .kind = PREDICTION_CONGESTED };
-    const double cell_steps = 1e6 * (1.0 + 9.0 * random_unit(random));
+    const double cell_steps = 1e7 * (1.0 + 9.0 * random_unit(random));
 
     work.amounts[PREDICTION_RUN] = 1.0;
     work.amounts[PREDICTION_CELL_STEPS] = cell_steps;
@@ -61,11 +63,11 @@ static void runs_correct_what_is_predicted_of_others(void **state)
     random_init(&random, 7);
     prediction_learn_begin(&learned);
     assert_true(worst_error(&random, &speed) > 0.5);
-    for (size_t k = 0; k < 30; k++) {
+    for (size_t k = 0; k < RUNS; k++) {
         const prediction_work work = draw_work(&random);
         prediction_learn(&learned, &work, seconds_of(&work), &speed);
     }
-    assert_int_equal(learned.n[PREDICTION_CONGESTED], 30);
+    assert_int_equal(learned.n[PREDICTION_CONGESTED], RUNS);
     assert_true(worst_error(&random, &speed) < 0.1);
     for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
         assert_true(speed.corrections[PREDICTION_ROE][i] == 0.0);
