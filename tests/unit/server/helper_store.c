@@ -102,6 +102,8 @@ int64_t helper_store_sql(const helper_store *h, const char *sql)
     assert_int_equal(store__register_page_sums(NULL), BF_OK);
     assert_int_equal(sqlite3_open_v2(path, &db, SQLITE_OPEN_READWRITE, STORE__PAGE_SUMS),
                      SQLITE_OK);
+    // The store's own threads may hold the lock at this moment.
+    assert_int_equal(sqlite3_busy_timeout(db, HELPER_PATIENCE_MS), SQLITE_OK);
     assert_int_equal(sqlite3_prepare_v2(db, sql, -1, &statement, NULL), SQLITE_OK);
     int code = sqlite3_step(statement);
     if (code == SQLITE_ROW)
