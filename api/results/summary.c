@@ -48,28 +48,24 @@ static void collect_warnings(summary_view *of)
     const unsigned doubts = advice_doubts(of->model, &of->end);
     review_warning *item;
 
-    if (of->is_stopped) {
-        item = review_add(&of->warnings, "The run was stopped before its end", "%s", "");
-        snprintf(item->meaning, sizeof item->meaning, "The results are those of %.6g s of %.6g s.",
-                 of->end.t, of->begin.duration);
-    }
-    if (of->end.parts_fallen >= FALLEN_TOLD) {
-        item = review_add(&of->warnings, "Parts fell off the belts", "/belts");
-        snprintf(item->meaning, sizeof item->meaning,
-                 of->model == RUN_MACRO
-                     ? "%.4g parts came to where no belt is. They are gone, and count as fallen, "
-                       "not as throughput."
-                     : "%.0f parts came to where no belt is. They are gone, and count as fallen, "
-                       "not as throughput.",
-                 of->end.parts_fallen);
-    }
+    if (of->is_stopped)
+        review_explain(review_add(&of->warnings, "The run was stopped before its end", "%s", ""),
+                       "The results are those of %.6g s of %.6g s.", of->end.t, of->begin.duration);
+    if (of->end.parts_fallen >= FALLEN_TOLD)
+        review_explain(review_add(&of->warnings, "Parts fell off the belts", "/belts"),
+                       of->model == RUN_MACRO
+                           ? "%.4g parts came to where no belt is. They are gone, and count as "
+                             "fallen, not as throughput."
+                           : "%.0f parts came to where no belt is. They are gone, and count as "
+                             "fallen, not as throughput.",
+                       of->end.parts_fallen);
     if ((doubts & ADVICE_DOUBT_DENSITY) != 0) {
         item = review_add(&of->warnings, "The jam is denser than real parts can be", "/macro");
-        snprintf(item->meaning, sizeof item->meaning, "It looks shorter than it will be.%s",
-                 of->advice.validity.is_compared
-                     ? " The outflow is as for moving parts all the same: for scenarios like this "
-                       "one they differed by at most 5 % of the parts."
-                     : "");
+        review_explain(item, "It looks shorter than it will be.%s",
+                       of->advice.validity.is_compared
+                           ? " The outflow is as for moving parts all the same: for scenarios like "
+                             "this one they differed by at most 5 % of the parts."
+                           : "");
         snprintf(item->detail, sizeof item->detail,
                  "The largest density, %.4g, is above %.4g of close packing.", of->end.peak,
                  advice_density_trusted);
@@ -78,9 +74,8 @@ static void collect_warnings(summary_view *of)
     if ((doubts & ADVICE_DOUBT_OVERLAP) != 0) {
         item = review_add(&of->warnings, "The parts were computed softer than they are",
                           "/micro/modulus_reduction");
-        snprintf(item->meaning, sizeof item->meaning,
-                 "They were pressed into each other in the jam, so that the outflow may differ "
-                 "somewhat from that of hard parts.");
+        review_explain(item, "They were pressed into each other in the jam, so that the outflow "
+                             "may differ somewhat from that of hard parts.");
         snprintf(item->detail, sizeof item->detail,
                  "Parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a "
                  "smaller modulus_reduction makes them harder.",

@@ -3,9 +3,18 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-review_warning *review_add(review_warnings *w, const char *title, const char *pointer, ...)
+// Where the next warning goes: one too many is dropped.
+static review_warning *next_item(review_warnings *w)
 {
     review_warning *item = &w->items[w->n];
+
+    w->n += w->n < REVIEW_WARNINGS_MAX;
+    return item;
+}
+
+review_warning *review_add(review_warnings *w, const char *title, const char *pointer, ...)
+{
+    review_warning *item = next_item(w);
     va_list args;
 
     *item = (review_warning){ 0 };
@@ -13,7 +22,6 @@ review_warning *review_add(review_warnings *w, const char *title, const char *po
     va_start(args, pointer);
     vsnprintf(item->pointer, sizeof item->pointer, pointer, args);
     va_end(args);
-    w->n += w->n < REVIEW_WARNINGS_MAX;
     return item;
 }
 
@@ -29,5 +37,5 @@ void review_explain(review_warning *item, const char *meaning, ...)
 void review_append(review_warnings *w, const review_warnings *others)
 {
     for (size_t k = 0; k < others->n; k++)
-        *review_add(w, "", "%s", others->items[k].pointer) = others->items[k];
+        *next_item(w) = others->items[k];
 }

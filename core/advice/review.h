@@ -27,11 +27,11 @@ typedef struct review_warnings {
     review_warning items[REVIEW_WARNINGS_MAX + 1]; ///< the last one takes what is dropped
 } review_warnings;
 
-/// Add a warning with a title about what a pointer, given by its format, leads to, and return it.
+/// Add a warning with a title; the pointer to what it is about is a format with its values. Return it, without a meaning.
 review_warning *review_add(review_warnings *w, const char *title, const char *pointer, ...)
     __attribute__((format(printf, 3, 4)));
 
-/// Write its meaning.
+/// Write the meaning of a warning, a format with its values.
 void review_explain(review_warning *item, const char *meaning, ...)
     __attribute__((format(printf, 2, 3)));
 

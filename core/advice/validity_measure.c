@@ -498,7 +498,7 @@ static void note_constants(measures *f)
           "/macro/dispersion_m_s" },
         { VALIDITY_DISPERSIVE, macro->mollifier < 1e3 || macro->mollifier > 1e4,
           "/macro/mollifier_per_m2" },
-        { VALIDITY_CONGESTED, macro->jam_density != 0.93, "/macro/jam_density_ratio" },
+        { VALIDITY_CONGESTED, macro->jam_density != 0.93, "/macro/jam_density" },
         { VALIDITY_PARTS_MODEL, micro->tension, "/micro/tension" },
         { VALIDITY_PARTS_MODEL, micro->damping != 0.1, "/micro/damping_per_s" },
         { VALIDITY_PARTS_MODEL, micro->gravity != 9.81, "/micro/gravity_m_s2" },

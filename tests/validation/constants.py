@@ -85,7 +85,7 @@ def build(folder, file, text, program):
     return folder / "beltflow"
 
 
-def rates(path, cache, macro={}):
+def rates(path, cache, macro=None):
     """The rate of each row, parts/s."""
     program = Program(path, cache)
     documents = [Line("development", name, **row).document(0) for name, row in ROWS.items()]

@@ -320,11 +320,28 @@ static void a_range_that_another_model_has_more_of_is_told_in_numbers(void **sta
     }
 }
 
+static void another_jam_density_is_pointed_at(void **state)
+{
+    static validity of;
+    bool is_found = false;
+    scene s;
+
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    other_jam(&s);
+    assert_int_equal(validity_of(&s, &of, NULL), BF_OK);
+    for (size_t k = 0; k < of.n_never; k++)
+        is_found = is_found || (of.never[k].figure == VALIDITY_CONSTANTS &&
+                                strcmp(of.never[k].pointer, "/macro/jam_density") == 0);
+    assert_true(is_found);
+    scene_fini(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(none_is_wrong_and_none_is_missing),
         cmocka_unit_test(a_range_that_another_model_has_more_of_is_told_in_numbers),
+        cmocka_unit_test(another_jam_density_is_pointed_at),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
