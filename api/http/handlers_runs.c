@@ -1,4 +1,4 @@
-// Runs: accept or validate a submission, list, show, annotate, cancel, remove.
+// Runs: accept or validate a submission, list, show.
 
 #include "api/http/access.h"
 #include "api/http/http_priv.h"
@@ -6,7 +6,6 @@
 #include "api/http/run_sort.h"
 #include "api/json/moment.h"
 #include "api/json/text.h"
-#include "api/results/annotations_json.h"
 #include "api/results/run_json.h"
 #include "api/scenario/condition.h"
 #include "api/scenario/submission.h"
@@ -20,77 +19,58 @@
 #include <stdio.h>
 #include <string.h>
 
-static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
+static bf_status read_submission(exchange *x, api_submission *submission, bf_error *err)
 {
     json_in_texts texts = handlers__texts(x, SUBMISSION_TEXTS_MAX);
 
-    bf_status status = submission_read(exchange__body(x), x->request->n_body, &texts,
-                                       ret_submission, &x->faults, err);
-    if (status != BF_OK)
-        return status;
-    status = access_check_priority(x, ret_submission->priority, err);
-    if (status != BF_OK)
-        submission_fini(ret_submission);
-    return status;
+    const bf_status status =
+        submission_read(exchange__body(x), x->request->n_body, &texts, submission, &x->faults, err);
+    return status == BF_OK ? access_check_priority(x, submission->priority, err) : status;
 }
 
-// The run's current state. False: it was removed or cannot be read.
-static bool answer_now(exchange *x, const char *id)
+// Takes the run as it is now for the answer. False: it was removed or cannot be read, and *accepted is as before.
+static bool take_present(exchange *x, const char *id, api_acceptance *accepted)
 {
+    bf_buffer answer = { 0 };
     api_run record;
 
     if (access_find_run(x, id, &record, NULL) != BF_OK ||
-        run_json_write(&record, &x->response->body, NULL) != BF_OK)
+        run_json_write(&record, &answer, NULL) != BF_OK) {
+        buffer_fini(&answer);
         return false;
-    handlers__answer_head(x, "/v1/runs", id, record.revision);
+    }
+    buffer_fini(&accepted->answer);
+    accepted->answer = answer;
+    accepted->revision = record.revision;
+    memcpy(accepted->id, record.id, sizeof accepted->id);
     exchange__prefer_long_poll(x, &record);
     return true;
 }
 
-// A client that prefers to wait gets the run as it is now, even where the first answer is repeated.
-static void answer_accepted(exchange *x, api_acceptance *accepted)
-{
-    unsigned seconds = 0;
-    bool waits = negotiation_read_wait(exchange__header(x, "Prefer"), &seconds);
-
-    if (accepted->is_replay)
-        api_response_header(x->response, "Idempotent-Replayed", "true");
-    if (waits && answer_now(x, accepted->id)) {
-        buffer_fini(&accepted->answer);
-        return;
-    }
-    buffer_fini(&x->response->body);
-    x->response->body = accepted->answer;
-    handlers__answer_head(x, "/v1/runs", accepted->id, accepted->revision);
-}
-
 bf_status handlers__answer_polled(exchange *x, bf_error *err)
 {
-    if (answer_now(x, x->request->polled->run))
-        return BF_OK;
-    return bf_fail(err, BF_ENOTFOUND, "", "the run is gone");
+    api_acceptance polled = { .revision = 0 };
+
+    if (!take_present(x, x->request->polled->run, &polled))
+        return bf_fail(err, BF_ENOTFOUND, "", "the run is gone");
+    return handlers__answer_submission(x, BF_OK, "/v1/runs", &polled);
 }
 
-// Nothing that can fail follows the submission, so that no accepted run is answered with a failure. The
-// order of the checks (key, then quotas, then queue) is the store's.
-static bf_status submit(exchange *x, const api_submission *submission, bf_error *err)
-{
-    api_acceptance accepted = { 0 };
-
-    bf_status status = x->services->submit(x->services->service, submission, &accepted, err);
-    if (status == BF_OK)
-        answer_accepted(x, &accepted);
-    else
-        handlers__note_refusal(x, status, &accepted);
-    return status;
-}
-
-// The body is compared when the key is used again.
+// A client that prefers to wait gets the run as it is now, even where the first answer is repeated. The order of the checks
+// (key, then quotas, then queue) is the store's.
 bf_status handlers__submit_run(exchange *x, api_submission *submission, const char *body, size_t n,
                                bf_error *err)
 {
-    const bf_status status = handlers__read_sender(x, body, n, &submission->sender, err);
-    return status == BF_OK ? submit(x, submission, err) : status;
+    api_acceptance accepted = { .revision = 0 };
+    unsigned seconds = 0;
+
+    bf_status status = handlers__read_sender(x, body, n, &submission->sender, err);
+    if (status != BF_OK)
+        return status;
+    status = x->services->submit(x->services->service, submission, &accepted, err);
+    if (status == BF_OK && negotiation_read_wait(exchange__header(x, "Prefer"), &seconds))
+        (void)take_present(x, accepted.id, &accepted);
+    return handlers__answer_submission(x, status, "/v1/runs", &accepted);
 }
 
 bf_status handlers_runs_submit(exchange *x, bf_error *err)
@@ -124,11 +104,11 @@ bf_status handlers_runs_validate(exchange *x, bf_error *err)
         exchange__reserve_whole(x, NUMBERS * parts_max, sizeof(double), "fewer parts", err);
     if (status == BF_OK)
         status = read_submission(x, &submission, err);
-    if (status != BF_OK)
-        return status;
-    const bool has_speed = x->services->read_speed(x->services->service, &speed);
-    status = submission_validation(&submission, has_speed ? &speed : NULL, parts_max,
-                                   &x->response->body, err);
+    if (status == BF_OK) {
+        const bool has_speed = x->services->read_speed(x->services->service, &speed);
+        status = submission_validation(&submission, has_speed ? &speed : NULL, parts_max,
+                                       &x->response->body, err);
+    }
     submission_fini(&submission);
     return status;
 }
@@ -215,92 +195,4 @@ bf_status handlers_runs_show(exchange *x, bf_error *err)
     if (exchange__match_etag(x, "r%" PRIu64 "%s", record.revision, predicted) || !has_state)
         exchange__long_poll(x, &record, seconds, has_state);
     return run_json_write(&record, &x->response->body, err);
-}
-
-// A change of the run that the path names.
-typedef bf_status change_fn(exchange *x, const char *id, uint64_t revision, api_run *record,
-                            bf_error *err);
-
-// If-Match is compared with the run as it is found, and the revision that it was found with again by
-// the change itself. Where another change came between, the run is looked at anew.
-static bf_status change_run(exchange *x, change_fn *change, api_run *ret_run, bf_error *err)
-{
-    api_run record;
-    bf_status status;
-
-    do {
-        uint64_t revision = API_ANY_REVISION;
-        status = exchange__find_run(x, &record, err);
-        if (status == BF_OK)
-            status = exchange__check_match(x, record.revision, &revision, err);
-        if (status != BF_OK)
-            return status;
-        status = change(x, x->params.values[0], revision, &record, err);
-    } while (status == BF_EINPUT && x->faults.n == 0);
-    if (status == BF_OK)
-        *ret_run = record;
-    return status;
-}
-
-static bf_status cancel(exchange *x, const char *id, uint64_t revision, api_run *record,
-                        bf_error *err)
-{
-    return x->services->cancel(x->services->store, id, revision, record, err);
-}
-
-static bf_status remove_run(exchange *x, const char *id, uint64_t revision, api_run *record,
-                            bf_error *err)
-{
-    (void)record;
-    return x->services->remove(x->services->service, id, revision, err);
-}
-
-bf_status handlers_runs_cancel(exchange *x, bf_error *err)
-{
-    api_run record;
-
-    bf_status status = change_run(x, cancel, &record, err);
-    if (status != BF_OK)
-        return status;
-    x->response->status = run_state_is_end(record.state) ? 200 : 202;
-    return run_json_write(&record, &x->response->body, err);
-}
-
-// The run keeps what the patch does not name, as of the revision that it was found with.
-static bf_status annotate(exchange *x, const char *id, uint64_t revision, api_run *record,
-                          bf_error *err)
-{
-    api_annotations annotations;
-
-    (void)revision;
-    memcpy(annotations.name, record->name, sizeof annotations.name);
-    memcpy(annotations.label, record->label, sizeof annotations.label);
-    memcpy(annotations.line, record->line, sizeof annotations.line);
-    memcpy(annotations.notes, record->notes, sizeof annotations.notes);
-    annotations.is_starred = record->is_starred;
-    bf_status status = annotations_json_read(exchange__body(x), x->request->n_body,
-                                             &annotations_json_run, &annotations, &x->faults, err);
-    return status == BF_OK ? x->services->annotate(x->services->store, id, record->revision,
-                                                   &annotations, record, err)
-                           : status;
-}
-
-bf_status handlers_runs_annotate(exchange *x, bf_error *err)
-{
-    api_run record;
-
-    bf_status status = change_run(x, annotate, &record, err);
-    if (status == BF_OK)
-        api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", record.revision);
-    return status == BF_OK ? run_json_write(&record, &x->response->body, err) : status;
-}
-
-bf_status handlers_runs_remove(exchange *x, bf_error *err)
-{
-    api_run record;
-
-    bf_status status = change_run(x, remove_run, &record, err);
-    if (status == BF_OK)
-        x->response->status = 204;
-    return status;
 }

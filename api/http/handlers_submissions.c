@@ -72,7 +72,9 @@ bf_status handlers__read_sender(const exchange *x, const char *body, size_t n,
     return status;
 }
 
-void handlers__note_refusal(exchange *x, bf_status status, const api_acceptance *accepted)
+// Nothing that can fail follows a submission, so that nothing that was accepted is answered with a failure.
+bf_status handlers__answer_submission(exchange *x, bf_status status, const char *path,
+                                      api_acceptance *accepted)
 {
     if (status == BF_EINPUT)
         x->refusal = 422; // the key was used with another body
@@ -80,11 +82,13 @@ void handlers__note_refusal(exchange *x, bf_status status, const api_acceptance 
         x->refusal = 429;
         x->retry_after_s = accepted->retry_after_s;
     }
-}
-
-void handlers__answer_head(exchange *x, const char *path, const char *id, uint64_t revision)
-{
+    if (status != BF_OK)
+        return status;
+    if (accepted->is_replay)
+        api_response_header(x->response, "Idempotent-Replayed", "true");
     x->response->status = 201;
-    api_response_header(x->response, "Location", "%s/%s", path, id);
-    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", revision);
+    x->response->body = accepted->answer;
+    api_response_header(x->response, "Location", "%s/%s", path, accepted->id);
+    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", accepted->revision);
+    return BF_OK;
 }

@@ -152,20 +152,24 @@ void exchange__long_poll(exchange *x, const api_run *record, unsigned seconds, b
 /// The same for the end of the run where the client prefers it (`Prefer: wait=N`).
 void exchange__prefer_long_poll(exchange *x, const api_run *record);
 
-/// Runs: accept, validate, list, show, stop, remove.
+/// Runs: accept, validate, list, show;
 route_handler_fn handlers_runs_submit;
 route_handler_fn handlers_runs_validate;
 route_handler_fn handlers_runs_list;
 route_handler_fn handlers_runs_show;
-route_handler_fn handlers_runs_annotate;
-route_handler_fn handlers_runs_cancel;
-route_handler_fn handlers_runs_remove;
-/// What becomes of submissions: who sends one, with the n bytes of body that must come again with its key; the status of a
-/// refusal, and when another try can help; and the head of the answer, for what was created below a path such as "/v1/runs".
+/// and what they have alike with studies.
+route_handler_fn handlers_resources_annotate, handlers_resources_remove, handlers_resources_cancel;
+route_handler_fn handlers_resources_pause, handlers_resources_resume;
+/// Grants, which read one run or study each.
+route_handler_fn handlers_resources_grant, handlers_resources_list_grants;
+route_handler_fn handlers_resources_revoke_grant;
+
+/// What becomes of submissions: who sends one, with the n bytes of body that must come again with its key; and the answer
+/// to one that was tried, its status passed on: a refusal, or what was created below a path such as "/v1/runs".
 BF_MUST_CHECK bf_status handlers__read_sender(const exchange *x, const char *body, size_t n,
                                               api_sender *ret_sender, bf_error *err);
-void handlers__note_refusal(exchange *x, bf_status status, const api_acceptance *accepted);
-void handlers__answer_head(exchange *x, const char *path, const char *id, uint64_t revision);
+BF_MUST_CHECK bf_status handlers__answer_submission(exchange *x, bf_status status, const char *path,
+                                                    api_acceptance *accepted);
 
 /// The texts that a submission may name by the ids of measurements, n bytes of them; of the exchange, which is borrowed.
 json_in_texts handlers__texts(const exchange *x, size_t n);
@@ -178,15 +182,10 @@ BF_MUST_CHECK bf_status handlers__answer_polled(exchange *x, bf_error *err);
 BF_MUST_CHECK bf_status handlers__submit_study(exchange *x, api_study_submission *made,
                                                bf_error *err);
 
-/// Studies: accept, list, show, change, remove,
+/// Studies: accept, list, show,
 route_handler_fn handlers_studies_submit;
 route_handler_fn handlers_studies_list;
 route_handler_fn handlers_studies_show;
-route_handler_fn handlers_studies_pause;
-route_handler_fn handlers_studies_resume;
-route_handler_fn handlers_studies_annotate;
-route_handler_fn handlers_studies_cancel;
-route_handler_fn handlers_studies_remove;
 /// and what they have: document, trials, what was found, events; a trial as a run of its own.
 route_handler_fn handlers_trials_document;
 route_handler_fn handlers_trials_list;
@@ -237,10 +236,6 @@ route_handler_fn handlers_leases_renew, handlers_leases_leave, handlers_leases_l
 
 /// Comparisons of runs and measurements.
 route_handler_fn handlers_compare_runs;
-
-/// Grants, which read one run or study each.
-route_handler_fn handlers_grants_of_run, handlers_grants_of_study;
-route_handler_fn handlers_grants_list, handlers_grants_revoke;
 
 /// The service itself.
 route_handler_fn handlers_meta_examples, handlers_meta_example, handlers_meta_goods;
