@@ -31,32 +31,26 @@ static bf_status reserve(commands *c, uint64_t n, bf_error *err)
     return BF_OK;
 }
 
-static bf_status insert(commands *c, command new, bf_error *err)
-{
-    bf_status status = reserve(c, c->n + 1, err);
-    size_t at = c->n;
-
-    if (status != BF_OK)
-        return status;
-    while (at > 0 && is_before(&new, &c->items[at - 1]))
-        at--;
-    memmove(&c->items[at + 1], &c->items[at], (c->n - at) * sizeof *c->items);
-    c->items[at] = new;
-    c->n++;
-    return BF_OK;
-}
-
 bf_status commands_note(commands *c, size_t eye, uint32_t kind, bool is_blocked, uint64_t step,
                         bf_error *err)
 {
-    bf_status status = BF_OK;
+    bf_status status;
 
-    for (size_t k = 0; k < c->scene->n_actions && status == BF_OK; k++) {
+    for (size_t k = 0; k < c->scene->n_actions; k++) {
         const scene_action *a = &c->scene->actions[k];
-        if (a->eye == eye && a->kind == kind && a->when_blocked == is_blocked)
-            status = insert(c, (command){ step + schedule_steps_until(a->delay, c->dt), k }, err);
+        if (a->eye != eye || a->kind != kind || a->when_blocked != is_blocked)
+            continue;
+        const command new = { step + schedule_steps_until(a->delay, c->dt), k };
+        size_t at = c->n;
+        if ((status = reserve(c, c->n + 1, err)) != BF_OK)
+            return status;
+        while (at > 0 && is_before(&new, &c->items[at - 1]))
+            at--;
+        memmove(&c->items[at + 1], &c->items[at], (c->n - at) * sizeof *c->items);
+        c->items[at] = new;
+        c->n++;
     }
-    return status;
+    return BF_OK;
 }
 
 bool commands_take(commands *c, uint64_t step, size_t *ret_action)

@@ -118,22 +118,6 @@ static void add_border(macro_flows *f, size_t counter, size_t i, size_t j, scene
     c->in += fmax(-out, 0.0);
 }
 
-static void follow_counter(macro_flows *f, size_t k)
-{
-    const counter_cells *cells = &f->cells[k];
-
-    if (cells->i_min >= cells->i_max || cells->j_min >= cells->j_max)
-        return;
-    for (size_t j = cells->j_min; j < cells->j_max; j++) {
-        add_border(f, k, cells->i_min, j, SCENE_WEST);
-        add_border(f, k, cells->i_max - 1, j, SCENE_EAST);
-    }
-    for (size_t i = cells->i_min; i < cells->i_max; i++) {
-        add_border(f, k, i, cells->j_min, SCENE_SOUTH);
-        add_border(f, k, i, cells->j_max - 1, SCENE_NORTH);
-    }
-}
-
 static void add_to_outlet(macro_flows *f, size_t i, size_t j, scene_side side)
 {
     const size_t outlet = f->outlet_of[f->belt_of[j * f->grid.n1 + i]];
@@ -146,8 +130,19 @@ void macro_flows_follow(macro_flows *f)
 {
     if (macro_steps(f->solver) % macro_flux_steps(f->solver) != 0)
         return;
-    for (size_t k = 0; k < f->scene->n_counters; k++)
-        follow_counter(f, k);
+    for (size_t k = 0; k < f->scene->n_counters; k++) {
+        const counter_cells *cells = &f->cells[k];
+        if (cells->i_min >= cells->i_max || cells->j_min >= cells->j_max)
+            continue;
+        for (size_t j = cells->j_min; j < cells->j_max; j++) {
+            add_border(f, k, cells->i_min, j, SCENE_WEST);
+            add_border(f, k, cells->i_max - 1, j, SCENE_EAST);
+        }
+        for (size_t i = cells->i_min; i < cells->i_max; i++) {
+            add_border(f, k, i, cells->j_min, SCENE_SOUTH);
+            add_border(f, k, i, cells->j_max - 1, SCENE_NORTH);
+        }
+    }
     if (f->n_outlets > 0) {
         const scene_edge *edges = f->scene->edges;
         for (size_t j = 0; j < f->grid.n2; j++) {
@@ -165,20 +160,15 @@ void macro_flows_follow(macro_flows *f)
     }
 }
 
-static bool holds(const counter_cells *c, const bf_grid *g, size_t cell)
-{
-    const size_t i = cell % g->n1, j = cell / g->n1;
-
-    return c->i_min <= i && i < c->i_max && c->j_min <= j && j < c->j_max;
-}
-
 // What of parts with these fractions of the kinds a counter counts in a cell; NULL: kinds are not told apart.
 static double counted(const macro_flows *f, size_t counter, size_t cell, double parts,
                       const double *fractions)
 {
     const uint32_t kind = f->scene->counters[counter].kind;
+    const counter_cells *c = &f->cells[counter];
+    const size_t i = cell % f->grid.n1, j = cell / f->grid.n1;
 
-    if (!holds(&f->cells[counter], &f->grid, cell))
+    if (i < c->i_min || i >= c->i_max || j < c->j_min || j >= c->j_max)
         return 0.0;
     return kind == SCENE_KIND_ANY || fractions == NULL ? parts : parts * fractions[kind];
 }

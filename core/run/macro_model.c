@@ -145,27 +145,6 @@ static void check_scenario(const scene *s, bf_faults *faults)
                          "%d cells to reach over, the limit is %d", reach, MOLLIFIER_REACH_MAX);
 }
 
-// What the congested closure needs beyond.
-static void complete_congested(const scene *s, const velocity_field *f, macro_def *def)
-{
-    const double edge = scene_cell_edge(s);
-
-    def->dispersion = 0.0;
-    def->mollifier = 16.0 / (edge * edge); // reaches over one cell: nothing is smoothed
-    def->jam_density = s->macro.jam_density;
-    def->slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
-    def->friction = s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
-    def->aperture1 = f->aperture1;
-    def->aperture2 = f->aperture2;
-    def->transverse1 = f->transverse1;
-    def->transverse2 = f->transverse2;
-    def->loose1 = f->loose1;
-    def->loose2 = f->loose2;
-    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
-        def->one_way[side] =
-            s->edges[side] != SCENE_EDGE_OUTFLOW || scene_is_fed(s, (scene_side)side);
-}
-
 // Enough tracers for a 95th percentile: about a thousand of what is offered, more where more than twice what the belts
 // hold comes through.
 static double tracer_portion(const scene *s, const macro_run *run)
@@ -209,7 +188,21 @@ static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
     }
     def.n_threads = n_threads;
     if (s->macro.closure == SCENE_CONGESTED) {
-        complete_congested(s, f, &def);
+        const double edge = scene_cell_edge(s);
+        def.dispersion = 0.0;
+        def.mollifier = 16.0 / (edge * edge); // reaches over one cell: nothing is smoothed
+        def.jam_density = s->macro.jam_density;
+        def.slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
+        def.friction = s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
+        def.aperture1 = f->aperture1;
+        def.aperture2 = f->aperture2;
+        def.transverse1 = f->transverse1;
+        def.transverse2 = f->transverse2;
+        def.loose1 = f->loose1;
+        def.loose2 = f->loose2;
+        for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+            def.one_way[side] =
+                s->edges[side] != SCENE_EDGE_OUTFLOW || scene_is_fed(s, (scene_side)side);
         return def;
     }
     def.dispersion = s->macro.dispersion;
@@ -526,40 +519,36 @@ static void tell_ages(const void *solver, figures *to)
         figures_add_age(to, macro_time(run->solver) - tracers[k].entered, parts_of(run, portion));
 }
 
-static void tell_row(const macro_run *run, const double *speeds, size_t j, figures *to)
-{
-    const bf_grid *g = &run->grid;
-    const double *densities = macro_row(run->solver, j), parts = run->packing * g->d1 * g->d2;
-    const uint16_t *belts = run->belt_of + j * g->n1;
-
-    macro_speeds(run->solver, j, run->speeds);
-    for (size_t i = 0; i < g->n1; i++) {
-        if (densities[i] <= least_density || belts[i] == run->n_belts)
-            continue;
-        const scene_belt *belt = &run->belts[belts[i]];
-        const vec2 at = { grid_x1(g, i), grid_x2(g, j) };
-        const figures_cargo cargo = { .at = at,
-                                      .speed = run->speeds[i],
-                                      .belt_speed =
-                                          belt->turn == 0.0
-                                              ? speeds[belts[i]]
-                                              : vec2_length(belt_velocity(belt, at)) *
-                                                    fabs(macro_belt_factor(run->solver, belts[i])),
-                                      .parts = parts * densities[i],
-                                      .age = (double)NAN };
-        figures_add_cargo(to, &cargo, macro_fractions(run->solver, j * g->n1 + i));
-    }
-}
-
 static void tell_cargo(const void *solver, figures *to)
 {
     const macro_run *run = solver;
-    double speeds[SCENE_BELTS_MAX];
+    const bf_grid *g = &run->grid;
+    double factors[SCENE_BELTS_MAX], speeds[SCENE_BELTS_MAX]; // speeds: of straight belts
 
-    for (size_t k = 0; k < run->n_belts; k++)
-        speeds[k] = vec2_length(run->belts[k].velocity) * fabs(macro_belt_factor(run->solver, k));
-    for (size_t j = 0; run->is_fed && j < run->grid.n2; j++)
-        tell_row(run, speeds, j, to);
+    for (size_t k = 0; k < run->n_belts; k++) {
+        factors[k] = fabs(macro_belt_factor(run->solver, k));
+        speeds[k] = vec2_length(run->belts[k].velocity) * factors[k];
+    }
+    for (size_t j = 0; run->is_fed && j < g->n2; j++) {
+        const double *densities = macro_row(run->solver, j);
+        macro_speeds(run->solver, j, run->speeds);
+        for (size_t i = 0; i < g->n1; i++) {
+            const size_t cell = j * g->n1 + i, belt = run->belt_of[cell];
+            if (densities[i] <= least_density || belt == run->n_belts)
+                continue;
+            const vec2 at = { grid_x1(g, i), grid_x2(g, j) };
+            const bool is_straight = run->belts[belt].turn == 0.0;
+            const vec2 velocity = belt_velocity(&run->belts[belt], at);
+            const figures_cargo cargo = { .at = at,
+                                          .speed = run->speeds[i],
+                                          .belt_speed = is_straight
+                                                            ? speeds[belt]
+                                                            : vec2_length(velocity) * factors[belt],
+                                          .parts = parts_of(run, densities[i]),
+                                          .age = (double)NAN };
+            figures_add_cargo(to, &cargo, macro_fractions(run->solver, cell));
+        }
+    }
 }
 
 static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load, bf_error *err)

@@ -141,38 +141,27 @@ static uint64_t choose_tick(const micro_run *run, double dt)
     return (uint64_t)fmax(floor(most / dt), 1.0);
 }
 
-static bf_status create_checked(const scene *s, const micro_setup *setup, micro_run **ret_run,
-                                bf_error *err)
-{
-    bf_faults faults = { 0 };
-
-    micro_setup_check(s, setup, &faults);
-    bf_status status = faults_status(&faults, err);
-    if (status != BF_OK)
-        return status;
-    micro_run *run = memory_alloc(1, sizeof *run);
-    if (run == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for a run");
-    if ((status = fill_run(s, setup, run, err)) != BF_OK)
-        destroy_run(run);
-    else
-        *ret_run = run;
-    return status;
-}
-
 static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **ret_solver,
                             run_plan *ret_plan, bf_error *err)
 {
     micro_setup setup;
     micro_run *run = NULL;
+    bf_faults faults = { 0 };
 
     bf_status status = micro_setup_init(s, w, n_threads, &setup, err);
     if (status != BF_OK)
         return status;
-    status = create_checked(s, &setup, &run, err);
+    micro_setup_check(s, &setup, &faults);
+    status = faults_status(&faults, err);
+    if (status == BF_OK && (run = memory_alloc(1, sizeof *run)) == NULL)
+        status = bf_fail(err, BF_ENOMEM, "", "no memory for a run");
+    if (status == BF_OK)
+        status = fill_run(s, &setup, run, err);
     micro_setup_fini(&setup);
-    if (status != BF_OK)
+    if (status != BF_OK) {
+        destroy_run(run);
         return status;
+    }
     const size_t n_parts = micro_parts(run->solver);
     const bool is_planar = micro_is_planar(run->solver);
     const size_t n_advance =
@@ -191,19 +180,6 @@ static bf_status create_run(const scene *s, bf_world *w, int n_threads, void **r
     return BF_OK;
 }
 
-static micro_thrown find_fastest(const micro_solver *s)
-{
-    micro_thrown fastest = { .speed = 0.0 };
-
-    for (size_t k = 0; k < micro_parts(s); k++) {
-        const micro_part part = micro_part_of(s, k);
-        const double speed = hypot(part.v[0], part.v[1]);
-        if (!part.is_gone && speed > fastest.speed)
-            fastest = (micro_thrown){ micro_id_of(s, k), { part.x[0], part.x[1] }, speed };
-    }
-    return fastest;
-}
-
 static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
 {
     micro_run *run = solver;
@@ -217,7 +193,14 @@ static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
     micro_press press;
     if (micro_press_now(run->solver, &press))
         return micro_press_fail(run->scene, &press, t, err);
-    const micro_thrown fastest = find_fastest(run->solver);
+    micro_thrown fastest = { .speed = 0.0 };
+    for (size_t k = 0; k < micro_parts(run->solver); k++) {
+        const micro_part part = micro_part_of(run->solver, k);
+        const double speed = hypot(part.v[0], part.v[1]);
+        if (!part.is_gone && speed > fastest.speed)
+            fastest =
+                (micro_thrown){ micro_id_of(run->solver, k), { part.x[0], part.x[1] }, speed };
+    }
     return micro_press_fail_thrown(run->scene, &fastest, t, err);
 }
 

@@ -158,16 +158,6 @@ void micro_setup_fini(micro_setup *setup)
     *setup = (micro_setup){ .def = { .n_parts = 0 } };
 }
 
-static bf_status check_count(const scene *s, double dt, bf_error *err)
-{
-    double n = ceil(s->duration / dt);
-
-    if (n <= SCENE_STEPS_MAX)
-        return BF_OK;
-    return bf_fail(err, BF_ELIMIT, s->micro.step > 0.0 ? "/micro/step_s" : "/duration_s",
-                   "%.10g steps of the microscopic model, the limit is %.10g", n, SCENE_STEPS_MAX);
-}
-
 // The solver's own checks, applied to the first part alone, which is cheap.
 static bf_status probe(const micro_def *def, bf_error *err)
 {
@@ -183,7 +173,7 @@ static bf_status probe(const micro_def *def, bf_error *err)
 
 static void check_step(const scene *s, const micro_def *def, bf_faults *faults)
 {
-    double stable = micro_dt_stable(def);
+    const double stable = micro_dt_stable(def), n = ceil(s->duration / def->dt);
     bf_error err;
 
     if (def->dt > stable * (1.0 + RUN__STABLE_SLACK))
@@ -193,8 +183,12 @@ static void check_step(const scene *s, const micro_def *def, bf_faults *faults)
     else if (s->micro.step > s->duration)
         faults_add(faults, "/duration_s", "%.10g s are less than one step of %.10g s", s->duration,
                    s->micro.step);
-    else if (probe(def, &err) != BF_OK || check_count(s, def->dt, &err) != BF_OK)
+    else if (probe(def, &err) != BF_OK)
         faults_add_error(faults, &err);
+    else if (!(n <= SCENE_STEPS_MAX))
+        faults_add_limit(faults, s->micro.step > 0.0 ? "/micro/step_s" : "/duration_s",
+                         "%.10g steps of the microscopic model, the limit is %.10g", n,
+                         SCENE_STEPS_MAX);
 }
 
 static bool is_planar(const scene *s)

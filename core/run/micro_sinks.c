@@ -31,12 +31,12 @@ static int compare_waiting(const void *left, const void *right)
     return (a->id > b->id) - (a->id < b->id);
 }
 
-// Finds the sinks that the parts are in at t, and the parts in those that are free, by the order above.
-static bf_status find_waiting(micro_sinks *m, micro_feeds *f, double t, size_t *ret_n,
-                              bf_error *err)
+bf_status micro_sinks_take(micro_sinks *m, micro_feeds *f, bf_error *err)
 {
+    const double t = (double)micro_steps(f->solver) * micro_dt(f->solver);
     size_t n = 0;
 
+    // The sinks that the parts are in, and the parts in those that are free.
     for (size_t k = 0; k < micro_parts(f->solver); k++) {
         if (micro_is_gone(f->solver, k))
             continue;
@@ -56,17 +56,7 @@ static bf_status find_waiting(micro_sinks *m, micro_feeds *f, double t, size_t *
     }
     if (n > 0)
         qsort(m->waiting, n, sizeof *m->waiting, compare_waiting);
-    *ret_n = n;
-    return BF_OK;
-}
-
-bf_status micro_sinks_take(micro_sinks *m, micro_feeds *f, bf_error *err)
-{
-    const double t = (double)micro_steps(f->solver) * micro_dt(f->solver);
-    size_t n = 0;
-    const bf_status status = find_waiting(m, f, t, &n, err);
-
-    for (size_t k = 0; status == BF_OK && k < n; k++) {
+    for (size_t k = 0; k < n; k++) {
         const micro_sinks_waiting *next = &m->waiting[k];
         double *free_at = &m->free_at[next->sink];
         if (*free_at > t)
@@ -76,7 +66,7 @@ bf_status micro_sinks_take(micro_sinks *m, micro_feeds *f, bf_error *err)
         m->taken[next->sink] += 1.0;
         *free_at = fmax(*free_at, next->since) + 1.0 / m->scene->sinks[next->sink].rate;
     }
-    return status;
+    return BF_OK;
 }
 
 void micro_sinks_save(const micro_sinks *m, checkpoint_writer *w)

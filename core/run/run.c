@@ -102,19 +102,6 @@ static int reserve_parts(run *r, uint64_t n_rows)
     return memory_reserve(&r->parts, &r->n_parts_max, n_rows * r->plan.n_values, sizeof *r->parts);
 }
 
-static bf_status allocate_results(run *r, bf_error *err)
-{
-    r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
-    r->values = memory_alloc(BATCH * (size_t)r->n_columns, sizeof *r->values);
-    r->figure_values = memory_alloc(figure_values(r->scene), sizeof *r->figure_values);
-    r->flows = memory_alloc(r->scene->n_counters + figure_items(r->scene, FIGURE_OF_OUTLET),
-                            sizeof *r->flows);
-    if (r->rho == NULL || r->values == NULL || r->figure_values == NULL || r->flows == NULL ||
-        reserve_parts(r, r->plan.n_parts) != 0)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for a snapshot");
-    return figures_create(r->scene, r->backend->parts != NULL, &r->figures, err);
-}
-
 bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_run, bf_error *err)
 {
     if (!run_model_is_available(model))
@@ -135,8 +122,17 @@ bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_r
     if (status == BF_OK) {
         r->control = control_of(s, &r->world, r->backend, &r->plan);
         r->parts_start = r->backend->measure(r->solver).parts;
-        status = allocate_results(r, err);
+        r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
+        r->values = memory_alloc(BATCH * (size_t)r->n_columns, sizeof *r->values);
+        r->figure_values = memory_alloc(figure_values(s), sizeof *r->figure_values);
+        r->flows =
+            memory_alloc(s->n_counters + figure_items(s, FIGURE_OF_OUTLET), sizeof *r->flows);
+        if (r->rho == NULL || r->values == NULL || r->figure_values == NULL || r->flows == NULL ||
+            reserve_parts(r, r->plan.n_parts) != 0)
+            status = bf_fail(err, BF_ENOMEM, "", "no memory for a snapshot");
     }
+    if (status == BF_OK)
+        status = figures_create(s, r->backend->parts != NULL, &r->figures, err);
     if (status != BF_OK) {
         run_destroy(r);
         return status;
@@ -164,14 +160,8 @@ run *run_destroy(run *r)
     return NULL;
 }
 
-// Counts a result of the present step and moves on to the next one.
-static void move_on(run *r, series *s)
-{
-    s->n++;
-    s->step = schedule_next(&r->scene->output, s->of, r->step, r->plan.dt);
-}
-
-static void restore_series(run *r, series *s, uint64_t n)
+// Of n results up to the present step, when the next one is due.
+static void move_on(const run *r, series *s, uint64_t n)
 {
     s->n = n;
     s->step = schedule_next(&r->scene->output, s->of, r->step, r->plan.dt);
@@ -195,8 +185,8 @@ static bf_status load(run *r, const void *bytes, size_t n, bf_error *err)
     r->step = r->first_step = h.step;
     r->parts_start = h.parts_start;
     r->peak = h.peak;
-    restore_series(r, &r->samples, h.n_samples);
-    restore_series(r, &r->snapshots, h.n_snapshots);
+    move_on(r, &r->samples, h.n_samples);
+    move_on(r, &r->snapshots, h.n_snapshots);
     return r->backend->load(r->solver, &reader, err);
 }
 
@@ -369,11 +359,6 @@ static void fill_columns(run *r, const run_load *load, double *values)
         *values++ = r->taken[k];
 }
 
-static double fallen_in_first(const run *r)
-{
-    return r->scene->may_drop && r->scene->n_feeds == 0 ? r->backend->fallen_in(r->solver, 0) : 0.0;
-}
-
 // Takes a sample of the curve; a full batch is emitted.
 static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
 {
@@ -386,12 +371,14 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
     r->peak = fmax(r->peak, load.peak);
     r->t[r->n_waiting++] = time_now(r);
     fill_columns(r, &load, values);
+    const bool may_fall = r->scene->may_drop && r->scene->n_feeds == 0;
     const figures_now now = { .t = time_now(r),
                               .inside = load.parts,
                               .entered = r->parts_start + load.entered,
                               .exited = values[r->scene->n_counters],
                               .fallen = load.fallen,
-                              .fallen_in_first = fallen_in_first(r),
+                              .fallen_in_first =
+                                  may_fall ? r->backend->fallen_in(r->solver, 0) : 0.0,
                               .counters = values,
                               .flows = r->flows,
                               .taken = r->taken,
@@ -403,7 +390,7 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
     figures_sample(r->figures, &now);
     if (r->backend->parts == NULL)
         figures_peak(r->figures, load.smooth_peak);
-    move_on(r, &r->samples);
+    move_on(r, &r->samples, r->samples.n + 1);
     return r->n_waiting == BATCH ? emit_curve(r, sink, err) : BF_OK;
 }
 
@@ -445,7 +432,7 @@ static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
     status = sink->take(sink->context, &f, err);
     if (status == BF_OK)
         status = emit_parts(r, load.n_rows, sink, err);
-    move_on(r, &r->snapshots);
+    move_on(r, &r->snapshots, r->snapshots.n + 1);
     return status;
 }
 
