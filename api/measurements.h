@@ -52,19 +52,3 @@ typedef struct api_measurement {
     double t_end;                ///< last time, s
     char owner[API_OWNER_SIZE];  ///< whose it is; "": nobody's
 } api_measurement;
-
-/// Which measurements a list shows; newest first.
-typedef struct api_measurement_query {
-    char owner[API_OWNER_SIZE]; ///< "": everybody's
-    char label[API_LABEL_SIZE]; ///< "": any
-    char before[API_ID_SIZE];   ///< only those older than this id; "": from the newest
-    size_t limit;               ///< 1 .. API_LIST_MAX
-} api_measurement_query;
-
-/// A page of measurements.
-typedef struct api_measurement_list {
-    size_t n;                            ///< measurements in this page
-    bool has_more;                       ///< older ones follow
-    char next_cursor[API_ID_SIZE];       ///< of these: who answers writes it
-    api_measurement items[API_LIST_MAX]; ///< the page
-} api_measurement_list;

@@ -11,8 +11,8 @@
 #include "api/event.h"
 #include "api/grants.h"
 #include "api/leases.h"
-#include "api/lines.h"
 #include "api/measurements.h"
+#include "api/page.h"
 #include "api/quotas.h"
 #include "api/run.h"
 #include "api/run_list.h"
@@ -92,6 +92,10 @@ typedef struct api_curve {
 typedef struct store api_store;
 typedef struct service api_service;
 
+/// Read a page of a list.
+typedef bf_status api_page_fn(api_store *store, const api_page_query *query, api_page *ret_page,
+                              bf_error *err);
+
 /// The table.
 typedef struct api_services {
     api_store *store;     ///< first argument of functions that only read or write what is stored
@@ -128,8 +132,7 @@ typedef struct api_services {
     /// BF_ELIMIT: conditions would read more than API_LIST_DOCUMENT_BYTES.
     bf_status (*list)(api_service *service, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err);
-    bf_status (*list_lines)(api_store *store, const api_line_query *query, api_line_list *ret_list,
-                            bf_error *err);
+    api_page_fn *list_lines;
     /// Ask a run to stop and keep what it has. A queued run is cancelled when this returns, a running
     /// one soon after. revision is the one that it must have in the transaction that decides, or
     /// API_ANY_REVISION. BF_EINPUT: it has another one; BF_ECONFLICT: it has ended.
@@ -176,8 +179,7 @@ typedef struct api_services {
                                  api_measurement *ret_measurement, bf_error *err);
     bf_status (*find_measurement)(api_store *store, const char *id,
                                   api_measurement *ret_measurement, bf_error *err);
-    bf_status (*list_measurements)(api_store *store, const api_measurement_query *query,
-                                   api_measurement_list *ret_list, bf_error *err);
+    api_page_fn *list_measurements;
     /// All samples; the column is the counter. *ret_curve is the caller's: api_curve_fini().
     bf_status (*read_measurement)(api_store *store, const char *id, api_curve *ret_curve,
                                   bf_error *err);
@@ -190,8 +192,7 @@ typedef struct api_services {
     bf_status (*submit_study)(api_service *service, const api_study_submission *submission,
                               api_acceptance *ret_acceptance, bf_error *err);
     bf_status (*find_study)(api_store *store, const char *id, api_study *ret_study, bf_error *err);
-    bf_status (*list_studies)(api_store *store, const api_study_query *query,
-                              api_study_list *ret_list, bf_error *err);
+    api_page_fn *list_studies;
     /// revision as for cancel. BF_EINPUT: it has another one; BF_ECONFLICT: it has ended, or is to be resumed and not
     /// paused, or paused already.
     bf_status (*change_study)(api_service *service, const char *id, uint64_t revision,

@@ -104,23 +104,6 @@ typedef struct api_study_submission {
     api_sender sender;  ///< whose it will be
 } api_study_submission;
 
-/// Which studies a list shows; newest first.
-typedef struct api_study_query {
-    int state;                  ///< api_study_state, or -1: any
-    char owner[API_OWNER_SIZE]; ///< "": everybody's
-    char line[API_LABEL_SIZE];  ///< "": any
-    char before[API_ID_SIZE];   ///< only those older than this id; "": from the newest
-    size_t limit;               ///< 1 .. API_LIST_MAX
-} api_study_query;
-
-/// A page of studies.
-typedef struct api_study_list {
-    size_t n;                      ///< studies in this page
-    bool has_more;                 ///< older ones follow
-    char next_cursor[API_ID_SIZE]; ///< of these: who answers writes it
-    api_study items[API_LIST_MAX]; ///< the page
-} api_study_list;
-
 /// An order of trials, and which of them are in it.
 typedef enum api_trial_order {
     API_TRIALS_BY_NUMBER, ///< all, by number

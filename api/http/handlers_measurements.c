@@ -1,4 +1,4 @@
-// Measurements: store, list, show, remove.
+// Measurements: store, show, remove.
 
 #include "api/http/access.h"
 #include "api/http/http_priv.h"
@@ -72,26 +72,6 @@ bf_status handlers_measurements_add(exchange *x, bf_error *err)
         status = measurement_json(&stored, &m.curve, &m.csv, &x->response->body, err);
     }
     measurement_fini(&m);
-    return status;
-}
-
-bf_status handlers_measurements_list(exchange *x, bf_error *err)
-{
-    const exchange_page page = exchange__page(x);
-    api_measurement_query wanted = { .limit = page.limit };
-
-    snprintf(wanted.owner, sizeof wanted.owner, "%s", access_list_owner(x));
-    memcpy(wanted.label, page.label, sizeof wanted.label);
-    snprintf(wanted.before, sizeof wanted.before, "%s", page.cursor);
-    api_measurement_list *list = memory_alloc(1, sizeof *list);
-    if (list == NULL)
-        return bf_fail_memory(err);
-    bf_status status = x->services->list_measurements(x->services->store, &wanted, list, err);
-    if (status == BF_OK && list->has_more && list->n > 0)
-        memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);
-    if (status == BF_OK)
-        status = exchange__send_page(x, &page, list->next_cursor, &measurement_list, list, err);
-    memory_free(list);
     return status;
 }
 

@@ -1,11 +1,9 @@
-// Studies: accept, list, show.
+// Studies: accept, show.
 
 #include "api/http/access.h"
 #include "api/http/http_priv.h"
-#include "api/json/text.h"
 #include "api/study/study_json.h"
 #include "api/study/study_submission.h"
-#include "core/base/memory.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -35,32 +33,6 @@ bf_status handlers_studies_submit(exchange *x, bf_error *err)
     if (status == BF_OK)
         status = handlers__submit_study(x, &submission, err);
     study_submission_fini(&submission);
-    return status;
-}
-
-bf_status handlers_studies_list(exchange *x, bf_error *err)
-{
-    const exchange_page page = exchange__page(x);
-    const char *state = exchange__text(x, "status"), *line = exchange__text(x, "line");
-    api_study_query wanted = { .state = -1, .limit = page.limit };
-
-    bf_status status = access_list_owner_asked(x, wanted.owner, err);
-    if (status != BF_OK)
-        return status;
-    snprintf(wanted.before, sizeof wanted.before, "%s", page.cursor);
-    if (state != NULL)
-        wanted.state = (int)text_find_word(api_study_state_words, API_STUDY_STATES, state);
-    if (line != NULL)
-        snprintf(wanted.line, sizeof wanted.line, "%s", line);
-    api_study_list *list = memory_alloc(1, sizeof *list);
-    if (list == NULL)
-        return bf_fail_memory(err);
-    status = x->services->list_studies(x->services->store, &wanted, list, err);
-    if (status == BF_OK && list->has_more && list->n > 0)
-        memcpy(list->next_cursor, list->items[list->n - 1].id, sizeof list->next_cursor);
-    if (status == BF_OK)
-        status = exchange__send_page(x, &page, list->next_cursor, &study_json_list, list, err);
-    memory_free(list);
     return status;
 }
 

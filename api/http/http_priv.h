@@ -182,9 +182,8 @@ BF_MUST_CHECK bf_status handlers__answer_polled(exchange *x, bf_error *err);
 BF_MUST_CHECK bf_status handlers__submit_study(exchange *x, api_study_submission *made,
                                                bf_error *err);
 
-/// Studies: accept, list, show,
+/// Studies: accept, show,
 route_handler_fn handlers_studies_submit;
-route_handler_fn handlers_studies_list;
 route_handler_fn handlers_studies_show;
 /// and what they have: document, trials, what was found, events; a trial as a run of its own.
 route_handler_fn handlers_trials_document;
@@ -221,10 +220,11 @@ route_handler_fn handlers_results_figures;
 
 /// Measured curves.
 route_handler_fn handlers_measurements_add;
-route_handler_fn handlers_measurements_list;
-route_handler_fn handlers_lines_list;
 route_handler_fn handlers_measurements_show;
 route_handler_fn handlers_measurements_remove;
+
+/// Lists of studies, measurements and lines.
+route_handler_fn handlers_lists_studies, handlers_lists_measurements, handlers_lists_lines;
 
 /// Write the distance of the densities of two runs; null where an id is NULL. n_pairs share what a request may compare.
 BF_MUST_CHECK bf_status handlers__write_density(exchange *x, json_out *w, const char *a,

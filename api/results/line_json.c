@@ -16,9 +16,9 @@ const member_table line_json_item = { MEMBER_TABLE("Line", item_members),
                                       .size = sizeof(api_line) };
 #undef AT
 
-#define AT(place) offsetof(api_line_list, place)
+#define AT(place) offsetof(api_page, place)
 static const member list_members[] = {
-    MEMBER("lines", array, AT(items), "A page of the list, the last used one first",
+    MEMBER("lines", array, AT(lines), "A page of the list, the last used one first",
            .offset_n = AT(n), .table = &line_json_item),
     MEMBER("has_more", bool, AT(has_more), "Lines used earlier follow"),
     MEMBER("next_cursor", text, AT(next_cursor), "The `cursor` of the page that follows",

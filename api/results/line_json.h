@@ -3,7 +3,7 @@
 #pragma once
 
 #include "api/json/members.h"
-#include "api/lines.h"
+#include "api/page.h"
 
 extern const member_table line_json_item; ///< of an api_line
-extern const member_table line_json_list; ///< of an api_line_list
+extern const member_table line_json_list; ///< of an api_page

@@ -311,10 +311,10 @@ const member_table measurement_item = { MEMBER_TABLE("MeasurementItem", item_mem
                                         .size = sizeof(api_measurement) };
 #undef AT
 
-#define AT(place) offsetof(api_measurement_list, place)
+#define AT(place) offsetof(api_page, place)
 static const member measurement_list_members[] = {
-    MEMBER("measurements", array, AT(items), "A page of the list, newest first", .offset_n = AT(n),
-           .table = &measurement_item),
+    MEMBER("measurements", array, AT(measurements), "A page of the list, newest first",
+           .offset_n = AT(n), .table = &measurement_item),
     MEMBER("has_more", bool, AT(has_more), "Older ones follow"),
     MEMBER("next_cursor", text, AT(next_cursor), "The `cursor` of the page that follows",
            .flags = MEMBER_OMIT_EMPTY),

@@ -45,7 +45,7 @@ BF_MUST_CHECK bf_status measurement_read_feed(const char *text, size_t n, api_me
                                               bf_faults *faults, bf_error *err);
 
 /// What is answered: a measurement without its samples (the struct is api_measurement) and its links,
-/// one with them, and a page of a list (api_measurement_list).
+/// one with them, and a page of a list (api_page).
 extern const member_table measurement_item;
 extern const member_table measurement_links;
 extern const member_table measurement_stored;

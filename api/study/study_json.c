@@ -59,10 +59,10 @@ const member_table study_json = { MEMBER_TABLE("Study", study_members), .size = 
 #undef AT
 
 static const member list_members[] = {
-    MEMBER("studies", array, offsetof(api_study_list, items), "A page of the list, newest first",
-           .offset_n = offsetof(api_study_list, n), .table = &study_json),
-    MEMBER("has_more", bool, offsetof(api_study_list, has_more), "Older ones follow"),
-    MEMBER("next_cursor", text, offsetof(api_study_list, next_cursor),
+    MEMBER("studies", array, offsetof(api_page, studies), "A page of the list, newest first",
+           .offset_n = offsetof(api_page, n), .table = &study_json),
+    MEMBER("has_more", bool, offsetof(api_page, has_more), "Older ones follow"),
+    MEMBER("next_cursor", text, offsetof(api_page, next_cursor),
            "The `cursor` of the page that follows", .flags = MEMBER_OMIT_EMPTY),
 };
 const member_table study_json_list = { MEMBER_TABLE("StudyList", list_members) };

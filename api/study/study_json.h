@@ -10,7 +10,7 @@ extern const member_table study_json;
 extern const member_table study_json_trials;
 extern const member_table study_json_links;
 
-/// A page of a list of studies; the struct is api_study_list.
+/// A page of a list of studies; the struct is api_page.
 extern const member_table study_json_list;
 
 /// Append the study as an object. BF_ENOMEM.

@@ -61,18 +61,20 @@ static const store__record line_record = RECORD(columns, api_line, NULL);
 // One row more than the page holds is asked for: if it comes, there are more.
 static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
 {
-    const api_line_query *query = of;
-    api_line_list *list = to;
+    const api_page_query *query = of;
+    api_page *page = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
 
-    return store__list(reader, STORE__SQL_LIST_LINES, &line_record, list->items, query->limit,
-                       &list->n, &list->has_more, err, TEXT(before), TEXT(query->owner),
-                       INTEGER(query->limit + 1));
+    const bf_status status = store__list(reader, STORE__SQL_LIST_LINES, &line_record, page->lines,
+                                         query->limit, &page->n, &page->has_more, err, TEXT(before),
+                                         TEXT(query->owner), INTEGER(query->limit + 1));
+    if (page->has_more)
+        memcpy(page->next_cursor, page->lines[page->n - 1].newest, API_ID_SIZE);
+    return status;
 }
 
-bf_status store_list_lines(store *s, const api_line_query *query, api_line_list *ret_list,
-                           bf_error *err)
+bf_status store_list_lines(store *s, const api_page_query *query, api_page *ret_page, bf_error *err)
 {
-    return store__read_page(&s->pool, query->limit, "lines", read_list, query, ret_list,
-                            sizeof *ret_list, err);
+    return store__read_page(&s->pool, query->limit, "lines", read_list, query, ret_page,
+                            sizeof *ret_page, err);
 }

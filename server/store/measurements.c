@@ -187,20 +187,23 @@ bf_status store_read_measurement_csv(store *s, const char *id, bf_buffer *out, b
 // One row more than the page holds is asked for: if it comes, there are more.
 static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
 {
-    const api_measurement_query *query = of;
-    api_measurement_list *list = to;
+    const api_page_query *query = of;
+    api_page *page = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
     bool has_label = query->label[0] != '\0';
 
-    return store__list(
+    const bf_status status = store__list(
         reader, has_label ? STORE__SQL_LIST_MEASUREMENTS_LABEL : STORE__SQL_LIST_MEASUREMENTS,
-        &record, list->items, query->limit, &list->n, &list->has_more, err, TEXT(before),
+        &record, page->measurements, query->limit, &page->n, &page->has_more, err, TEXT(before),
         INTEGER(query->limit + 1), TEXT(query->label), TEXT(query->owner));
+    if (page->has_more)
+        memcpy(page->next_cursor, page->measurements[page->n - 1].id, API_ID_SIZE);
+    return status;
 }
 
-bf_status store_list_measurements(store *s, const api_measurement_query *query,
-                                  api_measurement_list *ret_list, bf_error *err)
+bf_status store_list_measurements(store *s, const api_page_query *query, api_page *ret_page,
+                                  bf_error *err)
 {
-    return store__read_page(&s->pool, query->limit, "measurements", read_list, query, ret_list,
-                            sizeof *ret_list, err);
+    return store__read_page(&s->pool, query->limit, "measurements", read_list, query, ret_page,
+                            sizeof *ret_page, err);
 }

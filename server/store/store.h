@@ -143,8 +143,8 @@ BF_MUST_CHECK bf_status store_annotate(store *s, const char *id, uint64_t revisi
 BF_MUST_CHECK bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *err);
 
 /// Lines; see api_services.
-BF_MUST_CHECK bf_status store_list_lines(store *s, const api_line_query *query,
-                                         api_line_list *ret_list, bf_error *err);
+BF_MUST_CHECK bf_status store_list_lines(store *s, const api_page_query *query, api_page *ret_page,
+                                         bf_error *err);
 
 /// Measurements; see api_services. store_add_measurement() gives a new id; BF_ECONFLICT when I13 allows no further one.
 BF_MUST_CHECK bf_status store_add_measurement(store *s, const api_measurement *measurement,
@@ -153,8 +153,8 @@ BF_MUST_CHECK bf_status store_add_measurement(store *s, const api_measurement *m
 BF_MUST_CHECK bf_status store_remove_measurement(store *s, const char *id, bf_error *err);
 BF_MUST_CHECK bf_status store_find_measurement(store *s, const char *id,
                                                api_measurement *ret_measurement, bf_error *err);
-BF_MUST_CHECK bf_status store_list_measurements(store *s, const api_measurement_query *query,
-                                                api_measurement_list *ret_list, bf_error *err);
+BF_MUST_CHECK bf_status store_list_measurements(store *s, const api_page_query *query,
+                                                api_page *ret_page, bf_error *err);
 BF_MUST_CHECK bf_status store_read_measurement_csv(store *s, const char *id, bf_buffer *out,
                                                    bf_error *err);
 BF_MUST_CHECK bf_status store_read_measurement(store *s, const char *id, api_curve *ret_curve,

@@ -197,8 +197,8 @@ bf_status store_find_study(store *s, const char *id, api_study *ret_study, bf_er
 // One row more than the page holds is asked for: if it comes, there are more.
 static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
 {
-    const api_study_query *query = of;
-    api_study_list *list = to;
+    const api_page_query *query = of;
+    api_page *page = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
     bf_status status = BF_OK;
     store_study row;
@@ -206,21 +206,23 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
     store__query q =
         store__start(reader, STORE__SQL_LIST_STUDIES, TEXT(before), INTEGER(query->limit + 1),
                      INTEGER(query->state), TEXT(query->owner), TEXT(query->line));
-    while (!list->has_more && store__next(&q, &status, err)) {
+    while (!page->has_more && store__next(&q, &status, err)) {
         status = store__read(&q, &record, &row, err);
-        list->has_more = list->n == query->limit;
-        if (status == BF_OK && !list->has_more)
-            list->items[list->n++] = row.study;
+        page->has_more = page->n == query->limit;
+        if (status == BF_OK && !page->has_more)
+            page->studies[page->n++] = row.study;
     }
     store__end(&q);
+    if (page->has_more)
+        memcpy(page->next_cursor, page->studies[page->n - 1].id, API_ID_SIZE);
     return status;
 }
 
-bf_status store_list_studies(store *s, const api_study_query *query, api_study_list *ret_list,
+bf_status store_list_studies(store *s, const api_page_query *query, api_page *ret_page,
                              bf_error *err)
 {
-    return store__read_page(&s->pool, query->limit, "studies", read_list, query, ret_list,
-                            sizeof *ret_list, err);
+    return store__read_page(&s->pool, query->limit, "studies", read_list, query, ret_page,
+                            sizeof *ret_page, err);
 }
 
 static const store__sql works[] = {

@@ -21,8 +21,8 @@ BF_MUST_CHECK bf_status store_submit_study(store *s, const api_study_submission 
                                            api_acceptance *ret_acceptance, bf_error *err);
 BF_MUST_CHECK bf_status store_find_study(store *s, const char *id, api_study *ret_study,
                                          bf_error *err);
-BF_MUST_CHECK bf_status store_list_studies(store *s, const api_study_query *query,
-                                           api_study_list *ret_list, bf_error *err);
+BF_MUST_CHECK bf_status store_list_studies(store *s, const api_page_query *query,
+                                           api_page *ret_page, bf_error *err);
 BF_MUST_CHECK bf_status store_change_study(store *s, const char *id, uint64_t revision,
                                            api_study_change change, api_study *ret_study,
                                            bf_error *err);

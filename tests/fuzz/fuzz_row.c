@@ -234,10 +234,9 @@ static bf_status take_event(void *context, const api_event *event, bf_error *err
 static void read_lists(store *s)
 {
     static api_run_list list;
-    static api_measurement_list measured;
-    static api_line_list lines;
+    static api_page page;
     const api_list_query query = { .state = -1, .model = -1, .limit = 10 };
-    const api_measurement_query all = { .limit = 10 };
+    const api_page_query all = { .limit = 10 };
 
     const bf_status status = store_list(s, &query, &list, NULL);
     require_answer(status);
@@ -245,8 +244,8 @@ static void read_lists(store *s)
         fuzz_require((unsigned)list.runs[k].state < RUN_STATE_COUNT &&
                          (unsigned)list.runs[k].model < RUN_MODEL_COUNT,
                      "runs have a state and a model");
-    require_answer(store_list_measurements(s, &all, &measured, NULL));
-    require_answer(store_list_lines(s, &(api_line_query){ .limit = 10 }, &lines, NULL));
+    require_answer(store_list_measurements(s, &all, &page, NULL));
+    require_answer(store_list_lines(s, &all, &page, NULL));
 }
 
 static void read_snapshots(store *s, const char *id)

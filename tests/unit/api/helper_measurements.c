@@ -67,23 +67,25 @@ static bf_status do_find_measurement(api_store *store, const char *id,
     return BF_OK;
 }
 
-static bf_status do_list_measurements(api_store *store, const api_measurement_query *query,
-                                      api_measurement_list *ret_list, bf_error *err)
+static bf_status do_list_measurements(api_store *store, const api_page_query *query,
+                                      api_page *ret_page, bf_error *err)
 {
     const helper_daemon *d = (void *)store;
 
-    ret_list->n = 0;
-    ret_list->has_more = false;
-    for (size_t i = d->n_measurements; i-- > 0 && !ret_list->has_more;) {
+    ret_page->n = 0;
+    ret_page->has_more = false;
+    for (size_t i = d->n_measurements; i-- > 0 && !ret_page->has_more;) {
         const api_measurement *about = &d->measurements[i].about;
         bool fits = about->id[0] != '\0' &&
                     (query->label[0] == '\0' || strcmp(about->label, query->label) == 0) &&
                     (query->before[0] == '\0' || strcmp(about->id, query->before) < 0);
-        if (fits && ret_list->n == query->limit)
-            ret_list->has_more = true;
+        if (fits && ret_page->n == query->limit)
+            ret_page->has_more = true;
         else if (fits)
-            ret_list->items[ret_list->n++] = *about;
+            ret_page->measurements[ret_page->n++] = *about;
     }
+    if (ret_page->has_more)
+        memcpy(ret_page->next_cursor, ret_page->measurements[ret_page->n - 1].id, API_ID_SIZE);
     return BF_OK;
 }
 

@@ -104,27 +104,29 @@ static bf_status do_list(api_service *service, const api_list_query *query, api_
 }
 
 // A line for each run that has one.
-static bf_status do_list_lines(api_store *store, const api_line_query *query,
-                               api_line_list *ret_list, bf_error *err)
+static bf_status do_list_lines(api_store *store, const api_page_query *query, api_page *ret_page,
+                               bf_error *err)
 {
     const helper_daemon *d = (const void *)store;
 
-    ret_list->n = 0;
-    ret_list->has_more = false;
-    for (size_t i = d->n_runs; i-- > 0 && !ret_list->has_more;) {
+    ret_page->n = 0;
+    ret_page->has_more = false;
+    for (size_t i = d->n_runs; i-- > 0 && !ret_page->has_more;) {
         const api_run *record = &d->runs[i].record;
         const bool is_behind = query->before[0] == '\0' || strcmp(record->id, query->before) < 0;
         if (record->line[0] == '\0' || !is_behind)
             continue;
-        ret_list->has_more = ret_list->n == query->limit;
-        if (ret_list->has_more)
+        ret_page->has_more = ret_page->n == query->limit;
+        if (ret_page->has_more)
             break;
-        api_line *line = &ret_list->items[ret_list->n++];
+        api_line *line = &ret_page->lines[ret_page->n++];
         *line = (api_line){ .n_versions = 1, .n_runs = 1, .used_ms = record->created_ms };
         memcpy(line->line, record->line, sizeof line->line);
         memcpy(line->newest_run, record->id, sizeof line->newest_run);
         memcpy(line->newest, record->id, sizeof line->newest);
     }
+    if (ret_page->has_more)
+        memcpy(ret_page->next_cursor, ret_page->lines[ret_page->n - 1].newest, API_ID_SIZE);
     return BF_OK;
 }
 

@@ -56,23 +56,25 @@ static bf_status do_find_study(api_store *store, const char *id, api_study *ret_
     return BF_OK;
 }
 
-static bf_status do_list_studies(api_store *store, const api_study_query *query,
-                                 api_study_list *ret_list, bf_error *err)
+static bf_status do_list_studies(api_store *store, const api_page_query *query, api_page *ret_page,
+                                 bf_error *err)
 {
     const helper_daemon *d = (void *)store;
 
-    ret_list->n = 0;
-    ret_list->has_more = false;
-    for (size_t i = d->n_studies; i-- > 0 && !ret_list->has_more;) {
+    ret_page->n = 0;
+    ret_page->has_more = false;
+    for (size_t i = d->n_studies; i-- > 0 && !ret_page->has_more;) {
         const api_study *about = &d->studies[i].about;
         const bool fits = about->id[0] != '\0' &&
                           (query->state < 0 || (int)about->state == query->state) &&
                           (query->before[0] == '\0' || strcmp(about->id, query->before) < 0);
-        if (fits && ret_list->n == query->limit)
-            ret_list->has_more = true;
+        if (fits && ret_page->n == query->limit)
+            ret_page->has_more = true;
         else if (fits)
-            ret_list->items[ret_list->n++] = *about;
+            ret_page->studies[ret_page->n++] = *about;
     }
+    if (ret_page->has_more)
+        memcpy(ret_page->next_cursor, ret_page->studies[ret_page->n - 1].id, API_ID_SIZE);
     return BF_OK;
 }
 

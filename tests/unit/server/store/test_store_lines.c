@@ -131,8 +131,8 @@ static void assert_line(const api_line *line, const char *owner, const char *nam
 static void lines_are_listed_by_their_newest_run(void **state)
 {
     store *s = ((helper_store *)*state)->store;
-    api_line_list *list = calloc(1, sizeof *list);
-    api_line_query query = { .limit = 2 };
+    api_page *list = calloc(1, sizeof *list);
+    api_page_query query = { .limit = 2 };
 
     assert_non_null(list);
     (void)submit(s, "", "hall 2", "a", "6", "macro");
@@ -143,20 +143,20 @@ static void lines_are_listed_by_their_newest_run(void **state)
     assert_int_equal(store_list_lines(s, &query, list, NULL), BF_OK);
     assert_int_equal(list->n, 2);
     assert_true(list->has_more);
-    assert_line(&list->items[0], "", "hall 2", 2, 2);
-    assert_string_equal(list->items[0].newest_run, newest.id);
-    assert_int_equal(list->items[0].used_ms, newest.created_ms);
-    assert_line(&list->items[1], "", "hall 3", 1, 1);
-    memcpy(query.before, list->items[1].newest, sizeof query.before);
+    assert_line(&list->lines[0], "", "hall 2", 2, 2);
+    assert_string_equal(list->lines[0].newest_run, newest.id);
+    assert_int_equal(list->lines[0].used_ms, newest.created_ms);
+    assert_line(&list->lines[1], "", "hall 3", 1, 1);
+    memcpy(query.before, list->lines[1].newest, sizeof query.before);
     assert_int_equal(store_list_lines(s, &query, list, NULL), BF_OK);
     assert_int_equal(list->n, 1);
     assert_false(list->has_more);
-    assert_line(&list->items[0], "ada", "hall 2", 1, 1);
+    assert_line(&list->lines[0], "ada", "hall 2", 1, 1);
 
-    query = (api_line_query){ .owner = "ada", .limit = 2 };
+    query = (api_page_query){ .owner = "ada", .limit = 2 };
     assert_int_equal(store_list_lines(s, &query, list, NULL), BF_OK);
     assert_int_equal(list->n, 1);
-    assert_line(&list->items[0], "ada", "hall 2", 1, 1);
+    assert_line(&list->lines[0], "ada", "hall 2", 1, 1);
     free(list);
 }
 

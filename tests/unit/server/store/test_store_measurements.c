@@ -134,26 +134,26 @@ static void a_text_for_feeds_comes_back_as_it_was(void **state)
 static void measurements_are_listed_newest_first(void **state)
 {
     store *s = ((helper_store *)*state)->store;
-    static api_measurement_list list;
+    static api_page list;
     api_measurement all[5];
-    api_measurement_query query = { .limit = 2 };
+    api_page_query query = { .limit = 2 };
 
     for (int i = 0; i < 5; i++)
         all[i] = add(s, i % 2 == 0 ? "even" : "odd", 3);
     assert_int_equal(store_list_measurements(s, &query, &list, NULL), BF_OK);
     assert_true(list.n == 2 && list.has_more);
-    assert_string_equal(list.items[0].id, all[4].id);
-    assert_string_equal(list.items[1].id, all[3].id);
-    assert_int_equal(list.items[1].n_samples, 3);
+    assert_string_equal(list.measurements[0].id, all[4].id);
+    assert_string_equal(list.measurements[1].id, all[3].id);
+    assert_int_equal(list.measurements[1].n_samples, 3);
     memcpy(query.before, all[3].id, sizeof query.before);
     query.limit = 3;
     assert_int_equal(store_list_measurements(s, &query, &list, NULL), BF_OK);
     assert_true(list.n == 3 && !list.has_more);
-    assert_string_equal(list.items[2].id, all[0].id);
+    assert_string_equal(list.measurements[2].id, all[0].id);
     strcpy(query.label, "even");
     assert_int_equal(store_list_measurements(s, &query, &list, NULL), BF_OK);
     assert_true(list.n == 2 && !list.has_more);
-    assert_string_equal(list.items[0].id, all[2].id);
+    assert_string_equal(list.measurements[0].id, all[2].id);
     list.n = 77;
     query.limit = 0;
     assert_int_equal(store_list_measurements(s, &query, &list, NULL), BF_ELIMIT);
@@ -233,9 +233,9 @@ static void damage_is_noticed(void **state)
 static void a_row_that_no_measurement_can_have_is_damage(void **state)
 {
     static const char *const changes[] = { "id = id || '0'", "id = substr(id, 2)", "kind = 9" };
-    static api_measurement_list list;
+    static api_page list;
     helper_store *h = *state;
-    const api_measurement_query query = { .limit = 1 };
+    const api_page_query query = { .limit = 1 };
     api_measurement found = { .n_samples = 77 };
     char sql[100], id[API_ID_SIZE + 1];
 
@@ -280,8 +280,8 @@ static bf_status attempt_read(store *s, const api_measurement *m, bf_error *err)
 
 static bf_status attempt_list(store *s, const api_measurement *m, bf_error *err)
 {
-    static api_measurement_list list;
-    api_measurement_query query = { .limit = 10 };
+    static api_page list;
+    api_page_query query = { .limit = 10 };
 
     list.n = 77;
     bf_status status = store_list_measurements(s, &query, &list, err);

@@ -186,7 +186,7 @@ static void a_key_makes_one_study(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     api_acceptance first, second;
-    api_study_list list;
+    api_page list;
 
     assert_int_equal(try_submit(s, "", 0, "k", "one", &first), BF_OK);
     assert_int_equal(try_submit(s, "", 0, "k", "one", &second), BF_OK);
@@ -194,7 +194,7 @@ static void a_key_makes_one_study(void **state)
     assert_string_equal(first.id, second.id);
     assert_int_equal(try_submit(s, "", 0, "k", "two", &second), BF_EINPUT);
     assert_int_equal(
-        store_list_studies(s, &(api_study_query){ .state = -1, .limit = 9 }, &list, NULL), BF_OK);
+        store_list_studies(s, &(api_page_query){ .state = -1, .limit = 9 }, &list, NULL), BF_OK);
     assert_int_equal(list.n, 1);
     // A run may have the same key: it is another route's.
     api_submission submission = {
@@ -210,21 +210,21 @@ static void studies_are_listed_newest_first_by_state_and_owner(void **state)
     store *s = ((helper_store *)*state)->store;
     const api_study a = submit_study(s, "alice", 0), b = submit_study(s, "bob", 0),
                     c = start_study(s, "alice", 0);
-    api_study_list list;
-    api_study_query query = { .state = -1, .limit = 2 };
+    api_page list;
+    api_page_query query = { .state = -1, .limit = 2 };
 
     assert_int_equal(store_list_studies(s, &query, &list, NULL), BF_OK);
     assert_int_equal(list.n, 2);
     assert_true(list.has_more);
-    assert_string_equal(list.items[0].id, c.id);
-    memcpy(query.before, list.items[1].id, sizeof query.before);
+    assert_string_equal(list.studies[0].id, c.id);
+    memcpy(query.before, list.studies[1].id, sizeof query.before);
     assert_int_equal(store_list_studies(s, &query, &list, NULL), BF_OK);
     assert_int_equal(list.n, 1);
-    assert_string_equal(list.items[0].id, a.id);
-    query = (api_study_query){ .state = API_STUDY_QUEUED, .owner = "bob", .limit = 2 };
+    assert_string_equal(list.studies[0].id, a.id);
+    query = (api_page_query){ .state = API_STUDY_QUEUED, .owner = "bob", .limit = 2 };
     assert_int_equal(store_list_studies(s, &query, &list, NULL), BF_OK);
     assert_int_equal(list.n, 1);
-    assert_string_equal(list.items[0].id, b.id);
+    assert_string_equal(list.studies[0].id, b.id);
 }
 
 static void trials_are_read_by_number_by_end_and_as_far_as_they_are_open(void **state)
