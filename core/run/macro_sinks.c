@@ -1,7 +1,7 @@
 #include "core/run/macro_sinks.h"
 
 #include "core/base/memory.h"
-#include "core/scene/sink.h"
+#include "core/run/sink_cells.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -49,6 +49,7 @@ static bool stop(void *context, size_t j, size_t first, size_t last)
 void macro_sinks_check(const scene *s, bf_faults *faults)
 {
     const bf_grid g = scene_grid(s);
+    sink_cells cells;
     double steps = 0.0; // of sink_visit_cells(): each row with each side
     char pointer[BF_POINTER_SIZE];
 
@@ -60,14 +61,17 @@ void macro_sinks_check(const scene *s, bf_faults *faults)
                          SCENE_CHECK_STEPS_MAX);
         return;
     }
+    if (s->n_sinks == 0 || sink_cells_init(s, &cells) != BF_OK)
+        return;
     for (size_t k = 0; k < s->n_sinks; k++) {
         bool has_cells = false;
         snprintf(pointer, sizeof pointer, "/sinks/%zu/polygon_m", k);
-        if (sink_visit_cells(&s->sinks[k], &g, stop, &has_cells) == BF_OK && !has_cells)
+        if (sink_cells_visit(&cells, &s->sinks[k], stop, &has_cells) == BF_OK && !has_cells)
             faults_add(faults, pointer,
                        "lies between the centres of cells of %.3g m: a density would pass it",
                        scene_cell_edge(s));
     }
+    sink_cells_fini(&cells);
 }
 
 static uint32_t kinds_of(const scene *s, size_t sink)
@@ -113,21 +117,25 @@ static bf_status find_cells(macro_sinks *m)
 {
     const size_t n = grid_cells(&m->grid);
     uint32_t *claimed = memory_alloc(n, sizeof *claimed);
-    bf_status status = BF_OK;
+    sink_cells cells;
+    bf_status status = sink_cells_init(m->scene, &cells);
 
-    m->kept = memory_alloc(n, sizeof *m->kept);
-    if (claimed == NULL || m->kept == NULL)
+    if (claimed == NULL)
         status = BF_ENOMEM;
-    for (size_t cell = 0; cell < n && status == BF_OK; cell++)
-        m->kept[cell] = 1.0;
     for (size_t k = m->scene->n_sinks; k-- > 0 && status == BF_OK;) {
         finding f = { .of = m, .sink = k, .kinds = kinds_of(m->scene, k), .claimed = claimed };
-        status = sink_visit_cells(&m->scene->sinks[k], &m->grid, add_cells, &f);
+        status = sink_cells_visit(&cells, &m->scene->sinks[k], add_cells, &f);
         if (status == BF_OK)
             status = f.status;
         m->n_cells[k] = f.n;
     }
+    sink_cells_fini(&cells);
     memory_free(claimed);
+    m->kept = memory_alloc(n, sizeof *m->kept);
+    if (m->kept == NULL)
+        status = BF_ENOMEM;
+    for (size_t cell = 0; cell < n && status == BF_OK; cell++)
+        m->kept[cell] = 1.0;
     return status;
 }
 

@@ -1,4 +1,4 @@
-/// Sinks of the macroscopic model (core/scene/sink.h): what they take off the cells whose centres are in them.
+/// Sinks of the macroscopic model (core/scene/sink.h): what they take off their cells (sink_cells.h).
 ///
 /// After each step a sink takes all that is in its cells, or with a rate at most its credit, the same share of each cell. The credit
 /// grows by the rate up to one part, or to what the rate is in a step: as a part that comes to a sink which has been idle for 1/rate is

@@ -287,6 +287,54 @@ static void a_density_goes_to_the_later_of_two_sinks(void **state)
     }
 }
 
+// A belt along an axis with 17 rows of cells, fed over its whole width; along the middle of the 9th one a divider from 0.3 m on, drawn
+// with the belt or against it; behind it a sink on each side.
+static void make_lanes(scene *s, int solver, bool is_north, bool is_against)
+{
+    const vec2 along = is_north ? (vec2){ 0.085, 0.3 } : (vec2){ 0.3, 0.085 },
+               end = is_north ? (vec2){ 0.085, 0.8 } : (vec2){ 0.8, 0.085 };
+    const vec2 path[] = { is_against ? end : along, is_against ? along : end };
+
+    helper_scene_belt(s, is_north ? 0.17 : 0.8, is_north ? 0.8 : 0.17, 0.01, NULL, 0);
+    s->initial.type = SCENE_INITIAL_EMPTY;
+    s->macro.closure = solvers[solver].closure;
+    s->output.curve_every = 0.05;
+    s->duration = 4.0;
+    helper_scene_add_belt(s, is_north ? (vec2){ 0.0, 0.4 } : (vec2){ 0.4, 0.0 }, NULL, 0);
+    helper_scene_add_obstacle(s, path, 2, SCENE_SEALED);
+    if (is_north) {
+        s->edges[SCENE_WEST] = s->edges[SCENE_EAST] = SCENE_EDGE_WALL;
+        s->edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
+    }
+    helper_scene_add_feed(s, is_north ? SCENE_SOUTH : SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
+    for (int side = 0; side < 2; side++) {
+        const double from = side == 0 ? 0.0 : 0.085, to = side == 0 ? 0.085 : 0.17;
+        add_sink(s,
+                 is_north ? (scene_rect){ from, to, 0.6, 0.7 } : (scene_rect){ 0.6, 0.7, from, to },
+                 INFINITY, UINT32_MAX);
+    }
+    helper_scene_resolve(s);
+}
+
+// Cells on a guide's path lie on its left, seen from its start (core/scene/surroundings.h): of the 17 rows 9 flow there.
+static void a_row_on_a_divider_is_taken_on_the_side_that_it_flows_on(void **state)
+{
+    for (int k = 0; k < 2; k++)
+        for (int is_north = 0; is_north < 2; is_north++)
+            for (int is_against = 0; is_against < 2; is_against++) {
+                const bool is_low_left = (is_north != 0) != (is_against != 0);
+                scene s;
+                make_lanes(&s, k, is_north != 0, is_against != 0);
+                helper_run_log *log = run_of(&s, k);
+                const double *last = log->values[log->n_samples - 1];
+                const double low = last[LANE], high = last[PACKER];
+                assert_true(low + high > 30.0);
+                assert_near(low / (low + high), (is_low_left ? 9.0 : 8.0) / 17.0, 1e-9);
+                helper_run_free(log);
+                scene_fini(&s);
+            }
+}
+
 // The packer has taken parts from 1.25 s on, so it goes on with its rate when the run is stopped at 1.5 s.
 static void a_run_stopped_anywhere_takes_the_same(void **state)
 {
@@ -425,6 +473,7 @@ int main(void)
         cmocka_unit_test(kinds_and_places_say_which_sink_takes_a_part),
         cmocka_unit_test(a_rate_beyond_what_comes_is_no_limit),
         cmocka_unit_test(a_density_goes_to_the_later_of_two_sinks),
+        cmocka_unit_test(a_row_on_a_divider_is_taken_on_the_side_that_it_flows_on),
         cmocka_unit_test(a_run_stopped_anywhere_takes_the_same),
         cmocka_unit_test(a_density_has_cells_and_kinds_by_congested_alone),
         cmocka_unit_test(kinds_and_sinks_leave_memory_for_fewer_cells),
