@@ -36,19 +36,6 @@ static const char *line_member(const scene_feed *f)
     return f->edge == SCENE_WEST || f->edge == SCENE_EAST ? "/y_m" : "/x_m";
 }
 
-static void check_span(const scene_feed *f, const char *feed, bf_faults *faults)
-{
-    char at[2 * BF_POINTER_SIZE];
-
-    snprintf(at, sizeof at, "%s/end_s", feed);
-    if (f->end != INFINITY)
-        range_check(&scene_range_time, f->end, at, faults);
-    if (!(f->end > f->start))
-        faults_add(faults, at, "must be after start_s, %.15g s, not %.15g s", f->start, f->end);
-    snprintf(at, sizeof at, "%s/count", feed);
-    scene__check_limit(f->count, at, faults);
-}
-
 static void check_whole(uint32_t n, size_t most, const char *feed, const char *member,
                         bf_faults *faults)
 {
@@ -59,24 +46,6 @@ static void check_whole(uint32_t n, size_t most, const char *feed, const char *m
         faults_add(faults, at, "must be at least %g", scene_range_count.minimum);
     else if (n > most)
         faults_add_limit(faults, at, "is %u, the limit is %zu", n, most);
-}
-
-static void check_words(const scene_feed *f, const char *feed, bf_faults *faults)
-{
-    char at[2 * BF_POINTER_SIZE];
-
-    snprintf(at, sizeof at, "%s/arrivals", feed);
-    if ((unsigned)f->arrivals >= SCENE_ARRIVALS_COUNT)
-        faults_add(faults, at, "is not a kind of arrivals");
-    snprintf(at, sizeof at, "%s/when_blocked", feed);
-    if ((unsigned)f->when_blocked >= SCENE_BLOCKED_COUNT)
-        faults_add(faults, at, "is not a rule");
-    snprintf(at, sizeof at, "%s/heading_deg", feed);
-    if (!isfinite(f->heading))
-        faults_add(faults, at, "must be a number");
-    snprintf(at, sizeof at, "%s/seed", feed);
-    if ((double)f->seed > scene_range_seed.maximum)
-        faults_add(faults, at, "must be below 2^53");
 }
 
 static void check_mix(const scene *s, const scene_feed *f, const char *feed, bf_faults *faults)
@@ -214,7 +183,7 @@ void scene__check_feeds(const scene *s, bf_faults *faults)
         RULE("/start_s", scene_feed, start, scene_range_instant),
         RULE("/max_wait_s", scene_feed, max_wait, scene_range_instant),
     };
-    char feed[BF_POINTER_SIZE];
+    char feed[BF_POINTER_SIZE], at[2 * BF_POINTER_SIZE];
 
     if (!scene__check_count(s->n_feeds, SCENE_FEEDS_MAX, "/feeds", "feeds", faults))
         return;
@@ -224,8 +193,25 @@ void scene__check_feeds(const scene *s, bf_faults *faults)
         snprintf(feed, sizeof feed, "/feeds/%zu", k);
         check_line(s, k, faults);
         scene__check_numbers(f, feed, rules, sizeof rules / sizeof *rules, faults);
-        check_span(f, feed, faults);
-        check_words(f, feed, faults);
+        snprintf(at, sizeof at, "%s/end_s", feed);
+        if (f->end != INFINITY)
+            range_check(&scene_range_time, f->end, at, faults);
+        if (!(f->end > f->start))
+            faults_add(faults, at, "must be after start_s, %.15g s, not %.15g s", f->start, f->end);
+        snprintf(at, sizeof at, "%s/count", feed);
+        scene__check_limit(f->count, at, faults);
+        snprintf(at, sizeof at, "%s/arrivals", feed);
+        if ((unsigned)f->arrivals >= SCENE_ARRIVALS_COUNT)
+            faults_add(faults, at, "is not a kind of arrivals");
+        snprintf(at, sizeof at, "%s/when_blocked", feed);
+        if ((unsigned)f->when_blocked >= SCENE_BLOCKED_COUNT)
+            faults_add(faults, at, "is not a rule");
+        snprintf(at, sizeof at, "%s/heading_deg", feed);
+        if (!isfinite(f->heading))
+            faults_add(faults, at, "must be a number");
+        snprintf(at, sizeof at, "%s/seed", feed);
+        if ((double)f->seed > scene_range_seed.maximum)
+            faults_add(faults, at, "must be below 2^53");
         check_whole(f->shape, SCENE_STAGES_MAX, feed, "shape", faults);
         check_whole(f->batch_size, SCENE_PARTS_MAX, feed, "batch_size", faults);
         check_demand(s, f, feed, faults);
@@ -235,13 +221,10 @@ void scene__check_feeds(const scene *s, bf_faults *faults)
 
 // ---- where feeds lie
 
-/// Belts under the line must carry parts away from it; over a side, inward.
-static void check_belts(const scene *s, const surroundings *around, size_t feed, bf_faults *faults)
+/// Belts under the line must carry parts away from it; over a side, inward. pointer is that of the line, as below.
+static void check_belts(const scene *s, const surroundings *around, const scene_feed *f,
+                        const char *pointer, bf_faults *faults)
 {
-    const scene_feed *f = &s->feeds[feed];
-    char room[BF_POINTER_SIZE];
-    const char *pointer = point_at(feed, line_member(f), room, sizeof room);
-
     for (int k = 0; k < POINTS; k++) {
         const vec2 at = feed_line_at(f, (double)k / (POINTS - 1));
         const size_t belt = surroundings_belt_below(around, at); // no part enters over a gap
@@ -262,13 +245,6 @@ static void check_belts(const scene *s, const surroundings *around, size_t feed,
             return;
         }
     }
-}
-
-/// The headings of a feed's parts, as far as they are known.
-static bool has_one_heading(const scene_feed *f)
-{
-    return !f->has_random_heading &&
-           (f->demand != SCENE_DEMAND_SCHEDULE || f->schedule.headings == NULL);
 }
 
 /// True if the feed may deliver a kind.
@@ -293,15 +269,6 @@ typedef struct near_plates {
     vec2 pieces[NEAR_MAX][4]; ///< corners of each
 } near_plates;
 
-static bool is_free(const near_plates *near, const shape_footprint *footprint, scene_pose pose)
-{
-    for (size_t k = 0; k < near->n; k++) {
-        if (shape_overlaps_polygon(footprint, pose, near->pieces[k], 4))
-            return false;
-    }
-    return true;
-}
-
 /// True if a part of a footprint has a place on the line between walls and plates.
 static bool has_place(const surroundings *around, const scene_feed *f, const near_plates *near,
                       const shape_footprint *footprint)
@@ -313,18 +280,23 @@ static bool has_place(const surroundings *around, const scene_feed *f, const nea
     for (int k = 0; k < PLACES && span.low <= span.high; k++) {
         const double place = span.low + (span.high - span.low) * (double)k / (PLACES - 1);
         const vec2 at = feed_line_at(f, place);
-        if (is_free(near, footprint, (scene_pose){ at.x, at.y, f->heading }))
+        const scene_pose pose = { at.x, at.y, f->heading };
+        size_t free_of = 0;
+        while (free_of < near->n &&
+               !shape_overlaps_polygon(footprint, pose, near->pieces[free_of], 4))
+            free_of++;
+        if (free_of == near->n)
             return true;
     }
     return false;
 }
 
 /// The line must have a place for every kind, whatever its heading.
-static void check_room(const scene *s, const surroundings *around, size_t feed,
-                       const shape_footprint *footprints, bf_faults *faults)
+static void check_room(const scene *s, const surroundings *around, const scene_feed *f,
+                       const shape_footprint *footprints, const char *pointer, bf_faults *faults)
 {
-    const scene_feed *f = &s->feeds[feed];
-    char room[BF_POINTER_SIZE];
+    const bool has_one_heading = !f->has_random_heading && (f->demand != SCENE_DEMAND_SCHEDULE ||
+                                                            f->schedule.headings == NULL);
     near_plates near = { .n = 0 };
     vec2 on_line, on_plate;
 
@@ -340,10 +312,10 @@ static void check_room(const scene *s, const surroundings *around, size_t feed,
     for (uint32_t kind = 0; kind < s->n_cargo; kind++) {
         const shape_footprint disk = { .bounding_radius = footprints[kind].bounding_radius };
         if (!delivers(f, kind) ||
-            has_place(around, f, &near, has_one_heading(f) ? &footprints[kind] : &disk))
+            has_place(around, f, &near, has_one_heading ? &footprints[kind] : &disk))
             continue;
-        faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
-                   "has no room between walls and plates for a part of '%s'", s->cargo[kind].id);
+        faults_add(faults, pointer, "has no room between walls and plates for a part of '%s'",
+                   s->cargo[kind].id);
         return;
     }
 }
@@ -363,27 +335,6 @@ static size_t place_inlet(const surroundings *around, const scene_feed *f, doubl
     const vec2 behind = vec2_scale(surroundings_side(around, f->edge).inward, radius);
     vec2 corners[] = { first, last, vec2_add(first, behind), vec2_add(last, behind) };
     return polygon_convex_hull(corners, 4, ret_corners);
-}
-
-static bool check_plates(const scene *s, const surroundings *around, size_t feed, double radius,
-                         bf_faults *faults)
-{
-    const scene_feed *f = &s->feeds[feed];
-    vec2 plate[4], inlet[5];
-    const size_t n = place_inlet(around, f, radius, inlet);
-    char room[BF_POINTER_SIZE];
-
-    for (size_t k = 0; k < s->n_obstacles; k++) {
-        for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
-            if (!plate_pieces_get(around, &s->obstacles[k], m, plate) ||
-                !polygon_overlaps(inlet, n, plate, 4, SCENE_TOLERANCE))
-                continue;
-            faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
-                       "runs into the plate of obstacle '%s'", s->obstacles[k].id);
-            return false;
-        }
-    }
-    return true;
 }
 
 /// Whether a plate meets an inlet at a place.
@@ -440,21 +391,27 @@ static bool moves_onto(const surroundings *around, const scene_obstacle *o, cons
     return false;
 }
 
-/// Plates that do not stand on the line at the start must not move onto it, either.
-static void check_moves(const scene *s, const surroundings *around, size_t feed, double radius,
-                        bf_faults *faults)
+/// Plates must not stand on the line at the start, nor move onto it.
+static void check_plates(const scene *s, const surroundings *around, const scene_feed *f,
+                         double radius, const char *pointer, bf_faults *faults)
 {
-    const scene_feed *f = &s->feeds[feed];
-    vec2 inlet[5];
+    vec2 plate[4], inlet[5];
     const size_t n = place_inlet(around, f, radius, inlet);
-    char room[BF_POINTER_SIZE];
 
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
+            if (!plate_pieces_get(around, &s->obstacles[k], m, plate) ||
+                !polygon_overlaps(inlet, n, plate, 4, SCENE_TOLERANCE))
+                continue;
+            faults_add(faults, pointer, "runs into the plate of obstacle '%s'", s->obstacles[k].id);
+            return;
+        }
+    }
     for (size_t k = 0; k < s->n_obstacles; k++) {
         const plate_range range = plate_range_of(s->obstacles, k, s->n_actions, s->actions);
         if (!range.moves || !moves_onto(around, &s->obstacles[k], inlet, n, &range, 0.5 * radius))
             continue;
-        faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
-                   "the plate of obstacle '%s' moves onto it", s->obstacles[k].id);
+        faults_add(faults, pointer, "the plate of obstacle '%s' moves onto it", s->obstacles[k].id);
         return;
     }
 }
@@ -470,31 +427,24 @@ static bool are_apart(const scene_feed *a, const scene_feed *b)
            b->line[1].x + b->line[1].y <= a->line[0].x + a->line[0].y;
 }
 
-static void check_others(const scene *s, size_t feed, bf_faults *faults)
-{
-    char room[BF_POINTER_SIZE];
-
-    for (size_t k = 0; k < feed; k++) {
-        if (are_apart(&s->feeds[k], &s->feeds[feed]))
-            continue;
-        faults_add(faults, point_at(feed, line_member(&s->feeds[feed]), room, sizeof room),
-                   "overlaps the feed '%s'", s->feeds[k].id);
-        return;
-    }
-}
-
 void scene__check_feed_lines(const scene *s, bf_faults *faults)
 {
     shape_footprint footprints[SCENE_KINDS_MAX];
     const double radius = mix_radii_of(s).smallest;
     const surroundings around = surroundings_of(s);
+    char room[BF_POINTER_SIZE];
 
     mix_footprints(s, footprints);
     for (size_t k = 0; k < s->n_feeds; k++) {
-        check_belts(s, &around, k, faults);
-        check_room(s, &around, k, footprints, faults);
-        if (check_plates(s, &around, k, radius, faults))
-            check_moves(s, &around, k, radius, faults);
-        check_others(s, k, faults);
+        const scene_feed *f = &s->feeds[k];
+        const char *pointer = point_at(k, line_member(f), room, sizeof room);
+        size_t other = 0;
+        check_belts(s, &around, f, pointer, faults);
+        check_room(s, &around, f, footprints, pointer, faults);
+        check_plates(s, &around, f, radius, pointer, faults);
+        while (other < k && are_apart(&s->feeds[other], f))
+            other++;
+        if (other < k)
+            faults_add(faults, pointer, "overlaps the feed '%s'", s->feeds[other].id);
     }
 }

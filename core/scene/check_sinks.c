@@ -33,26 +33,9 @@ static bool is_fed(const scene_feed *feed, const scene_sink *sink)
     return touches;
 }
 
-static void check_kinds(const scene *s, const scene_sink *sink, const char *pointer,
-                        bf_faults *faults)
-{
-    char at[BF_POINTER_SIZE + 2 * ROOM_FOR_INDEX];
-
-    for (size_t k = 0; k < sink->n_kinds; k++) {
-        size_t first = 0;
-        snprintf(at, sizeof at, "%s/kinds/%zu", pointer, k);
-        while (sink->kinds[first] != sink->kinds[k])
-            first++;
-        if (sink->kinds[k] >= s->n_cargo)
-            faults_add(faults, at, "must be the id of a kind of cargo");
-        else if (first < k)
-            faults_add(faults, at, "names a kind for the second time");
-    }
-}
-
 void scene__check_sinks(const scene *s, bf_faults *faults)
 {
-    char pointer[BF_POINTER_SIZE], at[BF_POINTER_SIZE + ROOM_FOR_INDEX];
+    char pointer[BF_POINTER_SIZE], at[BF_POINTER_SIZE + 2 * ROOM_FOR_INDEX];
 
     if (!scene__check_count(s->n_sinks, SCENE_SINKS_MAX, "/sinks", "sinks", faults))
         return;
@@ -63,7 +46,16 @@ void scene__check_sinks(const scene *s, bf_faults *faults)
         snprintf(at, sizeof at, "%s/rate_per_s", pointer);
         if (sink->rate != INFINITY)
             range_check(&scene_range_rate, sink->rate, at, faults);
-        check_kinds(s, sink, pointer, faults);
+        for (size_t i = 0; i < sink->n_kinds; i++) {
+            size_t first = 0;
+            snprintf(at, sizeof at, "%s/kinds/%zu", pointer, i);
+            while (sink->kinds[first] != sink->kinds[i])
+                first++;
+            if (sink->kinds[i] >= s->n_cargo)
+                faults_add(faults, at, "must be the id of a kind of cargo");
+            else if (first < i)
+                faults_add(faults, at, "names a kind for the second time");
+        }
         snprintf(at, sizeof at, "%s/polygon_m", pointer);
         if (!scene__check_polygon(sink->polygon, sink->n_points, at, faults))
             continue;

@@ -127,22 +127,6 @@ static crowding predict_crowding(const scene *s, const shape_footprint *footprin
 /// Predictions err: places that are this many times too many are not tried.
 #define HOPELESS 100.0
 
-static bf_status check_crowding(size_t n, const crowding *of, bf_error *err)
-{
-    // Random places jam near 0.55; a few parts that extend over a small region's border may exceed it.
-    if (of->cover > (n < 10000 ? 1.0 : 0.6))
-        return bf_fail(err, BF_EINPUT, "/initial/random",
-                       "%zu parts would cover %.0f %% of the region, and random places without "
-                       "overlap fill about half of it",
-                       n, 100.0 * of->cover);
-    if (of->attempts > HOPELESS * (double)limit_attempts(n))
-        return bf_fail(err, BF_EINPUT, "/initial/random",
-                       "%zu parts of this shape would find room without overlap in some %.1g "
-                       "attempts, the limit is %zu",
-                       n, of->attempts, limit_attempts(n));
-    return BF_OK;
-}
-
 static bf_status fail_cancelled(bf_error *err)
 {
     return bf_fail(err, BF_EBUSY, "", "the check was cancelled, as the service is stopping");
@@ -157,9 +141,18 @@ static bf_status place_random(const scene *s, const uint32_t *kinds, uint64_t st
 
     mix_footprints(s, footprints);
     const crowding predicted = predict_crowding(s, footprints);
-    bf_status status = check_crowding(wanted, &predicted, err);
-    if (status == BF_OK)
-        status = overlap_grid_init(&c, footprints, s->n_cargo, kinds, ret_poses, wanted, err);
+    // Random places jam near 0.55; a few parts that extend over a small region's border may exceed it.
+    if (predicted.cover > (wanted < 10000 ? 1.0 : 0.6))
+        return bf_fail(err, BF_EINPUT, "/initial/random",
+                       "%zu parts would cover %.0f %% of the region, and random places without "
+                       "overlap fill about half of it",
+                       wanted, 100.0 * predicted.cover);
+    if (predicted.attempts > HOPELESS * (double)limit_attempts(wanted))
+        return bf_fail(err, BF_EINPUT, "/initial/random",
+                       "%zu parts of this shape would find room without overlap in some %.1g "
+                       "attempts, the limit is %zu",
+                       wanted, predicted.attempts, limit_attempts(wanted));
+    bf_status status = overlap_grid_init(&c, footprints, s->n_cargo, kinds, ret_poses, wanted, err);
     if (status != BF_OK)
         return status;
     const size_t n = fill_region(s, steps_max, check, &c, ret_poses);

@@ -386,19 +386,6 @@ static void resolve_derived(scene *s)
     resolve_feeds_and_eyes(s);
 }
 
-/// A schedule that only shifts an obstacle leaves its angle at 0.
-static bf_status resolve_turn(scene_obstacle *o, bf_error *err)
-{
-    if (o->n_shifts == 0 || o->turn.n_values > 0)
-        return BF_OK;
-    memory_free(o->turn.values);
-    o->turn.values = memory_alloc(o->turn.n_times, sizeof *o->turn.values);
-    if (o->turn.values == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for the motion of obstacles");
-    o->turn.n_values = o->turn.n_times;
-    return BF_OK;
-}
-
 bf_status scene_resolve(scene *s, bf_error *err)
 {
     scene_belt *belt = s->n_belts == 0 ? memory_alloc(1, sizeof *belt) : NULL;
@@ -426,9 +413,18 @@ bf_status scene_resolve(scene *s, bf_error *err)
             return BF_ENOMEM;
     if (belt_path_lay_out(s, err) != BF_OK)
         return BF_ENOMEM;
-    for (size_t k = 0; k < s->n_obstacles; k++)
-        if (resolve_turn(&s->obstacles[k], err) != BF_OK)
-            return BF_ENOMEM;
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *o = &s->obstacles[k];
+        scene_series *turn = &s->obstacles[k].turn;
+        if (o->n_shifts == 0 || turn->n_values > 0)
+            continue;
+        // A schedule that only shifts an obstacle leaves its angle at 0.
+        memory_free(turn->values);
+        turn->values = memory_alloc(turn->n_times, sizeof *turn->values);
+        if (turn->values == NULL)
+            return bf_fail(err, BF_ENOMEM, "", "no memory for the motion of obstacles");
+        turn->n_values = turn->n_times;
+    }
     resolve_derived(s);
     belt_path_hand_on(s);
     surroundings around = { .domain = s->domain, .n_belts = s->n_sections, .belts = s->belts };
@@ -445,16 +441,6 @@ static void free_series(scene_series *series)
 {
     memory_free(series->times);
     memory_free(series->values);
-}
-
-static void free_feed(scene_feed *feed)
-{
-    free_series(&feed->profile);
-    memory_free(feed->schedule.times);
-    memory_free(feed->schedule.counts);
-    memory_free(feed->schedule.kinds);
-    memory_free(feed->schedule.places);
-    memory_free(feed->schedule.headings);
 }
 
 bool scene_obstacle_moves(const scene_obstacle *o)
@@ -496,8 +482,15 @@ void scene_fini(scene *s)
         memory_free(s->obstacles[k].shifts);
         free_series(&s->obstacles[k].presence);
     }
-    for (size_t k = 0; k < s->n_feeds; k++)
-        free_feed(&s->feeds[k]);
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        scene_feed *feed = &s->feeds[k];
+        free_series(&feed->profile);
+        memory_free(feed->schedule.times);
+        memory_free(feed->schedule.counts);
+        memory_free(feed->schedule.kinds);
+        memory_free(feed->schedule.places);
+        memory_free(feed->schedule.headings);
+    }
     for (size_t k = 0; k < s->n_sinks; k++) {
         memory_free(s->sinks[k].polygon);
         memory_free(s->sinks[k].kinds);
