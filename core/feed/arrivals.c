@@ -106,15 +106,6 @@ feed_arrivals *feed_arrivals_destroy(feed_arrivals *a)
     return NULL;
 }
 
-// Parts of a list until t: those of the entries whose time is at most t.
-static double list_until(const feed_arrivals *a, double t)
-{
-    const double *times = a->feed->schedule.times + a->first;
-    const size_t n = search_count(times, sizeof *times, a->n_entries, t, true);
-
-    return n > 0 ? (double)a->totals[n - 1] : 0.0;
-}
-
 // The slope of the rate behind a knot, parts/s2.
 static double slope_behind(const feed_arrivals *a, size_t k)
 {
@@ -145,8 +136,12 @@ static double uncounted_until(const feed_arrivals *a, double t)
 {
     const double past = fmin(t, a->feed->end) - a->feed->start;
 
-    if (a->n_knots == 0)
-        return list_until(a, t);
+    if (a->n_knots == 0) {
+        // The parts of a list whose time is at most t.
+        const double *times = a->feed->schedule.times + a->first;
+        const size_t n = search_count(times, sizeof *times, a->n_entries, t, true);
+        return n > 0 ? (double)a->totals[n - 1] : 0.0;
+    }
     if (!(past > 0.0))
         return 0.0;
     if (!isfinite(a->period))
@@ -255,21 +250,16 @@ double feed_arrivals_time(const feed_arrivals *a, double level)
     return t <= a->feed->end ? t : INFINITY;
 }
 
-static double list_rate(const feed_arrivals *a)
-{
-    const double *times = a->feed->schedule.times + a->first;
-    const size_t n = a->n_entries;
-    const double lasts = n > 0 ? times[n - 1] - times[0] : 0.0;
-
-    return lasts > 0.0 ? (double)(a->totals[n - 1] - a->totals[0]) / lasts : 0.0;
-}
-
 double feed_arrivals_largest_rate(const feed_arrivals *a)
 {
     double largest = 0.0;
 
-    if (a->n_knots == 0)
-        return list_rate(a);
+    if (a->n_knots == 0) {
+        const double *times = a->feed->schedule.times + a->first;
+        const size_t n = a->n_entries;
+        const double lasts = n > 0 ? times[n - 1] - times[0] : 0.0;
+        return lasts > 0.0 ? (double)(a->totals[n - 1] - a->totals[0]) / lasts : 0.0;
+    }
     for (size_t k = 0; k < a->n_knots; k++)
         largest = fmax(largest, a->knots[k].rate);
     return largest;

@@ -60,15 +60,6 @@ struct feed_density {
     cell_room *rooms;     // scratch: as many as the longest line has cells
 };
 
-// The part of a packed cell beside a side that its belt carries on in a step of dt, of the line's length in it.
-static double edge_capacity(const surroundings *around, scene_side side, const bf_grid *grid,
-                            double dt, vec2 velocity, double length)
-{
-    const double inward = vec2_dot(surroundings_side(around, side).inward, velocity);
-
-    return fmax(inward, 0.0) * dt * length / (grid->d1 * grid->d2);
-}
-
 // The cell behind one that lies beside a side; the same if there is none.
 static size_t inner_cell(const bf_grid *grid, scene_side side, size_t cell)
 {
@@ -99,14 +90,14 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
     const bf_grid grid = scene_grid(d->scene);
     const surroundings around = surroundings_of(d->scene);
     line_cell *cells = NULL;
-    vec2 inward = { 0.0, 0.0 }, line[2];
+    const vec2 inward =
+        f->is_edge ? surroundings_side(&around, f->edge).inward : (vec2){ 0.0, 0.0 };
+    vec2 line[2];
 
     feed_line_widened(d->scene, f, line);
     // A line on a side lies in the cells beside it, not on their border.
-    if (f->is_edge)
-        inward = surroundings_side(&around, f->edge).inward;
-    inward = (vec2){ 0.5 * grid.d1 * inward.x, 0.5 * grid.d2 * inward.y };
-    bf_status status = line_cells_find(&grid, vec2_add(line[0], inward), vec2_add(line[1], inward),
+    const vec2 within = { 0.5 * grid.d1 * inward.x, 0.5 * grid.d2 * inward.y };
+    bf_status status = line_cells_find(&grid, vec2_add(line[0], within), vec2_add(line[1], within),
                                        &cells, &ret_line->n, err);
     if (status != BF_OK)
         return status;
@@ -117,11 +108,10 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
         const vec2 centre = { grid_x1(&grid, cell % grid.n1), grid_x2(&grid, cell / grid.n1) };
         const size_t belt = surroundings_belt_at(&around, centre);
         const vec2 velocity = surroundings_velocity_at(&around, belt, centre);
-        const double capacity = f->is_edge
-                                    ? d->saturated * edge_capacity(&around, f->edge, &grid, dt,
-                                                                   velocity, cells[k].length)
-                                : belt < around.n_belts ? INFINITY
-                                                        : 0.0;
+        double capacity = belt < around.n_belts ? INFINITY : 0.0;
+        if (f->is_edge) // what its belt carries on in a step of a packed cell, of the line's length in it
+            capacity = d->saturated * (fmax(vec2_dot(inward, velocity), 0.0) * dt *
+                                       cells[k].length / (grid.d1 * grid.d2));
         ret_line->cells[k] =
             (cell_entry){ .cell = cell,
                           .inner = f->is_edge ? inner_cell(&grid, f->edge, cell) : cell,
@@ -135,28 +125,11 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
     return status;
 }
 
-static bf_status make_lines(feed_density *d, double dt, bf_error *err)
-{
-    const scene *s = d->scene;
-    bf_status status = BF_OK;
-    size_t n_most = 0;
-
-    for (size_t k = 0; status == BF_OK && k < d->n_feeds; k++) {
-        feed_line *line = &d->lines[k];
-        status = feed_arrivals_create(&s->feeds[k], s->substream, &line->arrivals, err);
-        if (status == BF_OK)
-            status = make_line(d, &s->feeds[k], dt, line, err);
-        n_most = line->n > n_most ? line->n : n_most;
-    }
-    if (status == BF_OK && (d->rooms = memory_alloc(n_most, sizeof *d->rooms)) == NULL)
-        status = bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu cells of feeds", n_most);
-    return status;
-}
-
 bf_status feed_density_create(const scene *s, double dt, feed_density **ret_density, bf_error *err)
 {
     feed_density *d = memory_alloc(1, sizeof *d);
-    bf_status status;
+    bf_status status = BF_OK;
+    size_t n_most = 0;
 
     if (d != NULL) {
         const bf_grid grid = scene_grid(s);
@@ -172,10 +145,17 @@ bf_status feed_density_create(const scene *s, double dt, feed_density **ret_dens
     if (d == NULL || d->lines == NULL || d->states == NULL ||
         (scene_tells_kinds(s) && d->cursors == NULL))
         status = bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu feeds", s->n_feeds);
-    else
-        status = make_lines(d, dt, err);
-    for (size_t k = 0; status == BF_OK && d->cursors != NULL && k < d->n_feeds; k++)
-        d->cursors[k] = feed_arrivals_first(d->lines[k].arrivals);
+    for (size_t k = 0; status == BF_OK && k < s->n_feeds; k++) {
+        feed_line *line = &d->lines[k];
+        status = feed_arrivals_create(&s->feeds[k], s->substream, &line->arrivals, err);
+        if (status == BF_OK)
+            status = make_line(d, &s->feeds[k], dt, line, err);
+        if (status == BF_OK && d->cursors != NULL)
+            d->cursors[k] = feed_arrivals_first(line->arrivals);
+        n_most = line->n > n_most ? line->n : n_most;
+    }
+    if (status == BF_OK && (d->rooms = memory_alloc(n_most, sizeof *d->rooms)) == NULL)
+        status = bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu cells of feeds", n_most);
     if (status != BF_OK) {
         feed_density_destroy(d);
         return status;
@@ -213,27 +193,6 @@ static int compare_rooms(const void *a, const void *b)
 static double free_in(const feed_density *d, size_t cell, const feed_field *field)
 {
     return fmax(d->saturated - field->density(field->context, cell), 0.0);
-}
-
-// The rooms of a line's cells. True if they all take their share of the demand, a sum of densities.
-static bool find_rooms(const feed_density *d, const feed_line *line, double demand,
-                       const feed_field *field)
-{
-    bool is_enough = true;
-
-    for (size_t k = 0; k < line->n; k++) {
-        const cell_entry *c = &line->cells[k];
-        const double free =
-            free_in(d, c->cell, field) + (c->inner != c->cell ? free_in(d, c->inner, field) : 0.0);
-        // The bound first: infinity times the factor 0 is no number.
-        const double most = isinf(c->capacity)
-                                ? c->capacity
-                                : c->capacity * fmax(field->factor(field->context, c->belt), 0.0);
-        const double room = fmin(free, most);
-        d->rooms[k] = (cell_room){ room, room / c->weight, k };
-        is_enough = is_enough && d->rooms[k].level * line->weight >= demand;
-    }
-    return is_enough;
 }
 
 // What of each kind enters while S grows from one value to another.
@@ -286,8 +245,21 @@ static double fill_line(feed_density *d, size_t feed, double demand, const feed_
 {
     const feed_line *line = &d->lines[feed];
     double left = demand, weight = line->weight, taken = 0.0;
+    bool is_enough = true; // each cell takes its share of the demand
 
-    if (!find_rooms(d, line, demand, field))
+    for (size_t k = 0; k < line->n; k++) {
+        const cell_entry *c = &line->cells[k];
+        const double free =
+            free_in(d, c->cell, field) + (c->inner != c->cell ? free_in(d, c->inner, field) : 0.0);
+        // The bound first: infinity times the factor 0 is no number.
+        const double most = isinf(c->capacity)
+                                ? c->capacity
+                                : c->capacity * fmax(field->factor(field->context, c->belt), 0.0);
+        const double room = fmin(free, most);
+        d->rooms[k] = (cell_room){ room, room / c->weight, k };
+        is_enough = is_enough && d->rooms[k].level * line->weight >= demand;
+    }
+    if (!is_enough)
         qsort(d->rooms, line->n, sizeof *d->rooms, compare_rooms);
     for (size_t k = 0; k < line->n; k++) {
         const cell_entry *c = &line->cells[d->rooms[k].entry];
@@ -306,30 +278,24 @@ static double fill_line(feed_density *d, size_t feed, double demand, const feed_
     return taken;
 }
 
-static void discard(feed_density *d, size_t k, double t)
-{
-    const scene_feed *f = &d->scene->feeds[k];
-    feed_state *state = &d->states[k];
-    const double served = state->admitted + state->discarded;
-
-    if (f->when_blocked == SCENE_BLOCKED_DISCARD)
-        state->discarded +=
-            fmax(feed_arrivals_until(d->lines[k].arrivals, t - f->max_wait) - served, 0.0);
-}
-
 void feed_density_advance(feed_density *d, double t, const feed_field *field)
 {
     const size_t turn = d->n_feeds > 0 ? (size_t)(d->n_turns++ % d->n_feeds) : 0;
 
     for (size_t n = 0; n < d->n_feeds; n++) {
         const size_t k = (turn + n) % d->n_feeds;
-        d->states[k].offered = feed_arrivals_until(d->lines[k].arrivals, t);
+        const scene_feed *f = &d->scene->feeds[k];
+        const feed_arrivals *arrivals = d->lines[k].arrivals;
         feed_state *state = &d->states[k];
+        state->offered = feed_arrivals_until(arrivals, t);
         const double waiting = state->offered - state->admitted - state->discarded;
         if (!state->is_held && waiting > 0.0)
             state->admitted +=
                 d->parts_per_cell * fill_line(d, k, waiting / d->parts_per_cell, field);
-        discard(d, k, t);
+        if (f->when_blocked == SCENE_BLOCKED_DISCARD) {
+            const double served = state->admitted + state->discarded;
+            state->discarded += fmax(feed_arrivals_until(arrivals, t - f->max_wait) - served, 0.0);
+        }
     }
 }
 

@@ -75,13 +75,6 @@ feed_parts *feed_parts_destroy(feed_parts *p)
     return NULL;
 }
 
-static scene_pose pose_at(const scene_feed *f, double place, double heading)
-{
-    const vec2 at = feed_line_at(f, place);
-
-    return (scene_pose){ at.x, at.y, heading };
-}
-
 static double line_length(const scene_feed *f)
 {
     return vec2_length(vec2_sub(f->line[1], f->line[0]));
@@ -92,24 +85,6 @@ static int compare_spans(const void *a, const void *b)
     const double x = ((const feed_line_span *)a)->low, y = ((const feed_line_span *)b)->low;
 
     return (x > y) - (x < y);
-}
-
-// Copies the bodies near the places to p->bodies.
-static bf_status find_bodies(feed_parts *p, const scene_feed *f, feed_line_span places,
-                             double within, const feed_room *room, size_t *ret_n, bf_error *err)
-{
-    const scene_pose start = pose_at(f, places.low, 0.0), end = pose_at(f, places.high, 0.0);
-    const vec2 from = { start.x, start.y }, to = { end.x, end.y };
-    const size_t n_before = p->n_bodies_max;
-
-    *ret_n = room->near(room->context, from, to, within, p->bodies, p->n_bodies_max);
-    if (memory_reserve(&p->bodies, &p->n_bodies_max, *ret_n, sizeof *p->bodies) != 0 ||
-        memory_reserve(&p->blocked, &p->n_blocked_max, *ret_n, sizeof *p->blocked) != 0)
-        return bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu bodies at feed %s", *ret_n,
-                       f->id);
-    if (*ret_n > n_before)
-        room->near(room->context, from, to, within, p->bodies, p->n_bodies_max);
-    return BF_OK;
 }
 
 // Fills p->blocked, by rising start, with the places that the bodies deny to the centre of a disk; returns how many.
@@ -143,7 +118,9 @@ typedef struct search {
 
 static bool is_free_at(const search *in, double place, scene_pose *ret_pose)
 {
-    *ret_pose = pose_at(in->feed, place, in->part->heading);
+    const vec2 at = feed_line_at(in->feed, place);
+
+    *ret_pose = (scene_pose){ at.x, at.y, in->part->heading };
     return in->room->is_free(in->room->context, in->part->kind, *ret_pose);
 }
 
@@ -211,11 +188,18 @@ static bf_status find_first_free(feed_parts *p, const search *in, bool *ret_foun
     size_t n = 0;
 
     if (are_disks) {
-        const bf_status status = find_bodies(
-            p, in->feed, in->places,
-            footprint->bounding_radius + p->largest_radius + SCENE_TOLERANCE, in->room, &n, err);
-        if (status != BF_OK)
-            return status;
+        const vec2 from = feed_line_at(in->feed, in->places.low);
+        const vec2 to = feed_line_at(in->feed, in->places.high);
+        const double within = footprint->bounding_radius + p->largest_radius + SCENE_TOLERANCE;
+        const feed_room *room = in->room;
+        const size_t n_before = p->n_bodies_max;
+        n = room->near(room->context, from, to, within, p->bodies, p->n_bodies_max);
+        if (memory_reserve(&p->bodies, &p->n_bodies_max, n, sizeof *p->bodies) != 0 ||
+            memory_reserve(&p->blocked, &p->n_blocked_max, n, sizeof *p->blocked) != 0)
+            return bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu bodies at feed %s", n,
+                           in->feed->id);
+        if (n > n_before)
+            room->near(room->context, from, to, within, p->bodies, p->n_bodies_max);
     }
     for (size_t k = 0; k < n; k++)
         are_disks = are_disks && p->footprints[p->bodies[k].kind].n_corners == 0;
