@@ -323,35 +323,32 @@ void figures_eye_state(figures *f, size_t eye, double t, bool is_blocked)
     e->is_blocked = is_blocked;
 }
 
-// What stopped a belt from a time on for as long as `lasted`, s.
-static void add_stop(figures *f, size_t belt, stop_sums *sums, unsigned now, double lasted)
-{
-    const bool is_break = (now & BELT_STOPS_BREAK) != 0;
-    size_t first = 0; // kind of failure of the belt
-
-    for (size_t k = 0; k < belt; k++)
-        first += f->s->belts[k].stops.n_failures;
-    for (size_t k = 0; k < f->s->belts[belt].stops.n_failures; k++) {
-        failure_sums *of = &f->failures[first + k];
-        const bool is_down = (now & 1U << k) != 0;
-        of->n += is_down && (sums->now & 1U << k) == 0 ? 1.0 : 0.0;
-        of->total += is_down && !is_break ? lasted : 0.0;
-    }
-    sums->planned += is_break ? lasted : 0.0;
-    sums->failed += !is_break && (now & BELT_STOPS_FAILED) != 0 ? lasted : 0.0;
-}
-
+// What stopped a belt from one time to another.
 static void add_stops(figures *f, const belt_speeds *speeds, size_t k, double from, double to)
 {
     const size_t belt = figure_belt(f->s, FIGURE_OF_BELT, k);
     stop_sums *sums = &f->stops[k];
+    size_t first = 0; // kind of failure of the belt
     double until;
 
+    for (size_t i = 0; i < belt; i++)
+        first += f->s->belts[i].stops.n_failures;
     for (double at = from; at < to; at = until) {
         const unsigned now = belt_speeds_stopped_by(speeds, belt, at, &until);
-        if (f->run.is_warm)
-            add_stop(f, belt, sums, now, fmin(until, to) - at);
+        const uint64_t before = sums->now;
+        const double lasted = fmin(until, to) - at;
+        const bool is_break = (now & BELT_STOPS_BREAK) != 0;
         sums->now = now;
+        if (!f->run.is_warm)
+            continue;
+        for (size_t i = 0; i < f->s->belts[belt].stops.n_failures; i++) {
+            failure_sums *of = &f->failures[first + i];
+            const bool is_down = (now & 1U << i) != 0;
+            of->n += is_down && (before & 1U << i) == 0 ? 1.0 : 0.0;
+            of->total += is_down && !is_break ? lasted : 0.0;
+        }
+        sums->planned += is_break ? lasted : 0.0;
+        sums->failed += !is_break && (now & BELT_STOPS_FAILED) != 0 ? lasted : 0.0;
     }
 }
 

@@ -131,45 +131,6 @@ static void fill_flow(const figures *f, size_t k, double *ret_values)
             s_per_h * known.half_width, ratio(rate, through) * ret_values[FIGURE_THROUGHPUT_ERROR]);
 }
 
-// With the time that goes on.
-static void fill_blocked(const figures *f, size_t k, double *ret_values)
-{
-    const eye_sums *e = &f->eyes[k];
-
-    if (!f->run.is_warm)
-        return;
-    const double now =
-        e->is_blocked ? fmax(f->run.t - fmax(e->blocked_since, f->run.t_start), 0.0) : 0.0;
-    ret_values[figure_at(f->s, FIGURE_BLOCKED_COUNT, k)] = e->n_blocked + (double)e->is_blocked;
-    ret_values[figure_at(f->s, FIGURE_BLOCKED_TOTAL, k)] = e->blocked_total + now;
-    ret_values[figure_at(f->s, FIGURE_BLOCKED_LONGEST, k)] = fmax(e->blocked_longest, now);
-}
-
-// With the time that goes on.
-static void fill_belt(const figures *f, size_t k, double *ret_values)
-{
-    const belt_sums *b = &f->belts[k];
-
-    if (!f->run.is_warm)
-        return;
-    const double now = b->stands ? fmax(f->run.t - fmax(b->since, f->run.t_start), 0.0) : 0.0;
-    ret_values[figure_at(f->s, FIGURE_STOPPED_COUNT, k)] = b->n + (double)b->stands;
-    ret_values[figure_at(f->s, FIGURE_STOPPED_TOTAL, k)] = b->total + now;
-    ret_values[figure_at(f->s, FIGURE_STOPPED_LONGEST, k)] = fmax(b->longest, now);
-}
-
-static void fill_eye(const figures *f, size_t k, double *ret_values)
-{
-    const quantiles *gaps = &f->gaps[k];
-
-    if (!f->has_parts)
-        return;
-    ret_values[figure_at(f->s, FIGURE_GAP_MIN, k)] = gaps->weight > 0.0 ? gaps->min : (double)NAN;
-    ret_values[figure_at(f->s, FIGURE_GAP_P05, k)] = quantiles_at(gaps, 0.05);
-    ret_values[figure_at(f->s, FIGURE_GAP_MEAN, k)] = quantiles_mean(gaps);
-    ret_values[figure_at(f->s, FIGURE_DOUBLES, k)] = ratio(f->eyes[k].n_doubles, f->eyes[k].n);
-}
-
 // 12 significant digits, and nothing below 1e-9: what is behind them is the rounding of sums and products.
 static double rounded(double x)
 {
@@ -196,12 +157,30 @@ void figures_fill(const figures *f, double *ret_values)
         fill_counter(f, k, ret_values);
     for (size_t k = 0; k < f->n_flows; k++)
         fill_flow(f, k, ret_values);
-    for (size_t k = 0; k < f->s->n_eyes; k++) {
-        fill_eye(f, k, ret_values);
-        fill_blocked(f, k, ret_values);
+    for (size_t k = 0; k < f->s->n_eyes && f->has_parts; k++) {
+        const quantiles *gaps = &f->gaps[k];
+        ret_values[figure_at(f->s, FIGURE_GAP_MIN, k)] =
+            gaps->weight > 0.0 ? gaps->min : (double)NAN;
+        ret_values[figure_at(f->s, FIGURE_GAP_P05, k)] = quantiles_at(gaps, 0.05);
+        ret_values[figure_at(f->s, FIGURE_GAP_MEAN, k)] = quantiles_mean(gaps);
+        ret_values[figure_at(f->s, FIGURE_DOUBLES, k)] = ratio(f->eyes[k].n_doubles, f->eyes[k].n);
     }
-    for (size_t k = 0; k < f->n_belts; k++)
-        fill_belt(f, k, ret_values);
+    // Of beams and belts with the time that goes on.
+    for (size_t k = 0; k < f->s->n_eyes && f->run.is_warm; k++) {
+        const eye_sums *e = &f->eyes[k];
+        const double now =
+            e->is_blocked ? fmax(f->run.t - fmax(e->blocked_since, f->run.t_start), 0.0) : 0.0;
+        ret_values[figure_at(f->s, FIGURE_BLOCKED_COUNT, k)] = e->n_blocked + (double)e->is_blocked;
+        ret_values[figure_at(f->s, FIGURE_BLOCKED_TOTAL, k)] = e->blocked_total + now;
+        ret_values[figure_at(f->s, FIGURE_BLOCKED_LONGEST, k)] = fmax(e->blocked_longest, now);
+    }
+    for (size_t k = 0; k < f->n_belts && f->run.is_warm; k++) {
+        const belt_sums *b = &f->belts[k];
+        const double now = b->stands ? fmax(f->run.t - fmax(b->since, f->run.t_start), 0.0) : 0.0;
+        ret_values[figure_at(f->s, FIGURE_STOPPED_COUNT, k)] = b->n + (double)b->stands;
+        ret_values[figure_at(f->s, FIGURE_STOPPED_TOTAL, k)] = b->total + now;
+        ret_values[figure_at(f->s, FIGURE_STOPPED_LONGEST, k)] = fmax(b->longest, now);
+    }
     const double lasted = f->run.t - f->run.t_start;
     for (size_t k = 0; k < f->n_stops && f->run.is_warm; k++) {
         const stop_sums *of = &f->stops[k];

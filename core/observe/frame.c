@@ -172,33 +172,21 @@ static uint64_t count_of(const frame *f, const member *m)
     return count;
 }
 
-static bf_status put_field(const frame *f, const field *k, bf_buffer *out)
-{
-    static const char zeros[ALIGNMENT] = { 0 };
-    const char *at = (const char *)f + k->at.offset;
-    const void *items = NULL;
-    size_t item_size = k->item_size;
-
-    switch (k->kind) {
-    case FIELD_COPY:
-        return buffer_append(out, at, k->at.size);
-    case FIELD_ZEROS:
-        return buffer_append(out, zeros, k->at.size);
-    case FIELD_REST:
-        item_size = 1;
-        break;
-    default:
-        break;
-    }
-    memcpy(&items, at, sizeof items);
-    return buffer_append(out, items, count_of(f, &k->n) * count_of(f, &k->m) * item_size);
-}
-
 static uint64_t size_of_field(const frame *f, const field *k)
 {
     if (k->kind != FIELD_ARRAY && k->kind != FIELD_REST)
         return k->at.size;
     return count_of(f, &k->n) * count_of(f, &k->m) * (k->kind == FIELD_REST ? 1 : k->item_size);
+}
+
+static bf_status put_field(const frame *f, const field *k, bf_buffer *out)
+{
+    static const char zeros[ALIGNMENT] = { 0 };
+    const char *at = k->kind == FIELD_ZEROS ? zeros : (const char *)f + k->at.offset;
+
+    if (k->kind == FIELD_ARRAY || k->kind == FIELD_REST)
+        memcpy(&at, at, sizeof at);
+    return buffer_append(out, at, size_of_field(f, k));
 }
 
 bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err)

@@ -80,13 +80,17 @@ static void leave_held(const double *point, size_t d, int held, double *ret_poin
             ret_point[k++] = point[i];
 }
 
-// What a search knows, in its own parameters: points at the value that is held.
-static void gather_known(const study *s, const calibration_fit *fit, double *points, double *values,
-                         search_known *ret_known)
+// The next points of a search, in all parameters; *ret_n is 0 when it is over.
+static bf_status ask(const study *s, const calibration_fit *fit, double *scratch,
+                     double *ret_points, size_t *ret_n, bf_error *err)
 {
     const size_t d = s->definition.d, d_own = fit->held == NONE ? d : d - 1;
+    double start[STUDY_PARAMETERS], own[ROUND_MAX * STUDY_PARAMETERS];
+    double *points = scratch, *values = scratch + s->n_points * d;
     size_t n = 0;
+    bf_status status;
 
+    // What the search knows, in its own parameters: points at the value that is held.
     for (size_t point = 0; point < s->n_points; point++) {
         const double *at = s->at + point * d;
         if (fit->held != NONE && at[fit->held] != fit->start[fit->held])
@@ -94,21 +98,8 @@ static void gather_known(const study *s, const calibration_fit *fit, double *poi
         leave_held(at, d, fit->held, points + n * d_own);
         values[n++] = cost_without(s, point, fit->left_out);
     }
-    *ret_known = (search_known){ n, points, values };
-}
-
-// The next points of a search, in all parameters; *ret_n is 0 when it is over.
-static bf_status ask(const study *s, const calibration_fit *fit, double *scratch,
-                     double *ret_points, size_t *ret_n, bf_error *err)
-{
-    const size_t d = s->definition.d, d_own = fit->held == NONE ? d : d - 1;
-    double start[STUDY_PARAMETERS], own[ROUND_MAX * STUDY_PARAMETERS];
-    search_known known;
-    bf_status status;
-
-    gather_known(s, fit, scratch, scratch + s->n_points * d, &known);
     if (d_own == 0) {
-        *ret_n = known.n == 0;
+        *ret_n = n == 0;
         ret_points[0] = fit->start[0];
         return BF_OK;
     }
@@ -120,7 +111,7 @@ static bf_status ask(const study *s, const calibration_fit *fit, double *scratch
                    .start = start,
                    .step = fit->step,
                    .tolerance = fit->held == NONE ? s->definition.tolerance : profile_tolerance },
-        &known, fit->n_asked, ROUND_MAX, own, ret_n, err);
+        &(search_known){ n, points, values }, fit->n_asked, ROUND_MAX, own, ret_n, err);
     for (size_t k = 0; status == BF_OK && k < *ret_n; k++)
         for (size_t i = 0, from = k * d_own; i < d; i++)
             ret_points[k * d + i] = (int)i == fit->held ? fit->start[i] : own[from++];
@@ -137,28 +128,10 @@ static bool is_added(const study *s, size_t from, const double *point)
     return false;
 }
 
-// Add what all searches of the stage ask for, each point once.
-static void add(study *s, const double *points, const size_t *n)
-{
-    const size_t d = s->definition.d, from = s->n_points;
-    struct calibration *c = s->calibration;
-
-    for (size_t k = 0; k < c->n; k++) {
-        c->fits[k].n_asked += n[k];
-        c->fits[k].is_over = n[k] == 0;
-        for (size_t i = 0; i < n[k]; i++) {
-            const double *point = points + (k * ROUND_MAX + i) * d;
-            if (!is_added(s, from, point) && study_points_left(s, s->definition.n_replications) > 0)
-                study_add_trials(s, study_add_point(s, point, STUDY_AS_SUBMITTED),
-                                 s->definition.n_replications);
-        }
-    }
-}
-
-// Ask the searches of the stage; nothing is added when all are over.
+// Ask the searches of the stage and add what they ask for, each point once; nothing is added when all are over.
 static bf_status ask_all(study *s, bf_error *err)
 {
-    const size_t d = s->definition.d;
+    const size_t d = s->definition.d, from = s->n_points;
     struct calibration *c = s->calibration;
     double *scratch = memory_alloc(s->n_points, (d + 1) * sizeof *scratch);
     double *points = memory_alloc(c->n * ROUND_MAX, d * sizeof *points);
@@ -172,8 +145,16 @@ static bf_status ask_all(study *s, bf_error *err)
     }
     if (status == BF_OK)
         status = study_reserve(s, n_all, n_all * s->definition.n_replications, err);
-    if (status == BF_OK)
-        add(s, points, n);
+    for (size_t k = 0; status == BF_OK && k < c->n; k++) {
+        c->fits[k].n_asked += n[k];
+        c->fits[k].is_over = n[k] == 0;
+        for (size_t i = 0; i < n[k]; i++) {
+            const double *point = points + (k * ROUND_MAX + i) * d;
+            if (!is_added(s, from, point) && study_points_left(s, s->definition.n_replications) > 0)
+                study_add_trials(s, study_add_point(s, point, STUDY_AS_SUBMITTED),
+                                 s->definition.n_replications);
+        }
+    }
     memory_free(scratch);
     memory_free(points);
     return status;
@@ -219,12 +200,6 @@ static double place_of(const study *s, size_t parameter, int side, size_t place)
     return at + ways[place - 1] * (side - at);
 }
 
-// The fits of a profile, in the order of their index; next to the answer the others stay.
-static size_t fit_of(size_t parameter, int side, size_t place)
-{
-    return (2 * parameter + (size_t)side) * PLACES + place;
-}
-
 static void begin_profiles(study *s, size_t n_max)
 {
     const size_t d = s->definition.d;
@@ -233,6 +208,7 @@ static void begin_profiles(study *s, size_t n_max)
     for (size_t i = 0; i < d; i++)
         for (int side = 0; side < 2; side++)
             for (size_t k = 0; k < PLACES; k++) {
+                // Next to the answer the others stay.
                 calibration_fit *fit = begin_fit(s->calibration, answer, d, near_step,
                                                  k == 0 ? 1 : n_max / (2 * PLACES * d));
                 fit->held = (int)i;
@@ -358,7 +334,9 @@ static double edge_of(const study *s, size_t parameter, int side, double limit)
 
     for (size_t k = 1; k < PLACES; k++) {
         const double place = place_of(s, parameter, side, k);
-        const double distance = distance_at(s, fit_of(parameter, side, k), parameter, near);
+        // In the order in which begin_profiles() begins them.
+        const size_t fit = (2 * parameter + (size_t)side) * PLACES + k;
+        const double distance = distance_at(s, fit, parameter, near);
         if (distance > limit)
             return last + (place - last) * (limit - last_distance) / (distance - last_distance);
         last = place;
