@@ -158,10 +158,7 @@ static bool reads_resource(const exchange *x, const char *collection, const char
 
 bf_status access_find_run(const exchange *x, const char *id, api_run *ret_run, bf_error *err)
 {
-    bf_status status = x->services->find(x->services->service, id, ret_run, err);
-
-    if (status != BF_OK)
-        return status;
+    BF_TRY(x->services->find(x->services->service, id, ret_run, err));
     const bool may = is_granted(x) ? reads_resource(x, "/v1/runs/", ret_run->id) ||
                                          reads_resource(x, "/v1/studies/", ret_run->study)
                                    : may_see(x, ret_run->owner);
@@ -170,10 +167,7 @@ bf_status access_find_run(const exchange *x, const char *id, api_run *ret_run, b
 
 bf_status access_find_study(const exchange *x, const char *id, api_study *ret_study, bf_error *err)
 {
-    bf_status status = x->services->find_study(x->services->store, id, ret_study, err);
-
-    if (status != BF_OK)
-        return status;
+    BF_TRY(x->services->find_study(x->services->store, id, ret_study, err));
     const bool may = is_granted(x) ? reads_resource(x, "/v1/studies/", ret_study->id)
                                    : may_see(x, ret_study->owner);
     return may ? BF_OK : bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
@@ -182,11 +176,10 @@ bf_status access_find_study(const exchange *x, const char *id, api_study *ret_st
 bf_status access_find_measurement(const exchange *x, const char *id,
                                   api_measurement *ret_measurement, bf_error *err)
 {
-    bf_status status = x->services->find_measurement(x->services->store, id, ret_measurement, err);
-
-    if (status == BF_OK && (is_granted(x) || !may_see(x, ret_measurement->owner)))
+    BF_TRY(x->services->find_measurement(x->services->store, id, ret_measurement, err));
+    if (is_granted(x) || !may_see(x, ret_measurement->owner))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no measurement %.40s", id);
-    return status;
+    return BF_OK;
 }
 
 void access_challenge(exchange *x, int status)

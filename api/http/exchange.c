@@ -127,32 +127,23 @@ static bf_status check_body(exchange *x, bf_error *err)
 // Whether the sender may use the route.
 static bf_status admit(exchange *x, bf_error *err)
 {
-    bf_status status = find_route(x, err);
-
-    if (status == BF_OK)
-        status = query_parse(x->request->query, &x->query, err);
-    return status == BF_OK ? access_check(x, err) : status;
+    BF_TRY(find_route(x, err));
+    BF_TRY(query_parse(x->request->query, &x->query, err));
+    return access_check(x, err);
 }
 
 static bf_status dispatch(exchange *x, bf_error *err)
 {
-    bf_status status = admit(x, err);
-
-    if (status == BF_OK)
-        status = query_check(&x->query, x->route->params, err);
-    if (status == BF_OK)
-        status = choose_media(x, err);
-    if (status == BF_OK)
-        status = check_format(x, err);
-    if (status == BF_OK && x->route->body != NULL && x->request->polled == NULL)
-        status = check_body(x, err);
-    if (status == BF_OK)
-        status = x->route->handle(x, err);
-    if (status == BF_OK && x->response->status == 0)
+    BF_TRY(admit(x, err));
+    BF_TRY(query_check(&x->query, x->route->params, err));
+    BF_TRY(choose_media(x, err));
+    BF_TRY(check_format(x, err));
+    if (x->route->body != NULL && x->request->polled == NULL)
+        BF_TRY(check_body(x, err));
+    BF_TRY(x->route->handle(x, err));
+    if (x->response->status == 0)
         x->response->status = 200;
-    if (status == BF_OK)
-        status = exchange__check_state(x, err);
-    return status;
+    return exchange__check_state(x, err);
 }
 
 static void refuse(exchange *x, bf_status code, const bf_error *error)

@@ -41,10 +41,9 @@ bf_status exchange__check_match(exchange *x, uint64_t revision, uint64_t *ret_re
 
     snprintf(tag, sizeof tag, "r%" PRIu64, revision);
     snprintf(predicted, sizeof predicted, "r%" PRIu64 "p", revision); // see handlers_runs_show()
-    bf_status status = exchange__check_change(x, tags, err);
-    if (status == BF_OK)
-        *ret_revision = exchange__header(x, "If-Match") == NULL ? API_ANY_REVISION : revision;
-    return status;
+    BF_TRY(exchange__check_change(x, tags, err));
+    *ret_revision = exchange__header(x, "If-Match") == NULL ? API_ANY_REVISION : revision;
+    return BF_OK;
 }
 
 // Sets ETag, and the status if the client has this state. ret_form is the tag that it knows it by.

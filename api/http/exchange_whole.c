@@ -83,7 +83,6 @@ bf_status exchange__send_several(exchange *x, const api_run *of, uint64_t index,
     const uint64_t count = exchange__whole(x, "count"), left = of->n_snapshots - index;
     const uint64_t end = index + (count < left ? count : left);
     bool is_over = false;
-    bf_status status = BF_OK;
 
     if (count <= left)
         exchange__cache_immutable(x);
@@ -92,7 +91,7 @@ bf_status exchange__send_several(exchange *x, const api_run *of, uint64_t index,
     if (exchange__is_unchanged(x, "%s-%s-%" PRIu64 "-%" PRIu64 "-npy", of->id,
                                is_parts ? "parts" : "densities", index, end))
         return BF_OK;
-    for (uint64_t i = index; status == BF_OK && !is_over && i < end; i++)
-        status = append_file(x, of->id, i, form, &is_over, err);
-    return status;
+    for (uint64_t i = index; !is_over && i < end; i++)
+        BF_TRY(append_file(x, of->id, i, form, &is_over, err));
+    return BF_OK;
 }

@@ -385,9 +385,7 @@ static bf_status write_measures(exchange *x, json_out *w, const comparison *c, c
                                 bf_error *err)
 {
     size_t n_pairs = c->n - 1;
-    const bf_status status = write_verdicts(w, c, e, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(write_verdicts(w, c, e, err));
     json_out_key(w, "curve");
     members_write(w, &compare_json_measures, &e->measures);
     json_out_key(w, "density");

@@ -33,11 +33,11 @@ static bf_status read_grid(exchange *x, const side *s, size_t i, bf_buffer *out,
 {
     api_array of;
 
-    bf_status status = x->services->read_array(x->services->store, s->id, snapshot_at(s, i)->index,
-                                               API_ARRAY_DENSITY, &of, out, err);
-    if (status == BF_OK && out->n != grid_cells(&s->list.grid) * sizeof(float))
+    BF_TRY(x->services->read_array(x->services->store, s->id, snapshot_at(s, i)->index,
+                                   API_ARRAY_DENSITY, &of, out, err));
+    if (out->n != grid_cells(&s->list.grid) * sizeof(float))
         return bf_fail(err, BF_ECORRUPT, "", "a snapshot does not have the size of its grid");
-    return status;
+    return BF_OK;
 }
 
 static bf_status measure_distance(exchange *x, const side *a, size_t i, const side *b, size_t k,
@@ -71,9 +71,7 @@ static bf_status write_distances(exchange *x, json_out *w, const side *a, const 
                                         .b = at_b->index,
                                         .mass_a = at_a->mass,
                                         .mass_b = at_b->mass };
-        bf_status status = measure_distance(x, a, i, b, k, &view.distance, err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(measure_distance(x, a, i, b, k, &view.distance, err));
         compare_mean_add(mean, &view.distance);
         members_write(w, &compare_json_density_distance, &view);
     }

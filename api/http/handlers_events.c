@@ -28,12 +28,9 @@ static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_r
     bool is_inline = exchange__whole(x, "inline") == 1;
     uint64_t after = 0;
 
-    bf_status status = handlers__read_last_event(x, &after, err);
-    if (status == BF_OK)
-        status = stream_begin(x->services, format, is_inline, (const char(*)[API_ID_SIZE])runs,
-                              n_runs, after, &cursor, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(handlers__read_last_event(x, &after, err));
+    BF_TRY(stream_begin(x->services, format, is_inline, (const char(*)[API_ID_SIZE])runs, n_runs,
+                        after, &cursor, err));
     if (cursor.n_open == 0) {
         response->status = 204; // tells a browser not to reconnect
         return BF_OK;
@@ -46,20 +43,17 @@ bf_status handlers_results_events(exchange *x, bf_error *err)
 {
     api_run record;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status == BF_OK)
-        status = begin_stream(x, &record.id, 1, err);
-    return status;
+    BF_TRY(exchange__find_run(x, &record, err));
+    return begin_stream(x, &record.id, 1, err);
 }
 
 bf_status handlers_results_events_of_runs(exchange *x, bf_error *err)
 {
     char runs[API_STREAM_RUNS_MAX][API_ID_SIZE];
     size_t n = exchange__ids(x, "runs", runs);
-    bf_status status = BF_OK;
     api_run record;
 
-    for (size_t i = 0; status == BF_OK && i < n; i++)
-        status = access_find_run(x, runs[i], &record, err);
-    return status == BF_OK ? begin_stream(x, runs, n, err) : status;
+    for (size_t i = 0; i < n; i++)
+        BF_TRY(access_find_run(x, runs[i], &record, err));
+    return begin_stream(x, runs, n, err);
 }

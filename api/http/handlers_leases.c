@@ -52,10 +52,9 @@ bf_status handlers_leases_jobs(exchange *x, bf_error *err)
     const api_leases *leases = NULL;
     const char *id = NULL;
 
-    bf_status status = find_lease(x, &leases, &id, err);
-    if (status == BF_OK)
-        status = leases->read_jobs(leases->context, x->who.token, id, &x->response->body, err);
-    return status == BF_OK ? exchange__reserve(x, (double)x->response->body.n, err) : status;
+    BF_TRY(find_lease(x, &leases, &id, err));
+    BF_TRY(leases->read_jobs(leases->context, x->who.token, id, &x->response->body, err));
+    return exchange__reserve(x, (double)x->response->body.n, err);
 }
 
 static bf_status answer_states(exchange *x, api_job_states *states, bf_error *err)
@@ -117,12 +116,10 @@ bf_status handlers_leases_leave(exchange *x, bf_error *err)
     const api_leases *leases = NULL;
     const char *id = NULL;
 
-    bf_status status = find_lease(x, &leases, &id, err);
-    if (status == BF_OK)
-        status = leases->leave(leases->context, x->who.token, id, err);
-    if (status == BF_OK)
-        x->response->status = 204;
-    return status;
+    BF_TRY(find_lease(x, &leases, &id, err));
+    BF_TRY(leases->leave(leases->context, x->who.token, id, err));
+    x->response->status = 204;
+    return BF_OK;
 }
 
 bf_status handlers_leases_list(exchange *x, bf_error *err)

@@ -117,15 +117,11 @@ bf_status handlers_measurements_remove(exchange *x, bf_error *err)
     const char *const tags[] = { json, csv, NULL };
     api_measurement about;
 
-    bf_status status = find_measurement(x, &about, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(find_measurement(x, &about, err));
     snprintf(json, sizeof json, "%s-json", about.id);
     snprintf(csv, sizeof csv, "%s-csv", about.id);
-    status = exchange__check_change(x, tags, err);
-    if (status == BF_OK)
-        status = x->services->remove_measurement(x->services->store, about.id, err);
-    if (status == BF_OK)
-        x->response->status = 204;
-    return status;
+    BF_TRY(exchange__check_change(x, tags, err));
+    BF_TRY(x->services->remove_measurement(x->services->store, about.id, err));
+    x->response->status = 204;
+    return BF_OK;
 }

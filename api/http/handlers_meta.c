@@ -65,8 +65,8 @@ bf_status handlers_meta_quota(exchange *x, bf_error *err)
 {
     api_quotas quotas;
 
-    bf_status status = x->services->read_quotas(x->services->store, x->who.owner, &quotas, err);
-    return status == BF_OK ? service_json_quotas(&quotas, &x->response->body, err) : status;
+    BF_TRY(x->services->read_quotas(x->services->store, x->who.owner, &quotas, err));
+    return service_json_quotas(&quotas, &x->response->body, err);
 }
 
 bf_status handlers_meta_metrics(exchange *x, bf_error *err)

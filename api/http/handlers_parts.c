@@ -60,9 +60,7 @@ static bf_status reserve_parts(exchange *x, const char *id, uint64_t index, bf_e
 {
     api_array of;
 
-    bf_status status = count_parts(x, id, index, &of, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(count_parts(x, id, index, &of, err));
     const uint64_t n = of.parts.n_parts * of.parts.n_values;
     if (x->media->format == MEDIA_VTP)
         return exchange__reserve(x, 2.0 * sizeof(double) * (double)n, err);

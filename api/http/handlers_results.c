@@ -11,9 +11,7 @@ bf_status handlers_results_scenario(exchange *x, bf_error *err)
 {
     api_run record;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_run(x, &record, err));
     exchange__cache_immutable(x);
     if (exchange__is_unchanged(x, "%s-scenario", record.id))
         return BF_OK;
@@ -25,9 +23,7 @@ bf_status handlers_results_summary(exchange *x, bf_error *err)
 {
     api_run record;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_run(x, &record, err));
     if (!record.has_summary)
         return bf_fail(err, BF_ECONFLICT, "",
                        run_state_is_end(record.state)
@@ -60,20 +56,16 @@ bf_status handlers_results_curve(exchange *x, bf_error *err)
     curve_file file;
     api_run record;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_run(x, &record, err));
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "r%" PRIu64 "-%s", record.revision, x->media->word))
         return BF_OK;
-    status = curve_file_open(x->services, record.id, record.n_samples, &file, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(curve_file_open(x->services, record.id, record.n_samples, &file, err));
     const bool is_long = file.n_values > EXCHANGE_WHOLE_MAX;
     if (is_long && x->media->format == MEDIA_CSV && exchange__accepts_plain(x))
         return curve_file_send(&file, &x->response->source, err);
-    status = exchange__reserve_whole(x, file.n_values, sizeof(double), "csv", err);
-    return status == BF_OK ? write_curve(x, &file, err) : status;
+    BF_TRY(exchange__reserve_whole(x, file.n_values, sizeof(double), "csv", err));
+    return write_curve(x, &file, err);
 }
 
 bf_status handlers_results_figures(exchange *x, bf_error *err)
@@ -125,9 +117,7 @@ bf_status handlers_results_archive(exchange *x, bf_error *err)
     bool has_vtk = exchange__whole(x, "vtk") == 1;
     api_run record;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_run(x, &record, err));
     if (!run_state_is_end(record.state))
         return bf_fail(err, BF_ECONFLICT, "", "the run is %s: results.zip comes at its end",
                        run_state_word(record.state));

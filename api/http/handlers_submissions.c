@@ -15,9 +15,7 @@ static bf_status append_curve(const exchange *x, const char *id, bf_buffer *out,
     api_curve curve = { 0 };
     json_out w = json_out_to(out);
 
-    bf_status status = x->services->read_measurement(x->services->store, id, &curve, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(x->services->read_measurement(x->services->store, id, &curve, err));
     json_out_object(&w);
     json_out_key(&w, "t_s");
     json_out_numbers(&w, (const double *)(const void *)curve.t.bytes, curve.n, 1);
@@ -65,11 +63,9 @@ bf_status handlers__read_sender(const exchange *x, const char *body, size_t n,
     memcpy(sender.owner, x->who.owner, sizeof sender.owner);
     if (x->request->client != NULL)
         snprintf(sender.client, sizeof sender.client, "%s", x->request->client);
-    const bf_status status =
-        negotiation_read_key(exchange__header(x, "Idempotency-Key"), sender.key, err);
-    if (status == BF_OK)
-        *ret_sender = sender;
-    return status;
+    BF_TRY(negotiation_read_key(exchange__header(x, "Idempotency-Key"), sender.key, err));
+    *ret_sender = sender;
+    return BF_OK;
 }
 
 // Nothing that can fail follows a submission, so that nothing that was accepted is answered with a failure.

@@ -15,9 +15,7 @@ bf_status handlers_trials_document(exchange *x, bf_error *err)
 {
     api_study about;
 
-    bf_status status = exchange__find_study(x, &about, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_study(x, &about, err));
     // It never changes, but it may be removed.
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "%s-document", about.id))
@@ -30,13 +28,11 @@ bf_status handlers_trials_best(exchange *x, bf_error *err)
 {
     api_study about;
 
-    bf_status status = exchange__find_study(x, &about, err);
-    if (status == BF_OK)
-        status = x->services->read_study(x->services->store, about.id, API_STUDY_BEST,
-                                         &x->response->body, err);
-    if (status == BF_OK)
-        exchange__cache_revalidate(x);
-    return status;
+    BF_TRY(exchange__find_study(x, &about, err));
+    BF_TRY(x->services->read_study(x->services->store, about.id, API_STUDY_BEST, &x->response->body,
+                                   err));
+    exchange__cache_revalidate(x);
+    return BF_OK;
 }
 
 static bf_status read_columns(const exchange *x, const char *id, study_columns *ret_columns,
@@ -101,11 +97,8 @@ bf_status handlers_trials_list(exchange *x, bf_error *err)
     study_columns columns;
     api_study about;
 
-    bf_status status = exchange__find_study(x, &about, err);
-    if (status == BF_OK)
-        status = read_columns(x, about.id, &columns, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_study(x, &about, err));
+    BF_TRY(read_columns(x, about.id, &columns, err));
     if (x->media->format != MEDIA_CSV)
         return write_page(x, &about, &columns, err);
     exchange__cache_revalidate(x);
@@ -119,13 +112,9 @@ bf_status handlers_trials_events(exchange *x, bf_error *err)
     study_stream stream = { .format = x->media->format == MEDIA_SSE ? STREAM_SSE : STREAM_NDJSON };
     api_study about;
 
-    bf_status status = exchange__find_study(x, &about, err);
-    if (status == BF_OK)
-        status = handlers__read_last_event(x, &stream.after, err);
-    if (status == BF_OK)
-        status = read_columns(x, about.id, &stream.columns, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_study(x, &about, err));
+    BF_TRY(handlers__read_last_event(x, &stream.after, err));
+    BF_TRY(read_columns(x, about.id, &stream.columns, err));
     if (!study_stream_begin(&stream, &about)) {
         x->response->status = 204; // tells a browser not to reconnect
         return BF_OK;
@@ -149,9 +138,7 @@ static bf_status find_trial(exchange *x, api_trial *ret_trial, bf_error *err)
     api_trial_query wanted = { .order = API_TRIALS_BY_NUMBER, .limit = 1 };
     api_study about;
 
-    bf_status status = exchange__find_study(x, &about, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_study(x, &about, err));
     if (!number_read_digits(number, 0, UINT64_MAX, &wanted.from) || wanted.from >= about.n_trials)
         return bf_fail(err, BF_ENOTFOUND, "", "the study has no trial '%s'; it has %" PRIu64,
                        number, about.n_trials);

@@ -183,9 +183,7 @@ static bf_status read_ids(const param *row, const char *text, param_value *ret_v
         if (value.ids.n == row->most)
             return bf_fail(err, BF_EINPUT, "", "query parameter '%s' has more than %" PRIu64 " ids",
                            row->name, row->most);
-        bf_status status = add_id(row, text, n, &value, err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(add_id(row, text, n, &value, err));
         is_last = text[n] == '\0';
         text += n + 1;
     }

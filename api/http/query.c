@@ -88,9 +88,7 @@ static bf_status parse(const char *text, query *q, bf_error *err)
                                "query parameter '%.64s' has a broken %%XX or a control byte",
                                q->text + name);
         }
-        bf_status status = add_param(q, name, value, err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(add_param(q, name, value, err));
     }
     return BF_OK;
 }
@@ -102,10 +100,9 @@ bf_status query_parse(const char *text, query *ret_query, bf_error *err)
     // A pair never decodes to more bytes than it has with its separator, so q.text suffices.
     if (strlen(text) >= QUERY_SIZE - 1)
         return bf_fail(err, BF_ELIMIT, "", "the query is longer than %d bytes", QUERY_SIZE - 2);
-    bf_status status = parse(text, &q, err);
-    if (status == BF_OK)
-        *ret_query = q;
-    return status;
+    BF_TRY(parse(text, &q, err));
+    *ret_query = q;
+    return BF_OK;
 }
 
 const char *query_value(const query *q, const char *name)
@@ -170,9 +167,7 @@ bf_status query_check(const query *q, const param *const *params, bf_error *err)
             continue;
         if (text == NULL && (*params)->is_required)
             text = "";
-        bf_status status = text == NULL ? BF_OK : param_read(*params, text, &unused, err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(text == NULL ? BF_OK : param_read(*params, text, &unused, err));
     }
     return BF_OK;
 }

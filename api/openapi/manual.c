@@ -75,10 +75,9 @@ static bf_status write_rows(bf_buffer *out, const member_table *table, const cha
 
 static bf_status write_members(bf_buffer *out, const member_table *table)
 {
-    const bf_status status = buffer_printf(
-        out, "| member | is | unit | range | default | meaning |\n|---|---|---|---|---|---|\n");
-
-    return status == BF_OK ? write_rows(out, table, "") : status;
+    BF_TRY(buffer_printf(
+        out, "| member | is | unit | range | default | meaning |\n|---|---|---|---|---|---|\n"));
+    return write_rows(out, table, "");
 }
 
 static bf_status write_scenario(bf_buffer *out)
@@ -109,14 +108,13 @@ static bf_status write_goods(bf_buffer *out)
 // A paragraph for each kind, under the last segment of its type.
 static bf_status write_problems(bf_buffer *out)
 {
-    bf_status status = BF_OK;
     size_t n;
     const problem_kind *kinds = problem_kinds(&n);
 
-    for (size_t k = 0; k < n && status == BF_OK; k++)
-        status = buffer_printf(out, "%s### %d %s\n\n%s.\n\n%s.\n", k == 0 ? "" : "\n",
-                               kinds[k].status, kinds[k].word, kinds[k].when, kinds[k].remedy);
-    return status;
+    for (size_t k = 0; k < n; k++)
+        BF_TRY(buffer_printf(out, "%s### %d %s\n\n%s.\n\n%s.\n", k == 0 ? "" : "\n",
+                             kinds[k].status, kinds[k].word, kinds[k].when, kinds[k].remedy));
+    return BF_OK;
 }
 
 // What the line `<!-- table: name -->` of a chapter stands for.
@@ -172,12 +170,9 @@ static bf_status write_chapter(bf_buffer *out, const char *line)
 
 bf_status openapi__write_manual(bf_buffer *out)
 {
-    bf_status status = BF_OK;
-
-    for (size_t k = 0; k < sizeof chapters / sizeof chapters[0] && status == BF_OK; k++) {
-        status = buffer_append(out, "\n\n", 2);
-        if (status == BF_OK)
-            status = write_chapter(out, openapi__text(chapters[k]));
+    for (size_t k = 0; k < sizeof chapters / sizeof chapters[0]; k++) {
+        BF_TRY(buffer_append(out, "\n\n", 2));
+        BF_TRY(write_chapter(out, openapi__text(chapters[k])));
     }
-    return status;
+    return BF_OK;
 }

@@ -58,8 +58,7 @@ bf_status annotations_json_read(const char *json, size_t n, const member_table *
     if (root != NULL)
         members_read(&in, root, table, &changed);
     json_in_free(root);
-    const bf_status status = json_in_status(&in, err);
-    if (status == BF_OK)
-        *annotations = changed;
-    return status;
+    BF_TRY(json_in_status(&in, err));
+    *annotations = changed;
+    return BF_OK;
 }

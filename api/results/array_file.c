@@ -13,8 +13,8 @@ static bf_status enclose(array_file_form form, const api_array *of, array_file *
         return results__npy_head("<f8", of->parts.n_values, (size_t)of->parts.n_parts, &file->head);
     if (form == ARRAY_FILE_NPY)
         return results__npy_head("<f4", of->grid.n1, of->grid.n2, &file->head);
-    bf_status status = results__vti_head(&of->grid, of->snapshot.t, &file->head);
-    return status == BF_OK ? results__vti_tail(&file->tail) : status;
+    BF_TRY(results__vti_head(&of->grid, of->snapshot.t, &file->head));
+    return results__vti_tail(&file->tail);
 }
 
 bf_status array_file_open(const api_services *services, const char *id, uint64_t index,
@@ -62,10 +62,7 @@ static bf_status read_numbers(array_file *file, const api_services *services, ui
     const size_t n_wanted =
         ((left < limit ? (size_t)left : limit) + n_extra + size - 1) / size * size;
 
-    bf_status status =
-        services->read_slice(services->store, &file->slices, at - n_extra, n_wanted, out, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(services->read_slice(services->store, &file->slices, at - n_extra, n_wanted, out, err));
     results__order_bytes(out->bytes + n_before, (out->n - n_before) / size, size);
     size_t n = out->n - n_before - n_extra;
     n = n < limit ? n : limit;
@@ -108,9 +105,7 @@ static bf_status next_chunk(void *state, const api_services *services, size_t li
     sent_file *sent = state;
     const size_t n_before = out->n;
 
-    bf_status status = array_file_read(&sent->file, services, sent->at, limit_bytes, out, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(array_file_read(&sent->file, services, sent->at, limit_bytes, out, err));
     sent->at += out->n - n_before;
     *ret_state = sent->at < array_file_size(&sent->file) ? BODY_MORE : BODY_DONE;
     return BF_OK;

@@ -16,9 +16,7 @@ bf_status curve_file_open(const api_services *services, const char *id, uint64_t
     curve_file file = { .n = n };
     api_curve curve = { 0 };
 
-    bf_status status = services->read_curve(services->store, id, n, 0, &curve, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(services->read_curve(services->store, id, n, 0, &curve, err));
     (void)snprintf(file.id, sizeof file.id, "%s", id);
     file.n_values = n * (curve.n_columns + 1);
     api_curve_fini(&curve);

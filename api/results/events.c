@@ -274,9 +274,9 @@ bf_status events_figures(const char *run_id, const key_figures *figures, bf_buff
                          bf_error *err)
 {
     const figures_event event = { .run = run_id, .figures = figures, .t = figures->t };
-    const bf_status status = key_figures_check(figures, err);
 
-    return status == BF_OK ? write_event(&events_figures_data, &event, out, err) : status;
+    BF_TRY(key_figures_check(figures, err));
+    return write_event(&events_figures_data, &event, out, err);
 }
 
 bf_status events_of_run(const char *run_id, const char *data, size_t n, bf_buffer *out,

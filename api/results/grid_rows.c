@@ -16,16 +16,13 @@ static bf_status read_block(grid_rows *rows, size_t j, bf_error *err)
     const api_services *services = rows->services;
     const size_t row = rows->of.grid.n1 * sizeof(float), n_left = rows->of.grid.n2 - j;
     size_t n = GRID_ROWS_BYTES / row;
-    bf_status status = BF_OK;
 
     n = n < 1 ? 1 : n < n_left ? n : n_left;
     rows->n = 0;
     rows->block.n = 0;
-    while (status == BF_OK && rows->block.n < n * row)
-        status = services->read_slice(services->store, &rows->slices, j * row + rows->block.n,
-                                      n * row - rows->block.n, &rows->block, err);
-    if (status != BF_OK)
-        return status;
+    while (rows->block.n < n * row)
+        BF_TRY(services->read_slice(services->store, &rows->slices, j * row + rows->block.n,
+                                    n * row - rows->block.n, &rows->block, err));
     rows->first = j;
     rows->n = n;
     return BF_OK;
@@ -36,11 +33,8 @@ bf_status grid_rows_next(void *context, size_t j, const float **ret_cells, bf_er
     grid_rows *rows = context;
 
     BF_CHECK(j < rows->of.grid.n2);
-    if (j < rows->first || j >= rows->first + rows->n) {
-        bf_status status = read_block(rows, j, err);
-        if (status != BF_OK)
-            return status;
-    }
+    if (j < rows->first || j >= rows->first + rows->n)
+        BF_TRY(read_block(rows, j, err));
     *ret_cells =
         (const float *)(const void *)rows->block.bytes + (j - rows->first) * rows->of.grid.n1;
     return BF_OK;

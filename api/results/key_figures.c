@@ -181,21 +181,19 @@ static const json_t *find_figure(const json_t *object, const figure *f)
 static bf_status append_rows(figure_scope scope, const json_t *object, bf_buffer *out)
 {
     const char *of = json_string_value(json_object_get(object, "id"));
-    bf_status status = BF_OK;
 
-    for (figure_id id = figure_first(scope); id < figure_first(scope + 1) && status == BF_OK;
-         id++) {
+    for (figure_id id = figure_first(scope); id < figure_first(scope + 1); id++) {
         const figure *f = &figure_table[id];
         const json_t *value = find_figure(object, f);
         char number[NUMBER_SIZE];
         if (!json_is_number(value))
             continue;
         (void)number_format(json_number_value(value), number);
-        status = buffer_printf(out, "%s%s%s,%s,%s,%s,%s\n", f->word, f->part != NULL ? "." : "",
-                               f->part != NULL ? f->part : "", scopes[scope].word,
-                               of != NULL ? of : "", number, f->unit != NULL ? f->unit : "");
+        BF_TRY(buffer_printf(out, "%s%s%s,%s,%s,%s,%s\n", f->word, f->part != NULL ? "." : "",
+                             f->part != NULL ? f->part : "", scopes[scope].word,
+                             of != NULL ? of : "", number, f->unit != NULL ? f->unit : ""));
     }
-    return status;
+    return BF_OK;
 }
 
 bf_status key_figures_parse(const char *json, size_t n, json_t **ret_root, bf_error *err)

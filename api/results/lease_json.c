@@ -168,16 +168,13 @@ bf_status lease_json_read_worker(const char *json, size_t n, api_worker *ret_wor
     json_in in = json_in_to(faults);
     api_worker worker = { .name = "" };
 
-    bf_status status = read_document(json, n, &lease_json_worker_members, &worker, &in, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(read_document(json, n, &lease_json_worker_members, &worker, &in, err));
     check_name(&in, worker.name);
     if (worker.cores < 1 || worker.cores > API_WORKER_CORES)
         fault_at(&in, "cores", "must be from 1 to 1024");
-    status = json_in_status(&in, err);
-    if (status == BF_OK)
-        *ret_worker = worker;
-    return status;
+    BF_TRY(json_in_status(&in, err));
+    *ret_worker = worker;
+    return BF_OK;
 }
 
 bf_status lease_json_read_renewal(const char *json, size_t n, api_renewal *ret_renewal,
@@ -237,10 +234,7 @@ bf_status lease_json_read_sections(const void *bytes, size_t n, api_lease_sectio
         if (count == LEASE_SECTIONS_MAX)
             return bf_fail(err, BF_EINPUT, "", "the body has more than %d sections",
                            LEASE_SECTIONS_MAX);
-        bf_status status =
-            read_section((const char *)bytes + at, n - at, &ret_sections[count], err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(read_section((const char *)bytes + at, n - at, &ret_sections[count], err));
         at += SECTION_HEADER + ret_sections[count++].n;
     }
     *ret_n = count;

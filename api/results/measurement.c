@@ -126,9 +126,8 @@ static bf_status read_body(json_in *in, const struct json_t *root, body *b,
                         .t = b->t,
                         .counts = b->counts };
     check_samples(&s, in->faults);
-    bf_status status = json_in_status(in, err);
-    return status == BF_OK ? make_measurement(&s, b->label, b->counter, ret_measurement, err)
-                           : status;
+    BF_TRY(json_in_status(in, err));
+    return make_measurement(&s, b->label, b->counter, ret_measurement, err);
 }
 
 bf_status measurement_read_json(const char *json, size_t n, measurement *ret_measurement,

@@ -22,10 +22,8 @@ bf_status results__npy_head(const char *type, size_t n1, size_t n2, bf_buffer *o
     const char start[START] = {
         '\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0, (char)(length & 0xff), (char)(length >> 8)
     };
-    bf_status status = buffer_append(out, start, sizeof start);
-    if (status == BF_OK)
-        status = buffer_printf(out, "%s%*s\n", description, padding, "");
-    return status;
+    BF_TRY(buffer_append(out, start, sizeof start));
+    return buffer_printf(out, "%s%*s\n", description, padding, "");
 }
 
 void results__order_bytes(char *bytes, size_t n, size_t size)
@@ -43,10 +41,9 @@ bf_status results__append_values(const void *values, size_t n, size_t size, bf_b
 {
     size_t n_before = out->n;
 
-    bf_status status = buffer_append(out, values, n * size);
-    if (status == BF_OK)
-        results__order_bytes(out->bytes + n_before, n, size);
-    return status;
+    BF_TRY(buffer_append(out, values, n * size));
+    results__order_bytes(out->bytes + n_before, n, size);
+    return BF_OK;
 }
 
 bf_status results_npy_head(size_t n1, size_t n2, bf_buffer *out, bf_error *err)

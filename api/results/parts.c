@@ -36,11 +36,11 @@ static bf_status append_header(const api_parts *parts, bf_buffer *out)
 {
     const char *const *columns = columns_of(parts->n_values);
     const bool has_ids = frame_has_ids(parts->n_values);
-    bf_status status = buffer_printf(out, "%s", has_ids ? "" : "part");
+    BF_TRY(buffer_printf(out, "%s", has_ids ? "" : "part"));
 
-    for (uint32_t k = 0; k < parts->n_values && status == BF_OK; k++)
-        status = buffer_printf(out, "%s%s", has_ids && k == 0 ? "" : ",", columns[k]);
-    return status == BF_OK ? buffer_printf(out, "\n") : status;
+    for (uint32_t k = 0; k < parts->n_values; k++)
+        BF_TRY(buffer_printf(out, "%s%s", has_ids && k == 0 ? "" : ",", columns[k]));
+    return buffer_printf(out, "\n");
 }
 
 bf_status results_parts_csv(const double *rows, const api_parts *parts, bf_buffer *out,

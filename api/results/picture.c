@@ -96,11 +96,8 @@ static bf_status add_rows(drawing *d, const span *rows, bf_error *err)
     memset(d->line, 0, n1 * sizeof *d->line);
     for (size_t j = rows->from; j < rows->to; j++) {
         double weight = overlap_of(rows, j);
-        bf_status status = BF_OK;
-        while (status == BF_OK && d->n_read <= j)
-            status = d->read(d->context, d->n_read++, &d->cells, err);
-        if (status != BF_OK)
-            return status;
+        while (d->n_read <= j)
+            BF_TRY(d->read(d->context, d->n_read++, &d->cells, err));
         sum += weight;
         for (size_t i = 0; i < n1; i++)
             d->line[i] += weight * (double)d->cells[i];

@@ -189,13 +189,10 @@ static bf_status begin_file(archive *a, const api_services *services, bf_buffer 
     array_file_fini(&a->array);
     a->content.n = 0;
     a->n_appended = 0;
-    bf_status status = BF_OK;
     if (is_array)
-        status = array_file_open(services, a->id, a->index, kinds[a->kind].form, &a->array, err);
+        BF_TRY(array_file_open(services, a->id, a->index, kinds[a->kind].form, &a->array, err));
     else if (!is_long_curve(a))
-        status = kinds[a->kind].write(a, services, a->index, &a->content, err);
-    if (status != BF_OK)
-        return status;
+        BF_TRY(kinds[a->kind].write(a, services, a->index, &a->content, err));
     a->n_content = is_array           ? array_file_size(&a->array)
                    : is_long_curve(a) ? ZIP_OUT_ANY_SIZE
                                       : a->content.n;

@@ -82,9 +82,7 @@ static bf_status is_over_capacity(const scene *s, const scene_feed *feed, bool *
 {
     feed_arrivals *arrivals;
 
-    bf_status status = feed_arrivals_create(feed, s->substream, &arrivals, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(feed_arrivals_create(feed, s->substream, &arrivals, err));
     *ret_is = feed_arrivals_largest_rate(arrivals) > feed_capacity(s, feed);
     feed_arrivals_destroy(arrivals);
     return BF_OK;
@@ -142,9 +140,7 @@ static bf_status say_limited(const run_verdict_subject *of, size_t k, double off
     char offered[VERDICT_NUMBER_SIZE], out[VERDICT_NUMBER_SIZE];
     bool is_over;
 
-    const bf_status status = is_over_capacity(s, feed, &is_over, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(is_over_capacity(s, feed, &is_over, err));
     // Only parts have a queue with an end, and it is measured along its belt.
     const bool is_measured = isfinite(queue) && s->n_sections == 1;
     const bool is_queue =
@@ -194,11 +190,8 @@ static bf_status say_fed(const run_verdict_subject *of, verdicts *all, bf_error 
 
     if (!isfinite(through) || of->end->t <= s->warmup)
         return BF_OK;
-    const bf_status status = of->advice->model == RUN_MICRO
-                                 ? feed_drawn(s, s->warmup, of->end->t, &offered, err)
-                                 : feed_offered(s, s->warmup, of->end->t, &offered, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(of->advice->model == RUN_MICRO ? feed_drawn(s, s->warmup, of->end->t, &offered, err)
+                                          : feed_offered(s, s->warmup, of->end->t, &offered, err));
     offered *= s_per_h / (of->end->t - s->warmup);
     if (limited != SIZE_MAX)
         return say_limited(of, limited, offered, all, err);
@@ -362,7 +355,6 @@ static void say_doubt(const run_verdict_subject *of, verdicts *all)
 bf_status run_verdict_find(const run_verdict_subject *of, verdicts *ret_verdicts, bf_error *err)
 {
     const validity_item *bridges = find_bridges(&of->advice->validity);
-    bf_status status = BF_OK;
 
     if (bridges != NULL) {
         // A density knows no bridges: what it says of the throughput is not told.
@@ -375,11 +367,9 @@ bf_status run_verdict_find(const run_verdict_subject *of, verdicts *ret_verdicts
         verdict_advise(v, "Solve it with the microscopic model, or widen the narrowest opening.");
         verdict_rests_on(v, "bridges", "", bridges->value);
     } else if (of->values != NULL && of->scene->n_feeds > 0)
-        status = say_fed(of, ret_verdicts, err);
+        BF_TRY(say_fed(of, ret_verdicts, err));
     else if (of->values != NULL && of->end->parts_start > 0.0)
         say_heap(of, ret_verdicts);
-    if (status != BF_OK)
-        return status;
     say_jams(of, ret_verdicts);
     say_stalls(of, ret_verdicts);
     say_chance(of, ret_verdicts);

@@ -52,15 +52,12 @@ static bf_status append_image_header(const bf_grid *grid, double t, bf_buffer *o
     number_format(grid->lower2, origin[1]);
     number_format(grid->d1, spacing[0]);
     number_format(grid->d2, spacing[1]);
-    bf_status status = buffer_printf(
+    BF_TRY(buffer_printf(
         out,
         VTK_START("ImageData") "<ImageData WholeExtent=\"0 %zu 0 %zu 0 0\" Origin=\"%s %s 0\" "
                                "Spacing=\"%s %s 1\">\n",
-        grid->n1, grid->n2, origin[0], origin[1], spacing[0], spacing[1]);
-    if (status == BF_OK)
-        status = append_time(t, out);
-    if (status != BF_OK)
-        return status;
+        grid->n1, grid->n2, origin[0], origin[1], spacing[0], spacing[1]));
+    BF_TRY(append_time(t, out));
     return buffer_printf(out,
                          "<Piece Extent=\"0 %zu 0 %zu 0 0\">\n<CellData Scalars=\"density\">\n"
                          "<DataArray type=\"Float32\" Name=\"density\" format=\"appended\" "
@@ -70,10 +67,9 @@ static bf_status append_image_header(const bf_grid *grid, double t, bf_buffer *o
 
 bf_status results__vti_head(const bf_grid *grid, double t, bf_buffer *out)
 {
-    bf_status status = append_image_header(grid, t, out);
-    if (status == BF_OK)
-        status = append_text(data_start, out);
-    return status == BF_OK ? append_length(grid_cells(grid) * sizeof(float), out) : status;
+    BF_TRY(append_image_header(grid, t, out));
+    BF_TRY(append_text(data_start, out));
+    return append_length(grid_cells(grid) * sizeof(float), out);
 }
 
 bf_status results__vti_tail(bf_buffer *out)
@@ -162,47 +158,37 @@ static bf_status append_numbers_array(vtk_points *v, const char *name, bf_buffer
 
 static bf_status append_points_header(vtk_points *v, double t, bf_buffer *out)
 {
-    bf_status status = append_text(VTK_START("PolyData") "<PolyData>\n", out);
-
-    if (status == BF_OK)
-        status = append_time(t, out);
-    if (status == BF_OK)
-        status = buffer_printf(out,
-                               "<Piece NumberOfPoints=\"%" PRIu64 "\" NumberOfVerts=\"%" PRIu64
-                               "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n"
-                               "<Points>\n",
-                               v->n, v->n);
-    if (status == BF_OK)
-        status = append_doubles_array(v, &v->arrays[0], out);
-    if (status == BF_OK)
-        status = append_text("</Points>\n<PointData Vectors=\"velocity_m_s\">\n", out);
-    for (int k = 1; k < v->n_arrays && status == BF_OK; k++)
-        status = append_doubles_array(v, &v->arrays[k], out);
-    if (status == BF_OK)
-        status = append_numbers_array(v, "part", out);
-    if (status == BF_OK)
-        status = append_text("</PointData>\n<Verts>\n", out);
-    if (status == BF_OK)
-        status = append_numbers_array(v, "connectivity", out);
-    if (status == BF_OK)
-        status = append_numbers_array(v, "offsets", out);
-    return status == BF_OK ? append_text("</Verts>\n</Piece>\n</PolyData>\n", out) : status;
+    BF_TRY(append_text(VTK_START("PolyData") "<PolyData>\n", out));
+    BF_TRY(append_time(t, out));
+    BF_TRY(buffer_printf(out,
+                         "<Piece NumberOfPoints=\"%" PRIu64 "\" NumberOfVerts=\"%" PRIu64
+                         "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n"
+                         "<Points>\n",
+                         v->n, v->n));
+    BF_TRY(append_doubles_array(v, &v->arrays[0], out));
+    BF_TRY(append_text("</Points>\n<PointData Vectors=\"velocity_m_s\">\n", out));
+    for (int k = 1; k < v->n_arrays; k++)
+        BF_TRY(append_doubles_array(v, &v->arrays[k], out));
+    BF_TRY(append_numbers_array(v, "part", out));
+    BF_TRY(append_text("</PointData>\n<Verts>\n", out));
+    BF_TRY(append_numbers_array(v, "connectivity", out));
+    BF_TRY(append_numbers_array(v, "offsets", out));
+    return append_text("</Verts>\n</Piece>\n</PolyData>\n", out);
 }
 
 static bf_status append_doubles_block(const vtk_points *v, const vtk_array *a, bf_buffer *out)
 {
-    bf_status status = append_length(v->n * (uint64_t)a->n * sizeof(double), out);
-
-    for (uint64_t part = 0; part < v->parts->n_parts && status == BF_OK; part++) {
+    BF_TRY(append_length(v->n * (uint64_t)a->n * sizeof(double), out));
+    for (uint64_t part = 0; part < v->parts->n_parts; part++) {
         const double *row = v->rows + part * v->parts->n_values;
         double values[4];
         if (!is_inside(v, part))
             continue;
         for (int k = 0; k < a->n; k++)
             values[k] = a->columns[k] == Z ? 0.0 : row[a->columns[k] - v->first_column];
-        status = results__append_values(values, (size_t)a->n, sizeof *values, out);
+        BF_TRY(results__append_values(values, (size_t)a->n, sizeof *values, out));
     }
-    return status;
+    return BF_OK;
 }
 
 // One whole number for each point: its part's, or first, first + 1, ...
@@ -214,31 +200,27 @@ typedef enum vtk_numbers {
 
 static bf_status append_numbers_block(const vtk_points *v, vtk_numbers which, bf_buffer *out)
 {
-    bf_status status = append_length(v->n * sizeof(int32_t), out);
+    BF_TRY(append_length(v->n * sizeof(int32_t), out));
     int32_t next = which;
 
-    for (uint64_t part = 0; part < v->parts->n_parts && status == BF_OK; part++) {
+    for (uint64_t part = 0; part < v->parts->n_parts; part++) {
         if (!is_inside(v, part))
             continue;
         int32_t number = which == NUMBERS_OF_PARTS ? (int32_t)part : next++;
-        status = results__append_values(&number, 1, sizeof number, out);
+        BF_TRY(results__append_values(&number, 1, sizeof number, out));
     }
-    return status;
+    return BF_OK;
 }
 
 static bf_status append_points_data(const vtk_points *v, bf_buffer *out)
 {
-    bf_status status = append_text(data_start, out);
-
-    for (int k = 0; k < v->n_arrays && status == BF_OK; k++)
-        status = append_doubles_block(v, &v->arrays[k], out);
-    if (status == BF_OK)
-        status = append_numbers_block(v, NUMBERS_OF_PARTS, out);
-    if (status == BF_OK)
-        status = append_numbers_block(v, NUMBERS_FROM_0, out);
-    if (status == BF_OK)
-        status = append_numbers_block(v, NUMBERS_FROM_1, out);
-    return status == BF_OK ? append_text(data_end, out) : status;
+    BF_TRY(append_text(data_start, out));
+    for (int k = 0; k < v->n_arrays; k++)
+        BF_TRY(append_doubles_block(v, &v->arrays[k], out));
+    BF_TRY(append_numbers_block(v, NUMBERS_OF_PARTS, out));
+    BF_TRY(append_numbers_block(v, NUMBERS_FROM_0, out));
+    BF_TRY(append_numbers_block(v, NUMBERS_FROM_1, out));
+    return append_text(data_end, out);
 }
 
 bf_status results_parts_vtp(const double *rows, const api_parts *parts, double t, bf_buffer *out,

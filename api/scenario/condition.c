@@ -65,9 +65,7 @@ bf_status condition_list_read(const char *text, api_conditions *ret_conditions, 
         if (conditions.n == API_CONDITIONS_MAX)
             return bf_fail(err, BF_EINPUT, "", "there are more than %d conditions",
                            API_CONDITIONS_MAX);
-        bf_status status = read_one(text, n, conditions.n + 1, &conditions, err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(read_one(text, n, conditions.n + 1, &conditions, err));
         is_last = text[n] == '\0';
         text += n + 1;
     }

@@ -176,14 +176,12 @@ static bf_status append_item(bf_buffer *out, const item *of)
 static bf_status append_friction(bf_buffer *out, const friction *of)
 {
     const bool is_range = of->range[0] < of->range[1];
-    bf_status status = buffer_printf(out, "| %s | %s | %g | ", of->a, of->b, of->value);
 
-    if (status == BF_OK && is_range)
-        status = buffer_printf(out, "%g to %g", of->range[0], of->range[1]);
-    if (status == BF_OK)
-        status = buffer_printf(out, " | ");
-    return status == BF_OK ? append_source(out, of->source_title, of->source_url, of->note)
-                           : status;
+    BF_TRY(buffer_printf(out, "| %s | %s | %g | ", of->a, of->b, of->value));
+    if (is_range)
+        BF_TRY(buffer_printf(out, "%g to %g", of->range[0], of->range[1]));
+    BF_TRY(buffer_printf(out, " | "));
+    return append_source(out, of->source_title, of->source_url, of->note);
 }
 
 bf_status goods_json_write_text(bf_buffer *out, bf_error *err)

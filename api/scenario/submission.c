@@ -262,10 +262,9 @@ static bf_status predict(const scene *s, run_model model, const prediction_speed
 
     if (speed == NULL)
         return BF_OK;
-    const bf_status status = prediction_work_of(s, model, &work, err);
-    if (status == BF_OK)
-        *ret_seconds = prediction_seconds(&work, speed);
-    return status;
+    BF_TRY(prediction_work_of(s, model, &work, err));
+    *ret_seconds = prediction_seconds(&work, speed);
+    return BF_OK;
 }
 
 bf_status submission_validation(const api_submission *submission, const prediction_speed *speed,

@@ -156,14 +156,12 @@ static bf_status mean_square(const study_document_curve *measured,
 bf_status study_document_values(const study_document *d, const study_document_outcome *outcome,
                                 double *ret_values, bf_error *err)
 {
-    bf_status status = BF_OK;
-
     for (size_t k = 0; k < d->n_objectives; k++)
         ret_values[k] = outcome->figures[figure_at(outcome->scene, d->objectives[k].figure,
                                                    d->objectives[k].item)];
-    for (size_t k = 0; k < d->n_curves && status == BF_OK; k++)
-        status = mean_square(&d->curves[k], outcome, &ret_values[k], err);
-    return status;
+    for (size_t k = 0; k < d->n_curves; k++)
+        BF_TRY(mean_square(&d->curves[k], outcome, &ret_values[k], err));
+    return BF_OK;
 }
 
 double study_document_better(const study_document *d, double a, double b)

@@ -11,27 +11,23 @@
 
 static bf_status append_text(bf_buffer *out, const char *text)
 {
-    bf_status status = BF_OK;
-
     if (strpbrk(text, ",\"\r\n") == NULL)
         return buffer_printf(out, "%s", text);
-    status = buffer_printf(out, "\"");
-    for (const char *at = text; *at != '\0' && status == BF_OK; at++)
-        status = buffer_printf(out, *at == '"' ? "\"\"" : "%c", *at == '\n' ? ' ' : *at);
-    return status == BF_OK ? buffer_printf(out, "\"") : status;
+    BF_TRY(buffer_printf(out, "\""));
+    for (const char *at = text; *at != '\0'; at++)
+        BF_TRY(buffer_printf(out, *at == '"' ? "\"\"" : "%c", *at == '\n' ? ' ' : *at));
+    return buffer_printf(out, "\"");
 }
 
 static bf_status append_numbers(bf_buffer *out, const double *values, size_t n)
 {
-    bf_status status = BF_OK;
-
-    for (size_t k = 0; k < n && status == BF_OK; k++) {
+    for (size_t k = 0; k < n; k++) {
         char text[NUMBER_SIZE] = "";
         if (isfinite(values[k]))
             (void)number_format(values[k], text);
-        status = buffer_printf(out, ",%s", text);
+        BF_TRY(buffer_printf(out, ",%s", text));
     }
-    return status;
+    return BF_OK;
 }
 
 bf_status study_trial_csv_header(const study_columns *columns, bf_buffer *out, bf_error *err)

@@ -436,11 +436,9 @@ static bf_status say_all(const about *a, bool *are_meant, bf_error *err)
             "is best may be luck.");
         verdict_advise(v, "Ask for at least 5 replications.");
     }
-    bf_status status = say_through(a, are_meant, &is_whole, err);
-    if (status == BF_OK && d->has_own_second)
-        status = say_front(a, are_meant, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(say_through(a, are_meant, &is_whole, err));
+    if (d->has_own_second)
+        BF_TRY(say_front(a, are_meant, err));
     // Beyond the range no point is better where one lets everything through, or has nothing of what is to be least, but in a
     // second objective.
     const bool is_least =

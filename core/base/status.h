@@ -59,3 +59,11 @@ bf_status bf_fail(bf_error *err, bf_status code, const char *pointer, const char
 
 /// The same of an allocation that concerns no member: BF_ENOMEM, "out of memory".
 bf_status bf_fail_memory(bf_error *err);
+
+/// Return the status of the expression if it is a failure. For functions that then have nothing to free or undo.
+#define BF_TRY(expression)                                                                         \
+    do {                                                                                           \
+        const bf_status status_ = (expression);                                                    \
+        if (status_ != BF_OK)                                                                      \
+            return status_;                                                                        \
+    } while (0)
