@@ -74,21 +74,15 @@ static bf_status write_histogram(const metrics__metric *m, const char *labels, c
     const char *open = labels[0] == '\0' ? "" : "{", *close = labels[0] == '\0' ? "" : "}";
     char text[VALUE_SIZE];
     int64_t n = 0;
-    bf_status status = BF_OK;
 
-    for (size_t i = 0; i <= METRICS_BOUNDS && status == BF_OK; i++) {
+    for (size_t i = 0; i <= METRICS_BOUNDS; i++) {
         n += slots[i];
-        status =
-            buffer_printf(out, "%s_bucket{%s%sle=\"%s\"} %" PRId64 "\n", m->name, labels, comma,
-                          i < METRICS_BOUNDS ? write_value(m, bounds[i], text) : "+Inf", n);
+        BF_TRY(buffer_printf(out, "%s_bucket{%s%sle=\"%s\"} %" PRId64 "\n", m->name, labels, comma,
+                             i < METRICS_BOUNDS ? write_value(m, bounds[i], text) : "+Inf", n));
     }
-    if (status == BF_OK)
-        status = buffer_printf(out, "%s_sum%s%s%s %s\n", m->name, open, labels, close,
-                               write_value(m, slots[METRICS_BOUNDS + 1], text));
-    if (status == BF_OK)
-        status =
-            buffer_printf(out, "%s_count%s%s%s %" PRId64 "\n", m->name, open, labels, close, n);
-    return status;
+    BF_TRY(buffer_printf(out, "%s_sum%s%s%s %s\n", m->name, open, labels, close,
+                         write_value(m, slots[METRICS_BOUNDS + 1], text)));
+    return buffer_printf(out, "%s_count%s%s%s %" PRId64 "\n", m->name, open, labels, close, n);
 }
 
 // Of requests there are many series, most of which never come to be: those are left out.

@@ -46,9 +46,7 @@ bf_status run_id_make(char *ret_id, bf_error *err)
 {
     uint64_t random[2];
 
-    bf_status status = draw_random(random, sizeof random, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(draw_random(random, sizeof random, err));
     uint64_t time = advance(random[0]);
     uint64_t ms = time >> COUNTER_BITS;
     uint64_t tail = (random[1] & UINT64_C(0x3fffffffffffffff)) | UINT64_C(1) << 63;

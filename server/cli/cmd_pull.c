@@ -137,10 +137,7 @@ static bf_status find_program(char *path, size_t size, bf_error *err)
 
 static bf_status read_token(const char *path, bf_buffer *token, bf_error *err)
 {
-    bf_status status = file_io_read(path, NULL, TOKEN_BYTES_MAX, token, err);
-
-    if (status != BF_OK)
-        return status;
+    BF_TRY(file_io_read(path, NULL, TOKEN_BYTES_MAX, token, err));
     while (token->n > 0 && isspace((unsigned char)token->bytes[token->n - 1]))
         buffer_truncate(token, token->n - 1);
     for (size_t k = 0; k < token->n; k++)

@@ -56,16 +56,13 @@ static bf_status take_trial(void *context, const api_trial *trial, bf_error *err
     studying *s = context;
 
     s->line.n = 0;
-    bf_status status = study_trial_csv_line(trial, &s->line, err);
-    if (status == BF_OK)
-        status = study_files_add(s->files, trial->number, &s->line, err);
-    if (status == BF_OK) {
-        study_tell(s->study, trial->number, trial->values);
-        s->n_ended++;
-        s->n_solved++;
-        show_progress(s, false);
-    }
-    return status;
+    BF_TRY(study_trial_csv_line(trial, &s->line, err));
+    BF_TRY(study_files_add(s->files, trial->number, &s->line, err));
+    study_tell(s->study, trial->number, trial->values);
+    s->n_ended++;
+    s->n_solved++;
+    show_progress(s, false);
+    return BF_OK;
 }
 
 // Tell what earlier sessions know of a round, and solve the rest.

@@ -63,10 +63,7 @@ static bool flush_frames(working *w)
 
 static bf_status put_frame(working *w, const frame *f, bool is_urgent, bf_error *err)
 {
-    bf_status status = frame_encode(f, &w->out, err);
-
-    if (status != BF_OK)
-        return status;
+    BF_TRY(frame_encode(f, &w->out, err));
     if ((is_urgent || w->out.n >= FLUSH_BYTES) && !flush_frames(w))
         return bf_fail(err, BF_ESYSTEM, "", "frames cannot be written: %s", strerror(errno));
     return BF_OK;
@@ -77,14 +74,13 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
     const working *w = context;
     const bool is_snapshot = f->type == FRAME_SNAPSHOT || f->type == FRAME_PARTS;
     const bool is_urgent = f->type != FRAME_CURVE && !is_snapshot;
-    bf_status status = BF_OK;
     frame slice;
 
     if (is_snapshot && w->is_without_snapshots)
         return BF_OK;
-    for (uint64_t at = 0; status == BF_OK && frame_slice_at(f, at, &slice); at += slice.slice.n)
-        status = put_frame(context, &slice, false, err);
-    return status == BF_OK ? put_frame(context, f, is_urgent, err) : status;
+    for (uint64_t at = 0; frame_slice_at(f, at, &slice); at += slice.slice.n)
+        BF_TRY(put_frame(context, &slice, false, err));
+    return put_frame(context, f, is_urgent, err);
 }
 
 static unsigned find_requested(void *context)
@@ -101,9 +97,7 @@ static bf_status next_frame(const bf_buffer *in, frame_type type, frame *ret_fra
     frame f;
     size_t used = 0;
 
-    bf_status status = frame_decode(in->bytes, in->n, &f, &used, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(frame_decode(in->bytes, in->n, &f, &used, err));
     if (used == 0 || f.type != type)
         return bf_fail(err, BF_ECORRUPT, "", "the worker's input ends early or is out of order");
     *ret_frame = f;

@@ -79,8 +79,8 @@ static bf_status begin_results(results_dir *d, const char *columns, bf_error *er
                       O_WRONLY | O_APPEND | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (d->curve < 0)
         return fail_on("curve.csv", err);
-    bf_status status = results_curve_csv_header(columns, &d->text, err);
-    return status != BF_OK ? status : append_to_curve(d, err);
+    BF_TRY(results_curve_csv_header(columns, &d->text, err));
+    return append_to_curve(d, err);
 }
 
 bf_status results_dir_open(const char *path, const char *columns, results_dir **ret_dir,
@@ -113,8 +113,8 @@ bf_status results_dir_scenario(results_dir *d, const char *scenario, size_t n, b
 static bf_status take_curve(results_dir *d, const frame_curve *c, bf_error *err)
 {
     d->text.n = 0;
-    bf_status status = results_curve_csv_rows(c->t, c->values, c->n, c->n_columns, &d->text, err);
-    return status != BF_OK ? status : append_to_curve(d, err);
+    BF_TRY(results_curve_csv_rows(c->t, c->values, c->n, c->n_columns, &d->text, err));
+    return append_to_curve(d, err);
 }
 
 static bf_status take_begin(results_dir *d, const frame_begin *begin, bf_error *err)
@@ -141,12 +141,9 @@ static bf_status take_snapshot(results_dir *d, const frame *f, bf_error *err)
     api_snapshot item = { .index = s->index, .t = s->t, .peak = s->peak, .mass = s->mass };
 
     d->text.n = 0;
-    bf_status status = results_npy_head(s->n1, s->n2, &d->text, err);
-    if (status == BF_OK)
-        status = write_file(d, d->snapshots, RESULTS_FILES_SNAPSHOT, s->index, s->rho,
-                            frame_array_bytes(f), err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(results_npy_head(s->n1, s->n2, &d->text, err));
+    BF_TRY(write_file(d, d->snapshots, RESULTS_FILES_SNAPSHOT, s->index, s->rho,
+                      frame_array_bytes(f), err));
     if (buffer_append(&d->list.items, &item, sizeof item) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the list of snapshots");
     d->list.n++;
@@ -159,10 +156,9 @@ static bf_status take_parts(results_dir *d, const frame *f, bf_error *err)
     const api_parts parts = { .n_parts = p->n_parts, .n_values = p->n_values };
 
     d->text.n = 0;
-    bf_status status = results_parts_npy_head(&parts, &d->text, err);
-    return status == BF_OK ? write_file(d, d->parts, RESULTS_FILES_PARTS, p->index, p->rows,
-                                        frame_array_bytes(f), err)
-                           : status;
+    BF_TRY(results_parts_npy_head(&parts, &d->text, err));
+    return write_file(d, d->parts, RESULTS_FILES_PARTS, p->index, p->rows, frame_array_bytes(f),
+                      err);
 }
 
 bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err)

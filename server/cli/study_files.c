@@ -166,21 +166,17 @@ bool study_files_find(const study_files *f, const study_columns *columns, size_t
 
 bf_status study_files_add(study_files *f, size_t trial, const bf_buffer *line, bf_error *err)
 {
-    bf_status status = set_line(f, trial, line->bytes, line->n, err);
-
-    if (status == BF_OK && !file_io_write_fd(f->trials, line->bytes, line->n))
-        status = fail_at(trials_name, err);
-    return status;
+    BF_TRY(set_line(f, trial, line->bytes, line->n, err));
+    if (!file_io_write_fd(f->trials, line->bytes, line->n))
+        return fail_at(trials_name, err);
+    return BF_OK;
 }
 
 bf_status study_files_finish(study_files *f, const bf_buffer *header, const bf_buffer *best,
                              bf_error *err)
 {
-    bf_status status = write_sorted(f, header, err);
-
-    if (status == BF_OK)
-        status = file_io_replace(f->directory, "best.json", best->bytes, best->n, FILE_IO_NOW, err);
-    return status;
+    BF_TRY(write_sorted(f, header, err));
+    return file_io_replace(f->directory, "best.json", best->bytes, best->n, FILE_IO_NOW, err);
 }
 
 void study_files_close(study_files *f)

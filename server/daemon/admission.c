@@ -19,9 +19,7 @@ bf_status admission_check(const config *c, store *s, tokens *t, bf_error *err)
 
     if (tokens_exist(t))
         return store_need_tokens(s, err);
-    bf_status status = store_needs_tokens(s, &needs_tokens, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store_needs_tokens(s, &needs_tokens, err));
     if (needs_tokens && strcmp(c->access, "open") != 0)
         return bf_fail(
             err, BF_EINPUT, "",

@@ -133,11 +133,10 @@ bf_status config_set(config *c, const char *name, const char *value, const char 
         i++;
     if (i == N_ROWS)
         return refuse_unknown(name, where, err);
-    bf_status status = places[i].kind == KIND_NUMBER ? set_number(c, i, value, where, err)
-                                                     : set_text(c, i, value, where, err);
-    if (status == BF_OK)
-        (void)snprintf(c->origins[i], sizeof c->origins[i], "%s", where);
-    return status;
+    BF_TRY(places[i].kind == KIND_NUMBER ? set_number(c, i, value, where, err)
+                                         : set_text(c, i, value, where, err));
+    (void)snprintf(c->origins[i], sizeof c->origins[i], "%s", where);
+    return BF_OK;
 }
 
 void config_init(config *c)

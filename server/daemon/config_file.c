@@ -96,10 +96,7 @@ bf_status config_read_environment(config *c, bf_error *err)
         for (const char *from = rows[i].name; *from != '\0' && n_name + 1 < sizeof name; from++)
             name[n_name++] = (char)toupper((unsigned char)*from);
         const char *value = getenv(name);
-        bf_status status =
-            value == NULL ? BF_OK : config_set(&settings, rows[i].name, value, name, err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(value == NULL ? BF_OK : config_set(&settings, rows[i].name, value, name, err));
     }
     *c = settings;
     return BF_OK;
@@ -131,12 +128,8 @@ bf_status config_locate(config *c, const char *folder, bf_error *err)
     static const char *const web_places[] = { "../share/beltflow/web", "../web" };
     char path[PATH_SIZE];
 
-    bf_status status =
-        locate_program(c, CONFIG_program, c->program, folder, "beltflow-worker", err);
-    if (status == BF_OK)
-        status = locate_program(c, CONFIG_slurm_program, c->slurm_program, folder, "beltflow", err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(locate_program(c, CONFIG_program, c->program, folder, "beltflow-worker", err));
+    BF_TRY(locate_program(c, CONFIG_slurm_program, c->slurm_program, folder, "beltflow", err));
     for (size_t i = 0; c->web[0] == '\0' && i < sizeof web_places / sizeof *web_places; i++) {
         (void)snprintf(path, sizeof path, "%s/%s/index.html", folder, web_places[i]);
         if (access(path, R_OK) != 0 || strlen(path) - strlen("/index.html") >= sizeof c->web)

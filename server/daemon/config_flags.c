@@ -207,16 +207,15 @@ static bf_status apply_flags(const config_flags *flags, config *c, bf_error *err
 {
     size_t n = 0;
     const config_row *rows = config_rows(&n);
-    bf_status status = BF_OK;
 
-    for (size_t i = 0; status == BF_OK && i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         char name[64], where[80];
         if (flags->values[i] == NULL)
             continue;
         (void)snprintf(where, sizeof where, "--%s", flag_of(rows[i].name, name));
-        status = config_set(c, rows[i].name, flags->values[i], where, err);
+        BF_TRY(config_set(c, rows[i].name, flags->values[i], where, err));
     }
-    return status;
+    return BF_OK;
 }
 
 static bf_status locate(config *c, bf_error *err)
@@ -289,18 +288,13 @@ bf_status config_read(const config_flags *flags, config *ret_config, bf_error *e
     config c;
 
     config_init(&c);
-    bf_status status = flags->file == NULL ? BF_OK : config_read_file(&c, flags->file, err);
-    if (status == BF_OK)
-        status = config_read_environment(&c, err);
-    if (status == BF_OK)
-        status = apply_flags(flags, &c, err);
-    if (status == BF_OK)
-        status = check_texts(&c, err);
-    if (status == BF_OK && flags->command == CONFIG_SERVE)
-        status = check_pairs(&c, err);
-    if (status == BF_OK)
-        status = locate(&c, err);
-    if (status == BF_OK)
-        *ret_config = c;
-    return status;
+    BF_TRY(flags->file == NULL ? BF_OK : config_read_file(&c, flags->file, err));
+    BF_TRY(config_read_environment(&c, err));
+    BF_TRY(apply_flags(flags, &c, err));
+    BF_TRY(check_texts(&c, err));
+    if (flags->command == CONFIG_SERVE)
+        BF_TRY(check_pairs(&c, err));
+    BF_TRY(locate(&c, err));
+    *ret_config = c;
+    return BF_OK;
 }

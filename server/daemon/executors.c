@@ -14,12 +14,10 @@ bf_status executors_create(executors *e, const config *c, bf_error *err)
         confinement_report();
         return local_executor_create(c->program, &e->executor, err);
     }
-    bf_status status = pull_executor_create(&e->executor, err);
-    if (status == BF_OK) {
-        pull_executor_set_check_every(e->executor, (uint32_t)c->check_every);
-        e->leases = pull_executor_leases(e->executor);
-    }
-    return status;
+    BF_TRY(pull_executor_create(&e->executor, err));
+    pull_executor_set_check_every(e->executor, (uint32_t)c->check_every);
+    e->leases = pull_executor_leases(e->executor);
+    return BF_OK;
 }
 
 static void suspect(void *context, const char *run_id, uint64_t token)

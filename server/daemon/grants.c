@@ -19,9 +19,7 @@ bf_status grants_add(tokens *t, uint32_t expires_in_s, api_grant *grant, bf_erro
                        grant->resource);
     memcpy(token.owner, grant->owner, sizeof token.owner);
     memcpy(token.resource, grant->resource, sizeof token.resource);
-    bf_status status = tokens_add(tokens_directory(t), &token, grant->token, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(tokens_add(tokens_directory(t), &token, grant->token, err));
     tokens_read_again(t);
     grant->id = token.id;
     grant->created_ms = token.created_ms;
@@ -70,8 +68,7 @@ bf_status grants_revoke(tokens *t, const char *owner, uint64_t id, bf_error *err
 
     if (!tokens_find(t, id, &token) || !is_grant_of(&token, owner))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no grant %" PRIu64 " that counts", id);
-    bf_status status = tokens_revoke(tokens_directory(t), id, err);
-    if (status == BF_OK)
-        tokens_read_again(t);
-    return status;
+    BF_TRY(tokens_revoke(tokens_directory(t), id, err));
+    tokens_read_again(t);
+    return BF_OK;
 }

@@ -20,17 +20,16 @@ static bool is_told(const tokens_record *token, int64_t now_ms)
 
 static bf_status write_tokens(const tokens_record *all, size_t n, int64_t now_ms, bf_buffer *out)
 {
-    bf_status status = write_head(out, "beltflow_token_expires_in_seconds",
-                                  "Until a token that counts and does not last for ever expires");
-
-    for (size_t i = 0; i < n && status == BF_OK; i++)
+    BF_TRY(write_head(out, "beltflow_token_expires_in_seconds",
+                      "Until a token that counts and does not last for ever expires"));
+    for (size_t i = 0; i < n; i++)
         if (is_told(&all[i], now_ms))
-            status = buffer_printf(out,
-                                   "beltflow_token_expires_in_seconds{token=\"%" PRIu64
-                                   "\",name=\"%s\",owner=\"%s\"} %" PRId64 "\n",
-                                   all[i].id, all[i].name, all[i].owner,
-                                   (all[i].expires_ms - now_ms) / 1000);
-    return status;
+            BF_TRY(buffer_printf(out,
+                                 "beltflow_token_expires_in_seconds{token=\"%" PRIu64
+                                 "\",name=\"%s\",owner=\"%s\"} %" PRId64 "\n",
+                                 all[i].id, all[i].name, all[i].owner,
+                                 (all[i].expires_ms - now_ms) / 1000));
+    return BF_OK;
 }
 
 // Whether a token of the same owner comes before.
@@ -45,38 +44,31 @@ static bool is_known(const tokens_record *all, size_t i)
 static bf_status write_use(bf_buffer *out, const char *name, const char *help,
                            const api_quotas *quotas, size_t n, size_t offset)
 {
-    bf_status status = write_head(out, name, help);
-
-    for (size_t i = 0; i < n && status == BF_OK; i++) {
+    BF_TRY(write_head(out, name, help));
+    for (size_t i = 0; i < n; i++) {
         const api_quota *quota =
             (const api_quota *)(const void *)((const char *)&quotas[i] + offset);
-        status = buffer_printf(out, "%s{owner=\"%s\"} %" PRIu64 "\n", name, quotas[i].owner,
-                               quota->used);
+        BF_TRY(buffer_printf(out, "%s{owner=\"%s\"} %" PRIu64 "\n", name, quotas[i].owner,
+                             quota->used));
     }
-    return status;
+    return BF_OK;
 }
 
 static bf_status write_owners(const tokens_record *all, size_t n, store *s, api_quotas *quotas,
                               bf_buffer *out, bf_error *err)
 {
-    bf_status status = BF_OK;
     size_t n_owners = 0;
 
-    for (size_t i = 0; i < n && status == BF_OK; i++)
+    for (size_t i = 0; i < n; i++)
         if (!is_known(all, i))
-            status = store_read_quotas(s, all[i].owner, &quotas[n_owners++], err);
-    if (status != BF_OK)
-        return status;
-    status = write_use(out, "beltflow_owner_queue_length", "Runs of an owner that wait", quotas,
-                       n_owners, offsetof(api_quotas, waiting));
-    if (status == BF_OK)
-        status = write_use(out, "beltflow_owner_cpu_seconds",
-                           "CPU time of an owner in the present hour and the 23 before", quotas,
-                           n_owners, offsetof(api_quotas, cpu_s));
-    if (status == BF_OK)
-        status = write_use(out, "beltflow_owner_bytes", "Results and measurements of an owner",
-                           quotas, n_owners, offsetof(api_quotas, bytes));
-    return status;
+            BF_TRY(store_read_quotas(s, all[i].owner, &quotas[n_owners++], err));
+    BF_TRY(write_use(out, "beltflow_owner_queue_length", "Runs of an owner that wait", quotas,
+                     n_owners, offsetof(api_quotas, waiting)));
+    BF_TRY(write_use(out, "beltflow_owner_cpu_seconds",
+                     "CPU time of an owner in the present hour and the 23 before", quotas, n_owners,
+                     offsetof(api_quotas, cpu_s)));
+    return write_use(out, "beltflow_owner_bytes", "Results and measurements of an owner", quotas,
+                     n_owners, offsetof(api_quotas, bytes));
 }
 
 bf_status owner_figures_write(tokens *t, store *s, bf_buffer *out, bf_error *err)

@@ -63,10 +63,9 @@ static bf_status submit(service *s, const api_submission *submission,
 {
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
-    bf_status status = store_submit(s->store, submission, ret_acceptance, err);
-    if (status == BF_OK)
-        supervisor_wake(s->supervisor);
-    return status;
+    BF_TRY(store_submit(s->store, submission, ret_acceptance, err));
+    supervisor_wake(s->supervisor);
+    return BF_OK;
 }
 
 // Trials are short, and their study says how it goes.
@@ -79,16 +78,13 @@ static void add_prediction(service *s, api_run *record)
 static bf_status find(service *s, const char *id, api_run *ret_run, bf_error *err)
 {
     const uint64_t n_commits = store_count_commits(s->store);
-    bf_status status = BF_OK;
 
     if (!run_cache_look(&s->found, id, n_commits, ret_run)) {
-        status = store_find(s->store, id, ret_run, err);
-        if (status == BF_OK)
-            run_cache_remember(&s->found, n_commits, ret_run);
+        BF_TRY(store_find(s->store, id, ret_run, err));
+        run_cache_remember(&s->found, n_commits, ret_run);
     }
-    if (status == BF_OK)
-        add_prediction(s, ret_run);
-    return status;
+    add_prediction(s, ret_run);
+    return BF_OK;
 }
 
 static bool holds(service *s, const char *id)
@@ -99,10 +95,10 @@ static bool holds(service *s, const char *id)
 static bf_status list(service *s, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err)
 {
-    bf_status status = store_list(s->store, query, ret_list, err);
-    for (size_t k = 0; status == BF_OK && k < ret_list->n; k++)
+    BF_TRY(store_list(s->store, query, ret_list, err));
+    for (size_t k = 0; k < ret_list->n; k++)
         add_prediction(s, &ret_list->runs[k]);
-    return status;
+    return BF_OK;
 }
 
 // Wait until a commit has changed the run. False: the deadline has come.
@@ -151,27 +147,24 @@ static bf_status submit_study(service *s, const api_study_submission *submission
 {
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
-    bf_status status = store_submit_study(s->store, submission, ret_acceptance, err);
-    if (status == BF_OK)
-        studies_wake(s->studies);
-    return status;
+    BF_TRY(store_submit_study(s->store, submission, ret_acceptance, err));
+    studies_wake(s->studies);
+    return BF_OK;
 }
 
 static bf_status change_study(service *s, const char *id, uint64_t revision,
                               api_study_change change, api_study *ret_study, bf_error *err)
 {
-    bf_status status = store_change_study(s->store, id, revision, change, ret_study, err);
-    if (status == BF_OK)
-        studies_wake(s->studies);
-    return status;
+    BF_TRY(store_change_study(s->store, id, revision, change, ret_study, err));
+    studies_wake(s->studies);
+    return BF_OK;
 }
 
 static bf_status remove_study(service *s, const char *id, uint64_t revision, bf_error *err)
 {
-    bf_status status = store_remove_study(s->store, id, revision, err);
-    if (status == BF_OK)
-        studies_wake(s->studies);
-    return status;
+    BF_TRY(store_remove_study(s->store, id, revision, err));
+    studies_wake(s->studies);
+    return BF_OK;
 }
 
 static bool read_speed(service *s, prediction_speed *ret_speed)
@@ -183,8 +176,8 @@ static bf_status ready(service *s, bf_error *err)
 {
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
-    bf_status status = store_ready(s->store, err);
-    return status == BF_OK ? supervisor_ready(s->supervisor, err) : status;
+    BF_TRY(store_ready(s->store, err));
+    return supervisor_ready(s->supervisor, err);
 }
 
 static bf_status write_metrics(service *s, bool with_owners, bf_buffer *out, bf_error *err)

@@ -142,16 +142,11 @@ static bf_status prepare_policies(http *h, bf_error *err)
     uint64_t quotas[HTTP_LIMIT_COUNT];
 
     list_quotas(&h->options, quotas);
-    bf_status status = http_cors_check(origins, err);
+    BF_TRY(http_cors_check(origins, err));
 
-    if (status == BF_OK)
-        status = http_host_check(names, err);
-    if (status == BF_OK)
-        status = http_client_read_proxies(proxies, &h->proxies, err);
-    if (status == BF_OK)
-        status = http_limit_create(quotas, HTTP_LIMIT_CLIENTS, &h->limit, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(http_host_check(names, err));
+    BF_TRY(http_client_read_proxies(proxies, &h->proxies, err));
+    BF_TRY(http_limit_create(quotas, HTTP_LIMIT_CLIENTS, &h->limit, err));
     h->cors_origins = copy(origins, strlen(origins));
     h->host_names = copy(names, strlen(names));
     if (h->cors_origins == NULL || h->host_names == NULL)
@@ -165,10 +160,7 @@ static bf_status start_listening(http *h, bf_error *err)
     const char *address = h->options.listen;
     struct sockaddr_storage listened = { 0 };
     socklen_t n = sizeof listened;
-    bf_status status = http_listen(address, &h->listen_fd, &h->port, err);
-
-    if (status != BF_OK)
-        return status;
+    BF_TRY(http_listen(address, &h->listen_fd, &h->port, err));
     h->listened = copy(address, (size_t)(strrchr(address, ':') - address));
     if (h->listened == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the HTTP server");
@@ -178,12 +170,12 @@ static bf_status start_listening(http *h, bf_error *err)
     if (h->hosts.is_loopback)
         return BF_OK;
     const char *plaintext = h->options.plaintext == NULL ? "loopback" : h->options.plaintext;
-    status = http_allow_plaintext(plaintext, h->options.has_tokens, address, err);
-    if (status == BF_OK && !h->options.has_tokens)
+    BF_TRY(http_allow_plaintext(plaintext, h->options.has_tokens, address, err));
+    if (!h->options.has_tokens)
         log_event(LOG_LEVEL_WARN, "listens_to_the_network",
                   "address=%s error=\"whoever reaches this address may submit, read and remove\"",
                   h->listened);
-    return status;
+    return BF_OK;
 }
 
 static void add_option(struct MHD_OptionItem *items, enum MHD_OPTION option, uint64_t value)

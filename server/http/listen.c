@@ -131,10 +131,7 @@ bf_status http_listen(const char *address, int *ret_fd, unsigned *ret_port, bf_e
     const struct addrinfo hints = { .ai_flags = AI_PASSIVE, .ai_socktype = SOCK_STREAM };
     struct addrinfo *found = NULL;
     listen_parts parts;
-    bf_status status = split_address(address, &parts, err);
-
-    if (status != BF_OK)
-        return status;
+    BF_TRY(split_address(address, &parts, err));
     int failure = getaddrinfo(parts.host, parts.port, &hints, &found);
     if (failure != 0)
         return bf_fail(err, BF_EINPUT, "", "'%s' is not an address to listen on: %s", parts.host,

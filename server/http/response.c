@@ -281,14 +281,11 @@ bool http__respond(http_request *r)
 
 static bf_status write_head(const api_response *response, bf_buffer *out)
 {
-    bf_status status = buffer_printf(out, "HTTP/1.1 %d \r\n", response->status);
-
-    for (size_t i = 0; status == BF_OK && i < response->n_headers; i++)
-        status =
-            buffer_printf(out, "%s: %s\r\n", response->headers[i].name, response->headers[i].value);
-    if (status == BF_OK)
-        status = buffer_printf(out, "Content-Length: %zu\r\n\r\n", response->body.n);
-    return status;
+    BF_TRY(buffer_printf(out, "HTTP/1.1 %d \r\n", response->status));
+    for (size_t i = 0; i < response->n_headers; i++)
+        BF_TRY(buffer_printf(out, "%s: %s\r\n", response->headers[i].name,
+                             response->headers[i].value));
+    return buffer_printf(out, "Content-Length: %zu\r\n\r\n", response->body.n);
 }
 
 void http__respond_past_body(http_request *r)

@@ -166,7 +166,6 @@ static bf_status adopt_job(pull_executor *e, const char *id, const api_renewal *
                            const api_job_report *report, pull__lease **lease, bf_error *err)
 {
     executor_job *job = e->first;
-    bf_status status = BF_OK;
 
     while (job != NULL && (job->place != PULL_AWAITED || job->about.attempt != report->attempt ||
                            strcmp(job->about.run, report->run) != 0))
@@ -174,26 +173,24 @@ static bf_status adopt_job(pull_executor *e, const char *id, const api_renewal *
     if (job == NULL)
         return BF_OK;
     if (*lease == NULL)
-        status = pull__begin_lease(e, id, renewal->token, renewal->worker, count_places(renewal),
-                                   lease, err);
-    if (status == BF_OK && (*lease)->jobs[report->job] == NULL) {
+        BF_TRY(pull__begin_lease(e, id, renewal->token, renewal->worker, count_places(renewal),
+                                 lease, err));
+    if ((*lease)->jobs[report->job] == NULL) {
         pull__put(e, *lease, report->job, job);
         job->is_adopted = true;
     }
-    return status;
+    return BF_OK;
 }
 
 // A lease of the daemon before: what waits for its worker is in it. NULL: nothing does.
 static bf_status adopt(pull_executor *e, const char *id, const api_renewal *renewal,
                        pull__lease **lease, bf_error *err)
 {
-    bf_status status = BF_OK;
-
-    for (size_t k = 0; k < renewal->n_jobs && status == BF_OK; k++)
-        status = adopt_job(e, id, renewal, &renewal->jobs[k], lease, err);
-    for (size_t k = 0; k < renewal->n_ended && status == BF_OK; k++)
-        status = adopt_job(e, id, renewal, &renewal->ended[k].report, lease, err);
-    return status;
+    for (size_t k = 0; k < renewal->n_jobs; k++)
+        BF_TRY(adopt_job(e, id, renewal, &renewal->jobs[k], lease, err));
+    for (size_t k = 0; k < renewal->n_ended; k++)
+        BF_TRY(adopt_job(e, id, renewal, &renewal->ended[k].report, lease, err));
+    return BF_OK;
 }
 
 static bf_status renew(pull_executor *e, const char *id, const api_renewal *renewal, answer *a,
@@ -202,9 +199,7 @@ static bf_status renew(pull_executor *e, const char *id, const api_renewal *rene
     pull__lease *lease = pull__hear(e, renewal->token, id);
     const bool is_known = lease != NULL;
 
-    bf_status status = is_known ? BF_OK : adopt(e, id, renewal, &lease, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(is_known ? BF_OK : adopt(e, id, renewal, &lease, err));
     for (size_t k = 0; k < renewal->n_jobs; k++)
         (void)take_report(a, lease, &renewal->jobs[k]);
     for (size_t k = 0; k < renewal->n_ended; k++)

@@ -44,9 +44,7 @@ bf_status pull__meet_worker(pull_executor *e, const api_worker *who, pull__worke
 {
     pull__worker *worker = pull__find_worker(e, who->token, who->name);
 
-    bf_status status = pull__check_version(who->name, who->solver, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(pull__check_version(who->name, who->solver, err));
     if (worker == NULL && e->n_workers == API_WORKERS_MAX)
         return bf_fail(err, BF_EBUSY, "", "there are %d workers, as many as may be",
                        API_WORKERS_MAX);

@@ -195,8 +195,7 @@ bf_status confinement_enter(bf_error *err)
 {
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
         return fail(err, "privileges", errno);
-    bf_status status = enter_landlock(err);
-    if (status == BF_OK)
-        status = forbid_descriptors(err);
-    return status == BF_OK ? enter_seccomp(err) : status;
+    BF_TRY(enter_landlock(err));
+    BF_TRY(forbid_descriptors(err));
+    return enter_seccomp(err);
 }

@@ -138,7 +138,6 @@ static bf_status add_progress(supervisor__task *task, bf_error *err)
 {
     const double now_s = clock_monotonic_s();
     const double wait_s = progress_fraction * supervisor__wall_s(task);
-    bf_status status = BF_OK;
 
     if (task->has_progress)
         update_rate(task, now_s);
@@ -148,11 +147,11 @@ static bf_status add_progress(supervisor__task *task, bf_error *err)
         task->reported_s = now_s;
         task->has_progress = false;
         store_item *item = snapshots_add_item(&task->items, API_EVENT_PROGRESS);
-        status = item == NULL ? fail_memory(err)
-                              : events_progress(task->claimed.run.id, &task->progress, task->rate,
-                                                &item->event, err);
+        BF_TRY(item == NULL ? fail_memory(err)
+                            : events_progress(task->claimed.run.id, &task->progress, task->rate,
+                                              &item->event, err));
     }
-    return status == BF_OK ? add_figures(task, err) : status;
+    return add_figures(task, err);
 }
 
 static api_parts parts_of(const frame_begin *begin)
@@ -166,10 +165,7 @@ static api_parts parts_of(const frame_begin *begin)
 static bf_status make_batch(supervisor__task *task, const frame_bytes *checkpoint, bf_error *err)
 {
     executor *e = task->supervisor->executor;
-    bf_status status = add_progress(task, err);
-
-    if (status != BF_OK)
-        return status;
+    BF_TRY(add_progress(task, err));
     uint64_t step = task->progress.step, n_steps = task->begin.n_steps;
     task->batch = (store_batch){
         .run_id = task->claimed.run.id,
@@ -191,11 +187,10 @@ static bf_status make_batch(supervisor__task *task, const frame_bytes *checkpoin
 
 static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoint, bf_error *err)
 {
-    bf_status status = make_batch(task, checkpoint, err);
-
-    if (status == BF_OK && (task->batch.n > 0 || checkpoint != NULL))
+    BF_TRY(make_batch(task, checkpoint, err));
+    if (task->batch.n > 0 || checkpoint != NULL)
         supervisor__begin_write(task, SUPERVISOR_WRITE_BATCH);
-    return status;
+    return BF_OK;
 }
 
 const store_batch *supervisor__last_batch(supervisor__task *task)
@@ -226,9 +221,7 @@ static bf_status take_begin(supervisor__task *task, const frame_begin *begin, bf
                        begin->n_columns, task->n_columns);
     task->begin = *begin;
     task->has_begun = true;
-    bf_status status = supervisor__check_claims(task, false, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(supervisor__check_claims(task, false, err));
     task->moved_ms = clock_monotonic_ms();
     supervisor__forget_trouble(task->supervisor);
     task->progress = (frame_progress){ .step = begin->first_step, .n_steps = begin->n_steps };

@@ -162,9 +162,7 @@ static bf_status ready(executor *base, bf_error *err)
 static bf_status hand_over(const local_executor *e, const executor_work *work, executor_job *job,
                            bf_error *err)
 {
-    bf_status status = executor_encode(work, &job->input, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(executor_encode(work, &job->input, err));
     snprintf(job->id, sizeof job->id, "local:%ld", (long)job->child.pid);
     snprintf(job->run_id, sizeof job->run_id, "%s", work->run_id);
     // Runs by themselves are solved beside trials, and are to have the cores.

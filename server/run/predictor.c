@@ -171,9 +171,7 @@ static bf_status find_speed(predictor *p, bf_error *err)
     for (int kind = 0; kind < PREDICTION_KIND_COUNT; kind++) {
         if (atomic_load(&p->is_stopping))
             return BF_OK;
-        const bf_status status = measure_kind(p, (prediction_kind)kind, err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(measure_kind(p, (prediction_kind)kind, err));
     }
     lock_acquire(&p->lock);
     p->known_speed = p->speed;
@@ -214,10 +212,9 @@ static bf_status learn_from(predictor *p, const store_measured *ended, bf_error 
     p->learned_ms = ended->finished_ms;
     if (is_alike || find_work(p, ended->id, &work, &is_ended, NULL) != BF_OK)
         return BF_OK;
-    const bf_status status = measure_kind(p, work.kind, err);
-    if (status == BF_OK)
-        prediction_learn(&p->learned, &work, ended->cpu_s, &p->speed);
-    return status;
+    BF_TRY(measure_kind(p, work.kind, err));
+    prediction_learn(&p->learned, &work, ended->cpu_s, &p->speed);
+    return BF_OK;
 }
 
 // Learn from the runs that have ended since the last time, the oldest first.
@@ -243,10 +240,9 @@ static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, 
     *ret_seconds = (double)NAN;
     if (find_work(p, run_id, &work, &is_ended, NULL) != BF_OK || is_ended)
         return BF_OK;
-    const bf_status status = measure_kind(p, work.kind, err);
-    if (status == BF_OK)
-        *ret_seconds = prediction_seconds(&work, &p->speed);
-    return status;
+    BF_TRY(measure_kind(p, work.kind, err));
+    *ret_seconds = prediction_seconds(&work, &p->speed);
+    return BF_OK;
 }
 
 // Wait until somebody asks, or for the deadline to measure unasked; false: to be stopped. *ret_question is the next run, its

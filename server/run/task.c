@@ -80,10 +80,8 @@ bf_status supervisor__task_start(supervisor__task *task, const char *external_id
 {
     executor *e = task->supervisor->executor;
 
-    bf_status status = external_id == NULL ? start_job(task, err)
-                                           : e->functions->attach(e, external_id, &task->job, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(external_id == NULL ? start_job(task, err)
+                               : e->functions->attach(e, external_id, &task->job, err));
     buffer_fini(&task->claimed.checkpoint); // the job has it
     snprintf(task->external_id, sizeof task->external_id, "%s",
              e->functions->external_id(task->job));

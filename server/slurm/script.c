@@ -19,11 +19,10 @@ const char slurm_template[] = "#!/bin/sh\n"
 // For a shell: between apostrophes, and each apostrophe between quotes.
 static bf_status quote(bf_buffer *out, const char *text)
 {
-    bf_status status = buffer_append(out, "'", 1);
-
-    for (; *text != '\0' && status == BF_OK; text++)
-        status = *text == '\'' ? buffer_append(out, "'\"'\"'", 5) : buffer_append(out, text, 1);
-    return status == BF_OK ? buffer_append(out, "'", 1) : status;
+    BF_TRY(buffer_append(out, "'", 1));
+    for (; *text != '\0'; text++)
+        BF_TRY(*text == '\'' ? buffer_append(out, "'\"'\"'", 5) : buffer_append(out, text, 1));
+    return buffer_append(out, "'", 1);
 }
 
 // What stands for a name of n bytes. *ret_is_known = false: it is none, and nothing was written.
@@ -77,12 +76,11 @@ static bf_status fill(bf_buffer *out, const slurm_settings *s, const char *text)
 
 static bf_status read_template(const char *path, bf_buffer *out, bf_error *err)
 {
-    bf_status status = file_io_read(path, NULL, SLURM_TEMPLATE_BYTES_MAX, out, err);
-
-    if (status == BF_OK && (out->n == 0 || strlen(out->bytes) != out->n))
-        status =
-            bf_fail(err, BF_EINPUT, "", "%s is no batch script: it is empty or has a zero", path);
-    return status;
+    BF_TRY(file_io_read(path, NULL, SLURM_TEMPLATE_BYTES_MAX, out, err));
+    if (out->n == 0 || strlen(out->bytes) != out->n)
+        return bf_fail(err, BF_EINPUT, "", "%s is no batch script: it is empty or has a zero",
+                       path);
+    return BF_OK;
 }
 
 bf_status slurm_write_script(const slurm_settings *s, bf_buffer *out, bf_error *err)

@@ -50,17 +50,15 @@ static bf_status pack_item(const store__appending *context, size_t i, store__pac
                            bf_error *err)
 {
     const store_item *item = &context->batch->items[i];
-    bf_status status = BF_OK;
 
     if (item->type != API_EVENT_SNAPSHOT)
         return BF_OK;
     if (item->rho.n > 0)
-        status =
-            store__pack(packer, item->rho.bytes, item->rho.n, compressed_grid(context, i), err);
-    if (status == BF_OK && item->parts.n > 0)
-        status = store__pack(packer, item->parts.bytes, item->parts.n, compressed_parts(context, i),
-                             err);
-    return status;
+        BF_TRY(store__pack(packer, item->rho.bytes, item->rho.n, compressed_grid(context, i), err));
+    if (item->parts.n > 0)
+        BF_TRY(store__pack(packer, item->parts.bytes, item->parts.n, compressed_parts(context, i),
+                           err));
+    return BF_OK;
 }
 
 bf_status store__pack_batch(const store__appending *context, bf_error *err)
@@ -108,10 +106,8 @@ static bf_status need_columns(store__connection *writer, store__appending *conte
 {
     if (context->columns.n > 0)
         return BF_OK;
-    bf_status status =
-        store__get_text(writer, context->row.rowid, STORE__TEXT_COLUMNS, &context->columns, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(
+        store__get_text(writer, context->row.rowid, STORE__TEXT_COLUMNS, &context->columns, err));
     context->n_columns = api_count_columns(&context->columns);
     return BF_OK;
 }
@@ -134,15 +130,12 @@ static bf_status check_curve(const store__appending *context, const store_item *
 static bf_status insert_samples(store__connection *writer, store__appending *context,
                                 const frame_curve *c, bf_error *err)
 {
-    bf_status status =
-        store__exec(writer, STORE__SQL_INSERT_SAMPLES, err, INTEGER(context->row.results),
-                    INTEGER(c->first), INTEGER(c->n), BLOB(c->t, c->n * sizeof(double)),
-                    BLOB(c->values, (size_t)c->n * c->n_columns * sizeof(double)));
-    if (status == BF_OK) {
-        context->row.run.n_samples += c->n;
-        context->n_bytes += (size_t)c->n * (c->n_columns + 1) * sizeof(double);
-    }
-    return status;
+    BF_TRY(store__exec(writer, STORE__SQL_INSERT_SAMPLES, err, INTEGER(context->row.results),
+                       INTEGER(c->first), INTEGER(c->n), BLOB(c->t, c->n * sizeof(double)),
+                       BLOB(c->values, (size_t)c->n * c->n_columns * sizeof(double))));
+    context->row.run.n_samples += c->n;
+    context->n_bytes += (size_t)c->n * (c->n_columns + 1) * sizeof(double);
+    return BF_OK;
 }
 
 // An item that is stored in part has an event of the rest only.
@@ -162,11 +155,8 @@ static bf_status emit_rest(store__connection *writer, store__appending *context,
 static bf_status append_curve(store__connection *writer, store__appending *context,
                               const store_item *item, bf_error *err)
 {
-    bf_status status = need_columns(writer, context, err);
-    if (status == BF_OK)
-        status = check_curve(context, item, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(need_columns(writer, context, err));
+    BF_TRY(check_curve(context, item, err));
     uint64_t n_known = context->row.run.n_samples - item->first;
     if (n_known >= item->n)
         return BF_OK;
@@ -177,9 +167,7 @@ static bf_status append_curve(store__connection *writer, store__appending *conte
         .t = (const double *)(const void *)item->t.bytes + n_known,
         .values = (const double *)(const void *)item->values.bytes + n_known * context->n_columns,
     };
-    status = insert_samples(writer, context, &rest, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(insert_samples(writer, context, &rest, err));
     if (n_known > 0 && item->event.n > 0)
         return emit_rest(writer, context, &rest, err);
     return store__insert_event(writer, &context->row, API_EVENT_CURVE, rest.first, &item->event,
@@ -190,11 +178,9 @@ static bf_status replace_figures(store__connection *writer, store__row *row, con
                                  bf_error *err)
 {
     memcpy(row->run.figures, item->run_figures, sizeof row->run.figures);
-    bf_status status = store__put_text(writer, row->rowid, STORE__TEXT_FIGURES, item->figures.bytes,
-                                       item->figures.n, err);
-    return status == BF_OK
-               ? store__insert_event(writer, row, API_EVENT_FIGURES, 0, &item->event, err)
-               : status;
+    BF_TRY(store__put_text(writer, row->rowid, STORE__TEXT_FIGURES, item->figures.bytes,
+                           item->figures.n, err));
+    return store__insert_event(writer, row, API_EVENT_FIGURES, 0, &item->event, err);
 }
 
 static bf_status append_change(store__connection *writer, store__appending *context,
@@ -254,11 +240,9 @@ static bf_status replace_checkpoint(store__connection *writer, store__appending 
     if (batch->checkpoint == NULL)
         return BF_OK;
     row->checkpoint_step = batch->step;
-    bf_status status = store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err);
-    if (status == BF_OK)
-        status = store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, 0,
-                                      compressed_checkpoint(context), err);
-    return status;
+    BF_TRY(store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err));
+    return store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, 0,
+                                compressed_checkpoint(context), err);
 }
 
 static bool is_hidden(const store_item *item)
@@ -285,18 +269,14 @@ bf_status store__apply_batch(store__connection *writer, store__appending *contex
     context->row = *row;
     context->n_bytes = 0;
     context->has_changes = false;
-    bf_status status = note_sizes(&context->row, batch->grid, &batch->parts, err);
-    if (status == BF_OK)
-        status = store__note_sender(writer, row, batch->token, err);
-    for (size_t i = 0; i < batch->n && status == BF_OK; i++)
-        status = append_item(writer, context, i, err);
-    if (status == BF_OK && context->n_bytes > 0)
-        status = store__exec(writer, STORE__SQL_GROW_RESULTS, err, INTEGER(context->row.results),
-                             INTEGER(context->n_bytes));
-    if (status == BF_OK)
-        status = replace_checkpoint(writer, context, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(note_sizes(&context->row, batch->grid, &batch->parts, err));
+    BF_TRY(store__note_sender(writer, row, batch->token, err));
+    for (size_t i = 0; i < batch->n; i++)
+        BF_TRY(append_item(writer, context, i, err));
+    if (context->n_bytes > 0)
+        BF_TRY(store__exec(writer, STORE__SQL_GROW_RESULTS, err, INTEGER(context->row.results),
+                           INTEGER(context->n_bytes)));
+    BF_TRY(replace_checkpoint(writer, context, err));
     *row = context->row;
     if (brings_nothing_visible(batch))
         return BF_OK;

@@ -322,14 +322,13 @@ static bf_status check_version(const verification *v, const char *path, bf_error
 {
     int version = 0;
 
-    bf_status status = store__identify(v->reader.db, path, &version, err);
-    if (status == BF_OK && version != store__version)
-        status =
-            bf_fail(err, BF_ESYSTEM, "",
-                    "%s is of version %d, and this program checks version %d: a daemon's start "
-                    "brings it up to date",
-                    path, version, store__version);
-    return status;
+    BF_TRY(store__identify(v->reader.db, path, &version, err));
+    if (version != store__version)
+        return bf_fail(err, BF_ESYSTEM, "",
+                       "%s is of version %d, and this program checks version %d: a daemon's start "
+                       "brings it up to date",
+                       path, version, store__version);
+    return BF_OK;
 }
 
 bf_status store_verify(const char *path, store_verify_fn *take, void *context, bool *ret_is_sound,

@@ -120,11 +120,11 @@ static bf_status check_place(store__connection *writer, int64_t results, store__
 
     if (at == 0)
         return store__delete_chunks(writer, results, kind, item, err);
-    bf_status status = store__count_chunks(writer, results, kind, item, &n, err);
-    if (status == BF_OK && (at % STORE__SLICE_BYTES != 0 || n != at / STORE__SLICE_BYTES))
+    BF_TRY(store__count_chunks(writer, results, kind, item, &n, err));
+    if (at % STORE__SLICE_BYTES != 0 || n != at / STORE__SLICE_BYTES)
         return bf_fail(err, BF_ECORRUPT, "", "an array has a gap: byte %llu came after %llu slices",
                        (unsigned long long)at, (unsigned long long)n);
-    return status;
+    return BF_OK;
 }
 
 bf_status store__insert_chunks(store__connection *writer, int64_t results, store__blob kind,
@@ -135,14 +135,14 @@ bf_status store__insert_chunks(store__connection *writer, int64_t results, store
 
     if (compressed->n == 0)
         return BF_OK;
-    bf_status status = check_place(writer, results, kind, item, at, err);
-    for (size_t from = 0, n = 0; from < compressed->n && status == BF_OK; from += n, slice++) {
+    BF_TRY(check_place(writer, results, kind, item, at, err));
+    for (size_t from = 0, n = 0; from < compressed->n; from += n, slice++) {
         n = ZSTD_findFrameCompressedSize(compressed->bytes + from, compressed->n - from);
         BF_CHECK(!ZSTD_isError(n)); // it comes from store__pack()
-        status = store__exec(writer, STORE__SQL_INSERT_CHUNK, err, INTEGER(results), INTEGER(kind),
-                             INTEGER(item), INTEGER(slice), BLOB(compressed->bytes + from, n));
+        BF_TRY(store__exec(writer, STORE__SQL_INSERT_CHUNK, err, INTEGER(results), INTEGER(kind),
+                           INTEGER(item), INTEGER(slice), BLOB(compressed->bytes + from, n)));
     }
-    return status;
+    return BF_OK;
 }
 
 bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind, uint64_t item,
@@ -178,11 +178,10 @@ bf_status store__count_chunks(store__connection *c, int64_t results, store__blob
 {
     int64_t n = 0;
 
-    bf_status status = store__find_number(c, STORE__SQL_COUNT_CHUNKS, &n, err, INTEGER(results),
-                                          INTEGER(kind), INTEGER(item));
-    if (status == BF_OK)
-        *ret_n = (uint64_t)n;
-    return status;
+    BF_TRY(store__find_number(c, STORE__SQL_COUNT_CHUNKS, &n, err, INTEGER(results), INTEGER(kind),
+                              INTEGER(item)));
+    *ret_n = (uint64_t)n;
+    return BF_OK;
 }
 
 bf_status store__delete_chunks(store__connection *writer, int64_t results, store__blob kind,

@@ -34,10 +34,8 @@ static bf_status read_texts(store__connection *reader, const store__row *row, st
     job->run = row->run;
     job->wall_s = row->wall_s;
     job->cpu_s = row->cpu_s;
-    bf_status status = store__get_run_text(reader, row, STORE__TEXT_SCENARIO, &job->scenario, err);
-    return status != BF_OK
-               ? status
-               : store__get_text(reader, row->rowid, STORE__TEXT_COLUMNS, &job->columns, err);
+    BF_TRY(store__get_run_text(reader, row, STORE__TEXT_SCENARIO, &job->scenario, err));
+    return store__get_text(reader, row->rowid, STORE__TEXT_COLUMNS, &job->columns, err);
 }
 
 // A damaged checkpoint costs the run its progress, not the queue behind it its turn: the run starts
@@ -83,13 +81,9 @@ static bf_status begin_run(store__connection *writer, store__operation *operatio
                            store_job *job, bf_error *err)
 {
     row->attempts++;
-    bf_status status = store__check_study(writer, row, err);
-    if (status == BF_OK)
-        status = store__transition(writer, row, RUN_RUNNING, err);
-    if (status == BF_OK)
-        status = store__end_turn(writer, row, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__check_study(writer, row, err));
+    BF_TRY(store__transition(writer, row, RUN_RUNNING, err));
+    BF_TRY(store__end_turn(writer, row, err));
     job->run = row->run;
     memcpy(operation->changed, row->run.id, API_ID_SIZE);
     return BF_OK;
@@ -100,8 +94,8 @@ static bf_status apply_claim(store__connection *writer, store__operation *operat
     store_job *job = operation->context;
     store__row row;
 
-    bf_status status = store__find_row(writer, job->run.id, &row, err);
-    return status == BF_OK ? begin_run(writer, operation, &row, job, err) : status;
+    BF_TRY(store__find_row(writer, job->run.id, &row, err));
+    return begin_run(writer, operation, &row, job, err);
 }
 
 bf_status store__apply_next(store__connection *writer, store__operation *operation, bf_error *err)
@@ -109,12 +103,11 @@ bf_status store__apply_next(store__connection *writer, store__operation *operati
     store__claiming *claiming = operation->context;
     store__row row;
 
-    bf_status status = store__find_next(writer, claiming->store, claiming->with_trials, &row, err);
-    if (status == BF_OK && row.checkpoint_step != 0)
+    BF_TRY(store__find_next(writer, claiming->store, claiming->with_trials, &row, err));
+    if (row.checkpoint_step != 0)
         return bf_fail(err, BF_ECONFLICT, "", "the checkpoint of the next run is to be read first");
-    if (status == BF_OK)
-        status = read_texts(writer, &row, &claiming->job, err);
-    return status == BF_OK ? begin_run(writer, operation, &row, &claiming->job, err) : status;
+    BF_TRY(read_texts(writer, &row, &claiming->job, err));
+    return begin_run(writer, operation, &row, &claiming->job, err);
 }
 
 bf_status store_claim(store *s, bool with_trials, store_job *ret_job, bf_error *err)
@@ -151,11 +144,11 @@ static bf_status apply_external_id(store__connection *writer, store__operation *
 {
     const external_id_context *context = operation->context;
 
-    bf_status status = store__exec(writer, STORE__SQL_SET_EXTERNAL_ID, err, TEXT(context->id),
-                                   TEXT(context->external_id));
-    if (status == BF_OK && sqlite3_changes(writer->db) == 0)
+    BF_TRY(store__exec(writer, STORE__SQL_SET_EXTERNAL_ID, err, TEXT(context->id),
+                       TEXT(context->external_id)));
+    if (sqlite3_changes(writer->db) == 0)
         return bf_fail(err, BF_ECONFLICT, "", "the run is not running");
-    return status;
+    return BF_OK;
 }
 
 bf_status store_set_external_id(store *s, const char *id, const char *external_id, bf_error *err)
@@ -230,12 +223,10 @@ static bf_status find_changed(store__connection *writer, store__operation *opera
 {
     change_context *context = operation->context;
 
-    bf_status status = store__find_row(writer, context->id, &context->row, err);
-    if (status == BF_OK)
-        status = check_revision(&context->row.run, context->revision, err);
-    if (status == BF_OK)
-        memcpy(operation->changed, context->row.run.id, API_ID_SIZE);
-    return status;
+    BF_TRY(store__find_row(writer, context->id, &context->row, err));
+    BF_TRY(check_revision(&context->row.run, context->revision, err));
+    memcpy(operation->changed, context->row.run.id, API_ID_SIZE);
+    return BF_OK;
 }
 
 // Ask for a running run to be stopped, unless as much is asked already (I14).
@@ -255,9 +246,7 @@ static bf_status apply_cancel(store__connection *writer, store__operation *opera
     change_context *context = operation->context;
     store__row *row = &context->row;
 
-    bf_status status = find_changed(writer, operation, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(find_changed(writer, operation, err));
     if (row->run.state == RUN_RUNNING)
         return request_stop(writer, operation, row, STORE_STOP_CANCEL, err);
     if (run_state_is_end(row->run.state))
@@ -280,24 +269,20 @@ static bf_status apply_annotate(store__connection *writer, store__operation *ope
     const api_annotations *to = context->annotations;
     store__row *row = &((annotate_context *)operation->context)->change.row;
 
-    bf_status status = find_changed(writer, operation, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(find_changed(writer, operation, err));
     memcpy(row->run.name, to->name, sizeof row->run.name);
     memcpy(row->run.label, to->label, sizeof row->run.label);
     if (strcmp(row->run.line, to->line) != 0) {
         memcpy(row->run.line, to->line, sizeof row->run.line);
-        status = store__renumber_version(writer, row, err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(store__renumber_version(writer, row, err));
     }
     memcpy(row->run.notes, to->notes, sizeof row->run.notes);
     row->run.is_starred = to->is_starred;
-    status =
-        store__exec(writer, STORE__SQL_ANNOTATE_RUN, err, TEXT(to->name), TEXT(to->label),
-                    TEXT(to->notes), INTEGER(to->is_starred), TEXT(row->run.line),
-                    INTEGER(row->run.line_version), TEXT(row->line_scenario), INTEGER(row->rowid));
-    return status == BF_OK ? store__save_row(writer, row, err) : status;
+    BF_TRY(store__exec(writer, STORE__SQL_ANNOTATE_RUN, err, TEXT(to->name), TEXT(to->label),
+                       TEXT(to->notes), INTEGER(to->is_starred), TEXT(row->run.line),
+                       INTEGER(row->run.line_version), TEXT(row->line_scenario),
+                       INTEGER(row->rowid)));
+    return store__save_row(writer, row, err);
 }
 
 bf_status store_annotate(store *s, const char *id, uint64_t revision, const api_annotations *to,
@@ -305,10 +290,9 @@ bf_status store_annotate(store *s, const char *id, uint64_t revision, const api_
 {
     annotate_context context = { .change = { .id = id, .revision = revision }, .annotations = to };
 
-    bf_status status = store__write(s, apply_annotate, &context, err);
-    if (status == BF_OK)
-        *ret_run = context.change.row.run;
-    return status;
+    BF_TRY(store__write(s, apply_annotate, &context, err));
+    *ret_run = context.change.row.run;
+    return BF_OK;
 }
 
 uint64_t store_count_commits(const store *s)
@@ -325,10 +309,9 @@ bf_status store_cancel(store *s, const char *id, uint64_t revision, api_run *ret
 {
     change_context context = { .id = id, .revision = revision };
 
-    bf_status status = store__write_freeing(s, apply_cancel, &context, err);
-    if (status == BF_OK)
-        *ret_run = context.row.run;
-    return status;
+    BF_TRY(store__write_freeing(s, apply_cancel, &context, err));
+    *ret_run = context.row.run;
+    return BF_OK;
 }
 
 /// A run to be removed, and then its results, step by step.

@@ -286,12 +286,10 @@ bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out,
 
 bf_status store__begin_transaction(store__connection *c, bf_error *err)
 {
-    bf_status status = BF_OK;
-
     // The rollback of the one before may have failed, for want of memory.
     if (sqlite3_get_autocommit(c->db) == 0)
-        status = store__run_plain(c, STORE__SQL_ROLLBACK, err);
-    return status == BF_OK ? store__run_plain(c, STORE__SQL_BEGIN_WRITE, err) : status;
+        BF_TRY(store__run_plain(c, STORE__SQL_ROLLBACK, err));
+    return store__run_plain(c, STORE__SQL_BEGIN_WRITE, err);
 }
 
 bf_status store__end_transaction(store__connection *c, bf_status status, bf_error *err)

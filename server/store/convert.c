@@ -67,17 +67,15 @@ static bf_status check_size(const store *s, uint64_t n_bytes, bf_error *err)
 static bf_status write_new(const store *s, sqlite3 *db, uint64_t n_bytes, const char *file,
                            bf_error *err)
 {
-    bf_status status = check_size(s, n_bytes, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(check_size(s, n_bytes, err));
     // SQLite would create the file readable by others.
     int fd = open(file, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (fd < 0)
         return bf_fail(err, BF_ESYSTEM, "", "cannot create %.200s: %s", file, strerror(errno));
     (void)close(fd);
     (void)sqlite3_busy_timeout(db, 0);
-    status = store__copy_with_sums(db, file, err);
-    return status == BF_OK ? leave_log(db, err) : status;
+    BF_TRY(store__copy_with_sums(db, file, err));
+    return leave_log(db, err);
 }
 
 // True: it is ours, and its pages have no sums. What cannot be opened is reported by who opens it next.
@@ -120,9 +118,8 @@ bf_status store__convert(const store *s, bf_error *err)
     const uint64_t n_bytes = stat(s->path, &info) == 0 ? (uint64_t)info.st_size : 0;
     if (!convert_to(s, file, n_bytes))
         return BF_OK;
-    bf_status status = file_io_take_place(file, s->path, err);
-    if (status == BF_OK)
-        log_event(LOG_LEVEL_INFO, "page_sums_added", "bytes=%" PRIu64 " ms=%" PRId64, n_bytes,
-                  clock_monotonic_ms() - begin_ms);
-    return status;
+    BF_TRY(file_io_take_place(file, s->path, err));
+    log_event(LOG_LEVEL_INFO, "page_sums_added", "bytes=%" PRIu64 " ms=%" PRId64, n_bytes,
+              clock_monotonic_ms() - begin_ms);
+    return BF_OK;
 }

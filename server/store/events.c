@@ -16,14 +16,11 @@
 bf_status store__insert_event(store__connection *writer, store__row *row, api_event_type type,
                               uint64_t item, const bf_buffer *data, bf_error *err)
 {
-    bf_status status =
-        store__exec(writer, STORE__SQL_INSERT_EVENT, err, INTEGER(row->rowid), INTEGER(type),
-                    INTEGER(item), TEXT_OF(data->n > 0 ? data->bytes : "", data->n));
-    if (status == BF_OK) {
-        row->run.last_event = (uint64_t)sqlite3_last_insert_rowid(writer->db);
-        row->n_bytes += data->n;
-    }
-    return status;
+    BF_TRY(store__exec(writer, STORE__SQL_INSERT_EVENT, err, INTEGER(row->rowid), INTEGER(type),
+                       INTEGER(item), TEXT_OF(data->n > 0 ? data->bytes : "", data->n)));
+    row->run.last_event = (uint64_t)sqlite3_last_insert_rowid(writer->db);
+    row->n_bytes += data->n;
+    return BF_OK;
 }
 
 bf_status store__emit_events(store__connection *writer, store__row *row, bf_error *err)
@@ -104,9 +101,7 @@ static bf_status describe_snapshot(store__connection *reader, const store__row *
 {
     api_snapshot found;
 
-    bf_status status = store__find_snapshot(reader, row->results, index, &found, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__find_snapshot(reader, row->results, index, &found, err));
     frame_snapshot about = {
         .index = index,
         .t = found.t,
@@ -166,11 +161,10 @@ static bf_status find_head(store__connection *reader, event_merge *merge, size_t
 {
     int64_t event = 0;
 
-    bf_status status = store__find_number(reader, STORE__SQL_NEXT_EVENT, &event, err,
-                                          INTEGER(merge->rows[which].rowid), INTEGER(after));
-    if (status == BF_OK)
-        merge->heads[which] = (uint64_t)event;
-    return status;
+    BF_TRY(store__find_number(reader, STORE__SQL_NEXT_EVENT, &event, err,
+                              INTEGER(merge->rows[which].rowid), INTEGER(after)));
+    merge->heads[which] = (uint64_t)event;
+    return BF_OK;
 }
 
 // Copies an event whose type, item and data are the columns from `first` on.
@@ -188,12 +182,10 @@ static bf_status copy_event(const store__query *q, int first, event_merge *merge
     if ((unsigned)copied.type >= API_EVENT_TYPE_COUNT)
         return bf_fail(err, BF_ECORRUPT, "", "event %llu is damaged",
                        (unsigned long long)copied.id);
-    bf_status status = store__column_bytes(q, first + 2, &merge->data, err);
-    if (status == BF_OK && merge->data.n == copied.at)
-        status = describe_event(q->connection, &merge->rows[which], copied.type, copied.snapshot,
-                                &merge->data, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__column_bytes(q, first + 2, &merge->data, err));
+    if (merge->data.n == copied.at)
+        BF_TRY(describe_event(q->connection, &merge->rows[which], copied.type, copied.snapshot,
+                              &merge->data, err));
     copied.n = merge->data.n - copied.at;
     // Each text keeps the terminating zero that append writes.
     if (buffer_append(&merge->data, "", 1) != BF_OK ||
@@ -230,18 +222,16 @@ static size_t find_oldest(const event_merge *merge)
 static bf_status begin_merge(store__connection *reader, const char (*runs)[API_ID_SIZE],
                              uint64_t after, event_merge *merge, bf_error *err)
 {
-    bf_status status = BF_OK;
-
-    for (size_t i = 0; i < merge->n_runs && status == BF_OK; i++) {
+    for (size_t i = 0; i < merge->n_runs; i++) {
         store__row *row = &merge->rows[i];
         bf_status found = store__find_row(reader, runs[i], row, err);
         if (found == BF_ENOTFOUND)
             continue;
-        status = found == BF_OK && row->run.last_event > after
-                     ? find_head(reader, merge, i, after, err)
-                     : found;
+        BF_TRY(found == BF_OK && row->run.last_event > after
+                   ? find_head(reader, merge, i, after, err)
+                   : found);
     }
-    return status;
+    return BF_OK;
 }
 
 static bf_status copy_events(store__connection *reader, const char (*runs)[API_ID_SIZE],
@@ -265,9 +255,8 @@ static bf_status pass_events(const event_merge *merge, const char (*runs)[API_ID
 {
     const copied_event *copied = (const copied_event *)(const void *)merge->copied.bytes;
     size_t n = merge->copied.n / sizeof *copied;
-    bf_status status = BF_OK;
 
-    for (size_t i = 0; i < n && status == BF_OK; i++) {
+    for (size_t i = 0; i < n; i++) {
         api_event event = {
             .id = copied[i].id,
             .type = copied[i].type,
@@ -276,9 +265,9 @@ static bf_status pass_events(const event_merge *merge, const char (*runs)[API_ID
             .data = merge->data.bytes + copied[i].at,
         };
         memcpy(event.run, runs[copied[i].which], sizeof event.run);
-        status = take(take_context, &event, err);
+        BF_TRY(take(take_context, &event, err));
     }
-    return status;
+    return BF_OK;
 }
 
 bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_runs,

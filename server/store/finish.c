@@ -87,24 +87,17 @@ static bf_status apply_finish(store__connection *writer, store__operation *opera
     const store_ending *ending = context->ending;
     store__row *row = &context->row;
 
-    bf_status status = store__find_row(writer, ending->run_id, row, err);
-    if (status == BF_OK)
-        status = store__check_running(row, err);
-    if (status == BF_OK && context->last != NULL)
-        status = store__apply_batch(writer, context->last, row, err);
-    if (status == BF_OK)
-        status = check_whole(row, ending, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__find_row(writer, ending->run_id, row, err));
+    BF_TRY(store__check_running(row, err));
+    if (context->last != NULL)
+        BF_TRY(store__apply_batch(writer, context->last, row, err));
+    BF_TRY(check_whole(row, ending, err));
     memcpy(operation->changed, row->run.id, API_ID_SIZE);
     const bool is_last = ending->state == RUN_QUEUED && !may_go_back(context, row);
     if (ending->state == RUN_FAILED)
         row->run.error = ending->error;
-    status = store__charge(writer, row, ending->cpu_s, err);
-    if (status == BF_OK)
-        status = put_summary(writer, ending, row, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__charge(writer, row, ending->cpu_s, err));
+    BF_TRY(put_summary(writer, ending, row, err));
     return store__transition(writer, row, is_last ? RUN_FAILED : ending->state, err);
 }
 

@@ -115,11 +115,11 @@ static bf_status insert_answer(store__connection *writer, const store__key *key,
 {
     if (key->text[0] == '\0')
         return BF_OK;
-    bf_status status = store__exec(writer, STORE__SQL_INSERT_KEY, err, TEXT(key->route),
-                                   TEXT(key->text), BLOB(key->digest, sizeof key->digest),
-                                   TEXT(accepted->id), INTEGER(accepted->revision), INTEGER(at_ms),
-                                   TEXT_OF(accepted->answer.bytes, accepted->answer.n));
-    return status == BF_OK ? trim_keys(writer, key, err) : status;
+    BF_TRY(store__exec(writer, STORE__SQL_INSERT_KEY, err, TEXT(key->route), TEXT(key->text),
+                       BLOB(key->digest, sizeof key->digest), TEXT(accepted->id),
+                       INTEGER(accepted->revision), INTEGER(at_ms),
+                       TEXT_OF(accepted->answer.bytes, accepted->answer.n)));
+    return trim_keys(writer, key, err);
 }
 
 typedef struct accept_context {

@@ -25,12 +25,12 @@ static bf_status check_count(store__connection *writer, bf_error *err)
 {
     int64_t n = 0;
 
-    bf_status status = store__read_number(writer, STORE__SQL_COUNT_MEASUREMENTS, &n, err);
-    if (status == BF_OK && n >= API_MEASUREMENTS_MAX)
+    BF_TRY(store__read_number(writer, STORE__SQL_COUNT_MEASUREMENTS, &n, err));
+    if (n >= API_MEASUREMENTS_MAX)
         return bf_fail(err, BF_ECONFLICT, "",
                        "%lld measurements are stored, the limit is %d: remove some first",
                        (long long)n, API_MEASUREMENTS_MAX);
-    return status;
+    return BF_OK;
 }
 
 static bf_status apply_add(store__connection *writer, store__operation *operation, bf_error *err)
@@ -60,19 +60,14 @@ bf_status store_add_measurement(store *s, const api_measurement *measurement,
 {
     measure_context context = { .store = s, .about = *measurement, .curve = curve, .csv = csv };
 
-    bf_status status = run_id_make(context.about.id, err);
-    if (status != BF_OK)
-        return status;
-    status = store__check_room(s, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(run_id_make(context.about.id, err));
+    BF_TRY(store__check_room(s, err));
     context.about.created_ms = clock_unix_ms();
     if (context.about.kind == API_MEASURED_CURVE)
         context.about.n_samples = curve->n;
-    status = store__write(s, apply_add, &context, err);
-    if (status == BF_OK)
-        *ret_measurement = context.about;
-    return status;
+    BF_TRY(store__write(s, apply_add, &context, err));
+    *ret_measurement = context.about;
+    return BF_OK;
 }
 
 static bf_status apply_remove(store__connection *writer, store__operation *operation, bf_error *err)
@@ -80,10 +75,10 @@ static bf_status apply_remove(store__connection *writer, store__operation *opera
     const measure_context *context = operation->context;
     const char *id = context->about.id;
 
-    bf_status status = store__exec(writer, STORE__SQL_DELETE_MEASUREMENT, err, TEXT(id));
-    if (status == BF_OK && sqlite3_changes(writer->db) == 0)
+    BF_TRY(store__exec(writer, STORE__SQL_DELETE_MEASUREMENT, err, TEXT(id)));
+    if (sqlite3_changes(writer->db) == 0)
         return fail_absent(id, err);
-    return status;
+    return BF_OK;
 }
 
 bf_status store_remove_measurement(store *s, const char *id, bf_error *err)

@@ -38,10 +38,9 @@ bf_status store__charge(store__connection *writer, store__row *row, double cpu_s
 
     if (!isfinite(more_s) || more_s <= 0.0)
         return BF_OK;
-    bf_status status = store__charge_owner(writer, row->run.owner, more_s, err);
-    if (status == BF_OK)
-        row->cpu_s = cpu_s;
-    return status;
+    BF_TRY(store__charge_owner(writer, row->run.owner, more_s, err));
+    row->cpu_s = cpu_s;
+    return BF_OK;
 }
 
 // The number that a statement finds for an owner; 0 without a row.
@@ -50,10 +49,9 @@ static bf_status read_for(store__connection *c, store__sql sql, const char *owne
 {
     int64_t value = 0;
 
-    bf_status status = store__find_number(c, sql, &value, err, TEXT(owner));
-    if (status == BF_OK)
-        *ret_value = (uint64_t)value;
-    return status;
+    BF_TRY(store__find_number(c, sql, &value, err, TEXT(owner)));
+    *ret_value = (uint64_t)value;
+    return BF_OK;
 }
 
 // The hours that count at the moment are behind `since`, up to `until`. Later ones are of a clock that was set back.
@@ -167,21 +165,20 @@ bf_status store__check_owner(store__connection *writer, const store *s, const ch
 {
     const int64_t now_ms = clock_unix_ms();
     api_quota waiting = { .allowed = s->quotas.n_waiting }, cpu = { .allowed = s->quotas.cpu_s };
-    bf_status status = BF_OK;
 
     if (owner[0] == '\0')
         return BF_OK;
     if (waiting.allowed > 0)
-        status = read_for(writer, STORE__SQL_COUNT_QUEUED_OWNED, owner, &waiting.used, err);
-    if (status == BF_OK && is_used_up(&waiting)) {
+        BF_TRY(read_for(writer, STORE__SQL_COUNT_QUEUED_OWNED, owner, &waiting.used, err));
+    if (is_used_up(&waiting)) {
         metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_QUEUE, 1);
         return bf_fail(err, BF_ELIMIT, "",
                        "%" PRIu64 " runs of %s wait, of %" PRIu64 " allowed (owner_queue)",
                        waiting.used, owner, waiting.allowed);
     }
-    if (status == BF_OK && cpu.allowed > 0)
-        status = read_cpu(writer, owner, now_ms, &cpu, err);
-    if (status == BF_OK && is_used_up(&cpu)) {
+    if (cpu.allowed > 0)
+        BF_TRY(read_cpu(writer, owner, now_ms, &cpu, err));
+    if (is_used_up(&cpu)) {
         *ret_retry_s = (unsigned)((cpu.release_ms - now_ms + 999) / 1000);
         metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_CPU, 1);
         return bf_fail(err, BF_ELIMIT, "",
@@ -189,7 +186,7 @@ bf_status store__check_owner(store__connection *writer, const store *s, const ch
                        " allowed (owner_cpu_s)",
                        owner, cpu.used, QUOTA_HOURS, cpu.allowed);
     }
-    return status;
+    return BF_OK;
 }
 
 bf_status store__is_held(store__connection *reader, const store *s, const char *owner,
@@ -213,7 +210,6 @@ bf_status store__forget_use(store__connection *writer, bf_error *err)
     int64_t since, until;
 
     find_hours(clock_unix_ms(), &since, &until);
-    bf_status status =
-        store__exec(writer, STORE__SQL_EXPIRE_CPU_SUMS, err, INTEGER(since), INTEGER(until));
-    return status == BF_OK ? store__run_plain(writer, STORE__SQL_FORGET_OWNERS, err) : status;
+    BF_TRY(store__exec(writer, STORE__SQL_EXPIRE_CPU_SUMS, err, INTEGER(since), INTEGER(until)));
+    return store__run_plain(writer, STORE__SQL_FORGET_OWNERS, err);
 }

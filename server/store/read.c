@@ -133,25 +133,23 @@ bf_status store__find_snapshot(store__connection *reader, int64_t results, uint6
 {
     bool has_row = false;
 
-    const bf_status status =
-        store__find(reader, STORE__SQL_GET_SNAPSHOT, &snapshot_record, ret_snapshot, &has_row, err,
-                    INTEGER(results), INTEGER(index));
-    if (status == BF_OK && !has_row)
+    BF_TRY(store__find(reader, STORE__SQL_GET_SNAPSHOT, &snapshot_record, ret_snapshot, &has_row,
+                       err, INTEGER(results), INTEGER(index)));
+    if (!has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no snapshot %llu",
                        (unsigned long long)index);
-    return status;
+    return BF_OK;
 }
 
 bf_status store__find_array(store__connection *reader, const char *id, store__blob kind,
                             uint64_t index, store__row *row, api_snapshot *ret_snapshot,
                             bf_error *err)
 {
-    bf_status status = store__find_row(reader, id, row, err);
-    if (status == BF_OK && kind == STORE__BLOB_PARTS && row->run.parts.n_values == 0)
+    BF_TRY(store__find_row(reader, id, row, err));
+    if (kind == STORE__BLOB_PARTS && row->run.parts.n_values == 0)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
                        run_model_words[row->run.model]);
-    return status == BF_OK ? store__find_snapshot(reader, row->results, index, ret_snapshot, err)
-                           : status;
+    return store__find_snapshot(reader, row->results, index, ret_snapshot, err);
 }
 
 // What is read of a snapshot: its row, the run's, and one of its blobs.

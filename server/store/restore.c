@@ -91,14 +91,14 @@ static bf_status check_copy(const char *file, bf_error *err)
                        "%.300s has a log beside it, so it is in use: restore a copy that "
                        "beltflowd backup made",
                        file);
-    bf_status status = check_database(file, true, &version, err);
-    if (status == BF_OK && version == store__version)
-        status = store_verify(file, note_first, found, &is_sound, err);
-    if (status == BF_OK && !is_sound)
-        status = bf_fail(err, BF_EINPUT, "", "%.100s is damaged: %.200s", file, found);
-    if (status == BF_OK && access(join(file, ".access", log), F_OK) == 0)
-        status = check_database(log, false, &version, err);
-    return status;
+    BF_TRY(check_database(file, true, &version, err));
+    if (version == store__version)
+        BF_TRY(store_verify(file, note_first, found, &is_sound, err));
+    if (!is_sound)
+        return bf_fail(err, BF_EINPUT, "", "%.100s is damaged: %.200s", file, found);
+    if (access(join(file, ".access", log), F_OK) == 0)
+        BF_TRY(check_database(log, false, &version, err));
+    return BF_OK;
 }
 
 // Nobody else may have the directory from here on; the lock goes with the descriptor.

@@ -27,12 +27,10 @@ bf_status store__insert_results(store__connection *writer, const unsigned char *
     char solver[SOLVER_NAME_SIZE];
 
     (void)solver_name(solver);
-    bf_status status =
-        store__exec(writer, STORE__SQL_INSERT_RESULTS, err,
-                    BLOB(digest, digest == NULL ? 0 : STORE__DIGEST_SIZE), TEXT(solver));
-    if (status == BF_OK)
-        row->results = sqlite3_last_insert_rowid(writer->db);
-    return status;
+    BF_TRY(store__exec(writer, STORE__SQL_INSERT_RESULTS, err,
+                       BLOB(digest, digest == NULL ? 0 : STORE__DIGEST_SIZE), TEXT(solver)));
+    row->results = sqlite3_last_insert_rowid(writer->db);
+    return BF_OK;
 }
 
 bf_status store__mark_results(store__connection *writer, int64_t results, store__results state,
@@ -55,11 +53,10 @@ static bf_status is_dear(store__connection *c, const store__row *solved, bool *r
 {
     int64_t n = 0;
 
-    bf_status status = store__find_number(c, STORE__SQL_COUNT_SOME_CHANGES, &n, err,
-                                          INTEGER(solved->rowid), INTEGER(REUSED_CHANGES_MAX + 1));
-    if (status == BF_OK)
-        *ret_is_dear = n > REUSED_CHANGES_MAX;
-    return status;
+    BF_TRY(store__find_number(c, STORE__SQL_COUNT_SOME_CHANGES, &n, err, INTEGER(solved->rowid),
+                              INTEGER(REUSED_CHANGES_MAX + 1)));
+    *ret_is_dear = n > REUSED_CHANGES_MAX;
+    return BF_OK;
 }
 
 bf_status store__find_solved(store__connection *c, const unsigned char digest[STORE__DIGEST_SIZE],
@@ -95,16 +92,15 @@ static bf_status copy_texts(store__connection *writer, const store__row *solved,
                             const bf_buffer *scenario, const bf_buffer *summary, store__row *row,
                             bf_error *err)
 {
-    bf_status status = copy_text(writer, solved->rowid, row->rowid, STORE__TEXT_COLUMNS, err);
-    if (status == BF_OK && row->run.figures[0] != '\0')
-        status = copy_text(writer, solved->rowid, row->rowid, STORE__TEXT_FIGURES, err);
-    if (status == BF_OK)
-        status = store__put_run_text(writer, row, STORE__TEXT_SCENARIO, scenario->bytes,
-                                     scenario->n, &row->n_bytes, err);
-    if (status == BF_OK && row->run.has_summary)
-        status = store__put_run_text(writer, row, STORE__TEXT_SUMMARY, summary->bytes, summary->n,
-                                     &row->n_bytes, err);
-    return status;
+    BF_TRY(copy_text(writer, solved->rowid, row->rowid, STORE__TEXT_COLUMNS, err));
+    if (row->run.figures[0] != '\0')
+        BF_TRY(copy_text(writer, solved->rowid, row->rowid, STORE__TEXT_FIGURES, err));
+    BF_TRY(store__put_run_text(writer, row, STORE__TEXT_SCENARIO, scenario->bytes, scenario->n,
+                               &row->n_bytes, err));
+    if (row->run.has_summary)
+        BF_TRY(store__put_run_text(writer, row, STORE__TEXT_SUMMARY, summary->bytes, summary->n,
+                                   &row->n_bytes, err));
+    return BF_OK;
 }
 
 static bf_status copy_events(store__connection *writer, const store__row *solved,
@@ -145,10 +141,8 @@ bf_status store__reuse_results(store__connection *writer, const store__row *solv
 static bf_status collect(store__connection *writer, int64_t results, bool *ret_is_over,
                          bf_error *err)
 {
-    bf_status status = store__exec(writer, STORE__SQL_COLLECT_CHUNKS, err, INTEGER(results),
-                                   INTEGER(COLLECT_CHUNKS));
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__exec(writer, STORE__SQL_COLLECT_CHUNKS, err, INTEGER(results),
+                       INTEGER(COLLECT_CHUNKS)));
     *ret_is_over = sqlite3_changes(writer->db) < COLLECT_CHUNKS;
     // Foreign keys delete with the set the samples and snapshots that refer to it (I9).
     return *ret_is_over ? store__exec(writer, STORE__SQL_DELETE_RESULTS, err, INTEGER(results))
@@ -160,21 +154,18 @@ bf_status store__collect_results(store__connection *writer, int64_t results, boo
 {
     int64_t are_used = 0;
 
-    bf_status status =
-        store__find_number(writer, STORE__SQL_ARE_USED, &are_used, err, INTEGER(results));
+    BF_TRY(store__find_number(writer, STORE__SQL_ARE_USED, &are_used, err, INTEGER(results)));
     bool is_over = are_used != 0;
-    if (status == BF_OK && !is_over)
-        status = collect(writer, results, &is_over, err);
-    if (status == BF_OK)
-        *ret_is_over = is_over;
-    return status;
+    if (!is_over)
+        BF_TRY(collect(writer, results, &is_over, err));
+    *ret_is_over = is_over;
+    return BF_OK;
 }
 
 // Foreign keys delete with the row the texts and events that refer to it (I9).
 bf_status store__remove_row(store__connection *writer, const store__row *row, bool *ret_is_over,
                             bf_error *err)
 {
-    bf_status status = store__exec(writer, STORE__SQL_DELETE_RUN, err, INTEGER(row->rowid));
-    return status == BF_OK ? store__collect_results(writer, row->results, ret_is_over, err)
-                           : status;
+    BF_TRY(store__exec(writer, STORE__SQL_DELETE_RUN, err, INTEGER(row->rowid)));
+    return store__collect_results(writer, row->results, ret_is_over, err);
 }

@@ -47,14 +47,11 @@ static bf_status find_rule(const step *st, const store__row *oldest, const char 
 {
     const store_retention *limits = &st->limits;
     int64_t age_ms = clock_unix_ms() - oldest->run.finished_ms, n_runs = 0, n_bytes = 0;
-    bf_status status = BF_OK;
 
     if (limits->n_runs > 0)
-        status = store__read_number(st->writer, STORE__SQL_COUNT_ENDED, &n_runs, err);
-    if (status == BF_OK && limits->n_bytes > 0)
-        status = count_bytes(st->writer, &n_bytes, err);
-    if (status != BF_OK)
-        return status;
+        BF_TRY(store__read_number(st->writer, STORE__SQL_COUNT_ENDED, &n_runs, err));
+    if (limits->n_bytes > 0)
+        BF_TRY(count_bytes(st->writer, &n_bytes, err));
     *ret_rule = limits->age_ms > 0 && age_ms > limits->age_ms                ? "retention_days"
                 : limits->n_runs > 0 && (uint64_t)n_runs > limits->n_runs    ? "retention_runs"
                 : limits->n_bytes > 0 && (uint64_t)n_bytes > limits->n_bytes ? "retention_bytes"
@@ -89,15 +86,15 @@ static bf_status find_first_to_go(const step *st, store__row *first, bf_error *e
 
     if (strcmp(st->rule, "retention_days") == 0)
         return BF_OK;
-    bf_status status = store__find_with(
+    BF_TRY(store__find_with(
         st->writer, is_of_runs ? STORE__SQL_OWNER_OF_MOST_RUNS : STORE__SQL_OWNER_OF_MOST_BYTES,
-        &owner_record, owner, &has_row, err, NULL, 0);
-    if (status == BF_OK && has_row)
-        status = store__find(st->writer, STORE__SQL_FIRST_TO_GO, &store__run_record, &row, &has_row,
-                             err, TEXT(owner));
-    if (status == BF_OK && has_row)
+        &owner_record, owner, &has_row, err, NULL, 0));
+    if (has_row)
+        BF_TRY(store__find(st->writer, STORE__SQL_FIRST_TO_GO, &store__run_record, &row, &has_row,
+                           err, TEXT(owner)));
+    if (has_row)
         *first = row;
-    return status;
+    return BF_OK;
 }
 
 static bf_status do_step(step *st, bf_error *err)
@@ -106,22 +103,18 @@ static bf_status do_step(step *st, bf_error *err)
     int64_t orphaned = 0;
     store__row oldest;
 
-    bf_status status = store__read_number(st->writer, STORE__SQL_FIND_ORPHANED, &orphaned, err);
-    if (status == BF_OK && orphaned != 0)
+    BF_TRY(store__read_number(st->writer, STORE__SQL_FIND_ORPHANED, &orphaned, err));
+    if (orphaned != 0)
         return store__collect_results(st->writer, orphaned, &is_over, err);
-    if (status == BF_OK)
-        status = store__mark_suspect(st->writer, st->changed, &has_suspect, err);
-    if (status == BF_OK && has_suspect)
+    BF_TRY(store__mark_suspect(st->writer, st->changed, &has_suspect, err));
+    if (has_suspect)
         return BF_OK;
-    if (status == BF_OK)
-        status = store__find_with(st->writer, STORE__SQL_OLDEST_ENDED, &store__run_record, &oldest,
-                                  &has_oldest, err, NULL, 0);
-    if (status == BF_OK && has_oldest)
-        status = find_rule(st, &oldest, &st->rule, err);
-    if (status == BF_OK && has_oldest && st->rule != NULL)
-        status = find_first_to_go(st, &oldest, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__find_with(st->writer, STORE__SQL_OLDEST_ENDED, &store__run_record, &oldest,
+                            &has_oldest, err, NULL, 0));
+    if (has_oldest)
+        BF_TRY(find_rule(st, &oldest, &st->rule, err));
+    if (has_oldest && st->rule != NULL)
+        BF_TRY(find_first_to_go(st, &oldest, err));
     if (st->rule != NULL) {
         memcpy(st->changed, oldest.run.id, API_ID_SIZE);
         // What is left over the next step finds.
@@ -129,17 +122,15 @@ static bf_status do_step(step *st, bf_error *err)
     }
     st->is_last = true;
     if (!has_oldest)
-        status = warn(st, err);
-    if (status == BF_OK)
-        status = store__expire_keys(st->writer, clock_unix_ms() - st->idempotency_ms, err);
-    return status == BF_OK ? store__forget_use(st->writer, err) : status;
+        BF_TRY(warn(st, err));
+    BF_TRY(store__expire_keys(st->writer, clock_unix_ms() - st->idempotency_ms, err));
+    return store__forget_use(st->writer, err);
 }
 
 static bf_status run_step(step *st, bf_error *err)
 {
-    bf_status status = store__begin_transaction(st->writer, err);
-
-    return status == BF_OK ? store__end_transaction(st->writer, do_step(st, err), err) : status;
+    BF_TRY(store__begin_transaction(st->writer, err));
+    return store__end_transaction(st->writer, do_step(st, err), err);
 }
 
 static void notify(const store *s, const step *st)

@@ -36,21 +36,19 @@ bf_status store__find_row(store__connection *c, const char *id, store__row *row,
 {
     bool has_row = false;
 
-    bf_status status =
-        store__find(c, STORE__SQL_FIND_RUN, &store__run_record, row, &has_row, err, TEXT(id));
-    if (status == BF_OK && !has_row)
+    BF_TRY(store__find(c, STORE__SQL_FIND_RUN, &store__run_record, row, &has_row, err, TEXT(id)));
+    if (!has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no run %.40s", id);
-    return status;
+    return BF_OK;
 }
 
 #define X(kind, column, member) kind(row->member),
 
 bf_status store__insert_row(store__connection *writer, store__row *row, bf_error *err)
 {
-    bf_status status = store__exec(writer, STORE__SQL_INSERT_RUN, err, STORE__RUN_LIST(X));
-    if (status == BF_OK)
-        row->rowid = sqlite3_last_insert_rowid(writer->db);
-    return status;
+    BF_TRY(store__exec(writer, STORE__SQL_INSERT_RUN, err, STORE__RUN_LIST(X)));
+    row->rowid = sqlite3_last_insert_rowid(writer->db);
+    return BF_OK;
 }
 
 bf_status store__save_row(store__connection *writer, store__row *row, bf_error *err)
@@ -78,7 +76,6 @@ static bf_status close_row(store__connection *writer, store__row *row, bf_error 
 bf_status store__transition(store__connection *writer, store__row *row, run_state to, bf_error *err)
 {
     const bool was_running = row->run.state == RUN_RUNNING;
-    bf_status status = BF_OK;
 
     if (to == RUN_QUEUED && row->stop_request != STORE_STOP_NONE)
         to = RUN_CANCELLED; // I14
@@ -94,11 +91,10 @@ bf_status store__transition(store__connection *writer, store__row *row, run_stat
     if (to == RUN_QUEUED && writer->queued_at_most < SIZE_MAX)
         writer->queued_at_most++;
     if (was_running)
-        status = store__delete_open_snapshots(writer, row->results, row->run.n_snapshots, err);
-    if (status == BF_OK && run_state_is_end(to))
-        status = close_row(writer, row, err);
-    if (status == BF_OK)
-        status = store__exec(writer, STORE__SQL_MOVE_RUN, err, INTEGER(row->run.state),
-                             INTEGER(row->run.finished_ms), INTEGER(row->rowid));
-    return status == BF_OK ? store__emit_events(writer, row, err) : status;
+        BF_TRY(store__delete_open_snapshots(writer, row->results, row->run.n_snapshots, err));
+    if (run_state_is_end(to))
+        BF_TRY(close_row(writer, row, err));
+    BF_TRY(store__exec(writer, STORE__SQL_MOVE_RUN, err, INTEGER(row->run.state),
+                       INTEGER(row->run.finished_ms), INTEGER(row->rowid)));
+    return store__emit_events(writer, row, err);
 }

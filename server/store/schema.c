@@ -477,13 +477,9 @@ bf_status store__identify(sqlite3 *db, const char *path, int *ret_version, bf_er
     int version = 0;
     int n_tables = 0;
 
-    bf_status status = read_integer(db, "PRAGMA application_id", &application, err);
-    if (status == BF_OK)
-        status = read_integer(db, "PRAGMA user_version", &version, err);
-    if (status == BF_OK)
-        status = read_integer(db, "SELECT count(*) FROM sqlite_schema", &n_tables, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(read_integer(db, "PRAGMA application_id", &application, err));
+    BF_TRY(read_integer(db, "PRAGMA user_version", &version, err));
+    BF_TRY(read_integer(db, "SELECT count(*) FROM sqlite_schema", &n_tables, err));
     bool is_empty = application == 0 && version == 0 && n_tables == 0;
     if (!is_empty && application != APPLICATION_ID)
         return bf_fail(err, BF_ESYSTEM, "", "%s is not a store of Beltflow", path);

@@ -49,17 +49,15 @@ typedef struct ends {
 static bf_status read_ends(store__connection *reader, slices *r, const char *id, ends *e,
                            bf_error *err)
 {
-    bf_status status = store__find_array(reader, id, r->kind, r->item, &e->row, &e->snapshot, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__find_array(reader, id, r->kind, r->item, &e->row, &e->snapshot, err));
     r->results = e->row.results;
-    status = store__count_chunks(reader, r->results, r->kind, r->item, &e->n_chunks, err);
-    if (status == BF_OK && e->n_chunks > 0)
-        status = store__get_chunk(reader, r->results, r->kind, r->item, 0, &e->first, err);
-    if (status == BF_OK && e->n_chunks > 0)
-        status =
-            store__get_chunk(reader, r->results, r->kind, r->item, e->n_chunks - 1, &e->last, err);
-    return status;
+    BF_TRY(store__count_chunks(reader, r->results, r->kind, r->item, &e->n_chunks, err));
+    if (e->n_chunks > 0)
+        BF_TRY(store__get_chunk(reader, r->results, r->kind, r->item, 0, &e->first, err));
+    if (e->n_chunks > 0)
+        BF_TRY(
+            store__get_chunk(reader, r->results, r->kind, r->item, e->n_chunks - 1, &e->last, err));
+    return BF_OK;
 }
 
 static bf_status fail_damaged(bf_error *err)

@@ -34,11 +34,11 @@ static bf_status check_stored(store__connection *writer, const store__row *row, 
 {
     uint64_t n_chunks = 0;
 
-    bf_status status = store__count_chunks(writer, row->results, kind, index, &n_chunks, err);
-    if (status == BF_OK && n_chunks != (n + STORE__SLICE_BYTES - 1) / STORE__SLICE_BYTES)
+    BF_TRY(store__count_chunks(writer, row->results, kind, index, &n_chunks, err));
+    if (n_chunks != (n + STORE__SLICE_BYTES - 1) / STORE__SLICE_BYTES)
         return bf_fail(err, BF_ECORRUPT, "", "an array of %llu bytes came in %llu slices",
                        (unsigned long long)n, (unsigned long long)n_chunks);
-    return status;
+    return BF_OK;
 }
 
 static bf_status complete(store__connection *writer, store__row *row, const store_item *item,
@@ -51,26 +51,23 @@ static bf_status complete(store__connection *writer, store__row *row, const stor
     if (n_density != store__array_bytes(&row->run, STORE__BLOB_SNAPSHOT))
         return bf_fail(err, BF_ECORRUPT, "", "a snapshot of %zu x %zu cells came as %llu bytes",
                        row->run.grid.n1, row->run.grid.n2, (unsigned long long)n_density);
-    bf_status status = check_parts(&row->run, n_parts, err);
+    BF_TRY(check_parts(&row->run, n_parts, err));
     // What came with this item is there.
-    if (status == BF_OK && item->rho_at > 0)
-        status = check_stored(writer, row, STORE__BLOB_SNAPSHOT, index, n_density, err);
-    if (status == BF_OK && item->parts_at > 0)
-        status = check_stored(writer, row, STORE__BLOB_PARTS, index, n_parts, err);
-    if (status == BF_OK)
-        status = store__exec(writer, STORE__SQL_INSERT_SNAPSHOT, err, INTEGER(row->results),
-                             INTEGER(index), REAL(snapshot->t), REAL(snapshot->peak),
-                             REAL(snapshot->mass));
+    if (item->rho_at > 0)
+        BF_TRY(check_stored(writer, row, STORE__BLOB_SNAPSHOT, index, n_density, err));
+    if (item->parts_at > 0)
+        BF_TRY(check_stored(writer, row, STORE__BLOB_PARTS, index, n_parts, err));
+    BF_TRY(store__exec(writer, STORE__SQL_INSERT_SNAPSHOT, err, INTEGER(row->results),
+                       INTEGER(index), REAL(snapshot->t), REAL(snapshot->peak),
+                       REAL(snapshot->mass)));
     // Of a snapshot that came in pieces the bytes are counted when it is whole.
-    if (status == BF_OK && item->rho_at + item->parts_at > 0)
-        status =
-            store__exec(writer, STORE__SQL_COUNT_SNAPSHOT, err, INTEGER(row->results),
-                        INTEGER(index), INTEGER(STORE__BLOB_SNAPSHOT), INTEGER(STORE__BLOB_PARTS));
-    if (status == BF_OK)
-        status = store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err);
-    if (status == BF_OK)
-        row->run.n_snapshots++;
-    return status;
+    if (item->rho_at + item->parts_at > 0)
+        BF_TRY(store__exec(writer, STORE__SQL_COUNT_SNAPSHOT, err, INTEGER(row->results),
+                           INTEGER(index), INTEGER(STORE__BLOB_SNAPSHOT),
+                           INTEGER(STORE__BLOB_PARTS)));
+    BF_TRY(store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err));
+    row->run.n_snapshots++;
+    return BF_OK;
 }
 
 bf_status store__append_snapshot(store__connection *writer, store__row *row, const store_item *item,

@@ -119,9 +119,8 @@ static bf_status apply_probe(store__connection *writer, store__operation *operat
 
 static bf_status probe(store *s, bf_error *err)
 {
-    bf_status status = store__check_room(s, err);
-
-    return status == BF_OK ? store__write(s, apply_probe, NULL, err) : status;
+    BF_TRY(store__check_room(s, err));
+    return store__write(s, apply_probe, NULL, err);
 }
 
 bf_status store_ready(store *s, bf_error *err)

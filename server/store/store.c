@@ -136,14 +136,10 @@ static bf_status hold_directory(store *s, bf_error *err)
 {
     if (!file_io_make_directories(s->directory, 0700, FILE_IO_NOW))
         return fail_errno("cannot make the data directory", s->directory, err);
-    bf_status status = take_lock_file(s, err);
-    if (status == BF_OK)
-        status = refuse_lone_log(s, err);
-    if (status == BF_OK)
-        status = create_database_file(s, err);
-    if (status == BF_OK)
-        status = sync_directory(s->directory, err);
-    return status;
+    BF_TRY(take_lock_file(s, err));
+    BF_TRY(refuse_lone_log(s, err));
+    BF_TRY(create_database_file(s, err));
+    return sync_directory(s->directory, err);
 }
 
 static bool still_runs(const store_options *options, const store__row *row)

@@ -36,25 +36,18 @@ static bf_status mark_one(store__connection *writer, int64_t results, char ret_r
     bool has_row = false;
     store__row row;
 
-    bf_status status =
-        store__exec(writer, STORE__SQL_SUSPECT_RESULTS, err, INTEGER(results),
-                    INTEGER(STORE__RESULTS_SUSPECT), INTEGER(STORE__RESULTS_COMPLETE));
-    if (status == BF_OK)
-        status = store__find(writer, STORE__SQL_NEXT_UNMARKED, &store__run_record, &row, &has_row,
-                             err, INTEGER(results));
-    if (status == BF_OK && has_row) {
+    BF_TRY(store__exec(writer, STORE__SQL_SUSPECT_RESULTS, err, INTEGER(results),
+                       INTEGER(STORE__RESULTS_SUSPECT), INTEGER(STORE__RESULTS_COMPLETE)));
+    BF_TRY(store__find(writer, STORE__SQL_NEXT_UNMARKED, &store__run_record, &row, &has_row, err,
+                       INTEGER(results)));
+    if (has_row) {
         row.run.is_suspect = true;
         memcpy(ret_run, row.run.id, API_ID_SIZE);
-        status = store__save_row(writer, &row, err);
-        return status == BF_OK
-                   ? store__exec(writer, STORE__SQL_SUSPECT_STUDY, err, TEXT(row.run.study))
-                   : status;
+        BF_TRY(store__save_row(writer, &row, err));
+        return store__exec(writer, STORE__SQL_SUSPECT_STUDY, err, TEXT(row.run.study));
     }
-    if (status == BF_OK)
-        status = store__exec(writer, STORE__SQL_DROP_SUSPECT, err, INTEGER(results));
-    if (status == BF_OK)
-        status = store__exec(writer, STORE__SQL_DROP_SENDERS, err, INTEGER(results));
-    return status;
+    BF_TRY(store__exec(writer, STORE__SQL_DROP_SUSPECT, err, INTEGER(results)));
+    return store__exec(writer, STORE__SQL_DROP_SENDERS, err, INTEGER(results));
 }
 
 bf_status store__mark_suspect(store__connection *writer, char ret_run[API_ID_SIZE],
@@ -71,14 +64,13 @@ static bf_status apply_suspecting(store__connection *writer, store__operation *o
                                   bf_error *err)
 {
     const suspecting *o = operation->context;
-    bf_status status = BF_OK;
 
     if (o->run[0] != '\0')
-        status = store__exec(writer, STORE__SQL_PUT_SUSPECT, err, TEXT(o->run));
-    if (status == BF_OK && o->token != 0)
-        status = store__exec(writer, STORE__SQL_PUT_DISTRUSTED, err, INTEGER(o->token),
-                             INTEGER(clock_unix_ms()));
-    return status;
+        BF_TRY(store__exec(writer, STORE__SQL_PUT_SUSPECT, err, TEXT(o->run)));
+    if (o->token != 0)
+        BF_TRY(store__exec(writer, STORE__SQL_PUT_DISTRUSTED, err, INTEGER(o->token),
+                           INTEGER(clock_unix_ms())));
+    return BF_OK;
 }
 
 static void log_lost(const char *run_id, uint64_t token, const char *why)

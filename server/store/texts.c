@@ -22,11 +22,11 @@ bf_status store__get_text(store__connection *c, int64_t number, store__text kind
 {
     bool has_row = false;
 
-    bf_status status = store__find_bytes(c, STORE__SQL_GET_TEXT, out, &has_row, err,
-                                         INTEGER(number), INTEGER(kind));
-    if (status == BF_OK && !has_row)
+    BF_TRY(store__find_bytes(c, STORE__SQL_GET_TEXT, out, &has_row, err, INTEGER(number),
+                             INTEGER(kind)));
+    if (!has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no such text");
-    return status;
+    return BF_OK;
 }
 
 // The scenario of the first trial of a study; n = 0: there is none yet.

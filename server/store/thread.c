@@ -26,9 +26,7 @@ enum { COUNT_MS = 1000 }; // between two counts of the stats
 // Do one operation so that its failure undoes nothing but itself.
 static bf_status apply_alone(store__connection *writer, store__operation *operation, bf_error *err)
 {
-    bf_status status = store__run_plain(writer, STORE__SQL_SAVEPOINT, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__run_plain(writer, STORE__SQL_SAVEPOINT, err));
     operation->status = operation->apply(writer, operation, &operation->error);
     // Where SQLite had to undo the whole transaction, there is no savepoint either.
     if (operation->status != BF_OK && sqlite3_get_autocommit(writer->db) != 0) {
@@ -36,10 +34,8 @@ static bf_status apply_alone(store__connection *writer, store__operation *operat
         return operation->status;
     }
     if (operation->status != BF_OK)
-        status = store__run_plain(writer, STORE__SQL_ROLLBACK_TO, err);
-    if (status == BF_OK)
-        status = store__run_plain(writer, STORE__SQL_RELEASE, err);
-    return status;
+        BF_TRY(store__run_plain(writer, STORE__SQL_ROLLBACK_TO, err));
+    return store__run_plain(writer, STORE__SQL_RELEASE, err);
 }
 
 static void apply_group(store__connection *writer, store__operation *first)
@@ -228,9 +224,8 @@ static bf_status start_thread(store *s, store__queue *queue, void *(*loop)(void 
 
 bf_status store__start_threads(store *s, bf_error *err)
 {
-    bf_status status = start_thread(s, &s->writing, write_groups, err);
-
-    return status == BF_OK ? start_thread(s, &s->preparing, prepare_all, err) : status;
+    BF_TRY(start_thread(s, &s->writing, write_groups, err));
+    return start_thread(s, &s->preparing, prepare_all, err);
 }
 
 static void stop_thread(store *s, store__queue *queue)

@@ -56,17 +56,15 @@ static bf_status check_grants(store__connection *c, const char *owner, int64_t n
 {
     int64_t n_own = 0, n_all = 0;
 
-    bf_status status =
-        store__find_number(c, STORE__SQL_COUNT_GRANTS, &n_own, err, INTEGER(now_ms), TEXT(owner));
-    if (status == BF_OK)
-        status =
-            store__find_number(c, STORE__SQL_COUNT_GRANTS, &n_all, err, INTEGER(now_ms), TEXT(""));
-    if (status == BF_OK && n_own >= API_GRANTS_MAX)
+    BF_TRY(
+        store__find_number(c, STORE__SQL_COUNT_GRANTS, &n_own, err, INTEGER(now_ms), TEXT(owner)));
+    BF_TRY(store__find_number(c, STORE__SQL_COUNT_GRANTS, &n_all, err, INTEGER(now_ms), TEXT("")));
+    if (n_own >= API_GRANTS_MAX)
         return bf_fail(err, BF_ELIMIT, "", "%d grants of yours count, the limit: revoke some first",
                        API_GRANTS_MAX);
-    if (status == BF_OK && n_all >= TOKENS_GRANTS_MAX)
+    if (n_all >= TOKENS_GRANTS_MAX)
         return bf_fail(err, BF_ELIMIT, "", "%d grants are stored, the limit", TOKENS_GRANTS_MAX);
-    return status;
+    return BF_OK;
 }
 
 static bf_status insert(store__connection *c, tokens_record *token, const char *text, bf_error *err)

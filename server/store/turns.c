@@ -49,20 +49,17 @@ static bf_status find_single(store__connection *reader, const store *s, store__r
     bool has_row = false, has_best = false, has_any = false;
 
     // No name comes before nobody's.
-    bf_status status = store__find(reader, STORE__SQL_NEXT_QUEUED_OWNED, &store__run_record, &c.row,
-                                   &has_row, err, TEXT(""));
-    if (status == BF_OK && !has_row)
-        status = store__find(reader, STORE__SQL_NEXT_QUEUED_BEHIND, &store__run_record, &c.row,
-                             &has_row, err, TEXT(""));
-    while (status == BF_OK && has_row) {
+    BF_TRY(store__find(reader, STORE__SQL_NEXT_QUEUED_OWNED, &store__run_record, &c.row, &has_row,
+                       err, TEXT("")));
+    if (!has_row)
+        BF_TRY(store__find(reader, STORE__SQL_NEXT_QUEUED_BEHIND, &store__run_record, &c.row,
+                           &has_row, err, TEXT("")));
+    while (has_row) {
         has_any = true;
-        status = consider(reader, s, &c, &best, &has_best, err);
-        if (status == BF_OK)
-            status = store__find(reader, STORE__SQL_NEXT_QUEUED_BEHIND, &store__run_record, &c.row,
-                                 &has_row, err, TEXT(c.row.run.owner));
+        BF_TRY(consider(reader, s, &c, &best, &has_best, err));
+        BF_TRY(store__find(reader, STORE__SQL_NEXT_QUEUED_BEHIND, &store__run_record, &c.row,
+                           &has_row, err, TEXT(c.row.run.owner)));
     }
-    if (status != BF_OK)
-        return status;
     if (has_best)
         *ret_row = best.row;
     else if (has_any)
@@ -163,9 +160,8 @@ bf_status store__check_study(store__connection *writer, const store__row *row, b
 
     if (row->run.study[0] == '\0')
         return BF_OK;
-    bf_status status = store__find_study(writer, row->run.study, &found, err);
-    if (status == BF_OK &&
-        (found.study.state != API_STUDY_RUNNING || found.stop_request != STORE_STOP_NONE))
+    BF_TRY(store__find_study(writer, row->run.study, &found, err));
+    if (found.study.state != API_STUDY_RUNNING || found.stop_request != STORE_STOP_NONE)
         return bf_fail(err, BF_ECONFLICT, "", "the study of the trial is not running");
-    return status;
+    return BF_OK;
 }

@@ -258,15 +258,15 @@ static bf_status begin_studies(studies *s, store_studies which, bf_error *err)
     store_study work[STUDIES_AT_WORK];
     size_t n = 0;
 
-    bf_status status = store_list_work(s->options.store, which, STUDIES_AT_WORK, work, &n, err);
-    for (size_t k = 0; k < n && status == BF_OK; k++) {
+    BF_TRY(store_list_work(s->options.store, which, STUDIES_AT_WORK, work, &n, err));
+    for (size_t k = 0; k < n; k++) {
         if (find_task(s, work[k].study.id) < s->n_tasks)
             continue;
         free_place(s, &work[k].study);
         if (s->n_tasks < STUDIES_AT_WORK)
             begin_study(s, &work[k].study);
     }
-    return status;
+    return BF_OK;
 }
 
 static bf_status expire_studies(studies *s, bf_error *err)

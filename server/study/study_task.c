@@ -63,13 +63,10 @@ static bool are_same(const api_trial *a, const api_trial *b)
 static bf_status take_stored(void *context, const api_trial *stored, bf_error *err)
 {
     study__task *t = context;
-    bf_status status = BF_OK;
     api_trial made;
 
     if (stored->number == study_trials(t->core) && t->n_told == stored->number)
-        status = study_advance(t->core, err);
-    if (status != BF_OK)
-        return status;
+        BF_TRY(study_advance(t->core, err));
     if (stored->number < study_trials(t->core))
         study_trial_of(&t->document, t->core, stored->number, &made);
     if (stored->number >= study_trials(t->core) || stored->number != t->n_begun ||
@@ -116,13 +113,10 @@ static bf_status read_document(study__task *t, bf_error *err)
 
 static bf_status prepare(study__task *t, bf_error *err)
 {
-    bf_status status = read_document(t, err);
-
-    if (status != BF_OK)
-        return status;
+    BF_TRY(read_document(t, err));
     const study_definition definition = study_document_definition(&t->document);
-    status = study_create(&definition, &t->core, err);
-    return status == BF_OK ? replay(t, err) : status;
+    BF_TRY(study_create(&definition, &t->core, err));
+    return replay(t, err);
 }
 
 bf_status study__task_create(studies *s, const api_study *about, study__task **ret_task,

@@ -60,9 +60,7 @@ static bf_status next_frame(bf_buffer *in, frame_type type, frame *ret_frame, bf
 {
     size_t used = 0;
 
-    bf_status status = frame_decode(in->bytes, in->n, ret_frame, &used, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(frame_decode(in->bytes, in->n, ret_frame, &used, err));
     if (used == 0 || ret_frame->type != type)
         return bf_fail(err, BF_ECORRUPT, "", "a job's input ends early or is out of order");
     in->bytes += used;
@@ -75,11 +73,9 @@ static bf_status start_child(worker *w, const worker_lease *lease, worker_job *j
     bf_buffer in = { .bytes = lease->input.bytes + job->at, .n = (size_t)job->about.n_bytes };
     frame about = { .type = FRAME_JOB }, resume = { .type = FRAME_RESUME };
 
-    bf_status status = next_frame(&in, FRAME_JOB, &about, err);
-    if (status == BF_OK && in.n > 0)
-        status = next_frame(&in, FRAME_RESUME, &resume, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(next_frame(&in, FRAME_JOB, &about, err));
+    if (in.n > 0)
+        BF_TRY(next_frame(&in, FRAME_RESUME, &resume, err));
     const bf_buffer scenario = { .bytes = (char *)about.job.document, .n = about.job.n_document };
     const bf_buffer checkpoint = { .bytes = (char *)resume.bytes.bytes, .n = resume.bytes.n };
     const executor_work work = { .run_id = job->about.run,

@@ -79,15 +79,13 @@ static bf_status append_section(worker *w, const worker_job *job, bf_error *err)
 
 static bf_status write_frames(worker *w, worker_lease *lease, int64_t now, bf_error *err)
 {
-    bf_status status = BF_OK;
-
     memset(w->sent_to, 0, sizeof w->sent_to);
     lease->sent_ms = now;
-    for (size_t k = 0; k < lease->n_jobs && status == BF_OK; k++)
+    for (size_t k = 0; k < lease->n_jobs; k++)
         if (lease->jobs[k].n_taken < lease->jobs[k].n_spooled &&
             w->body.n + SECTION_HEADER < request_bytes(w))
-            status = append_section(w, &lease->jobs[k], err);
-    return status;
+            BF_TRY(append_section(w, &lease->jobs[k], err));
+    return BF_OK;
 }
 
 static bf_status write_renewal(worker *w, worker_lease *lease, bf_error *err)
@@ -196,9 +194,7 @@ static bf_status begin(worker *w, worker_request next, worker_lease *about, int6
     char path[128];
 
     w->body.n = 0;
-    bf_status status = write_body(w, next, about, now, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(write_body(w, next, about, now, err));
     snprintf(path, sizeof path, "/v1/leases%s%s%s", about == NULL ? "" : "/",
              about == NULL ? "" : about->id, forms[next].path);
     http_call_request request = { .method = forms[next].method,
@@ -272,9 +268,7 @@ static bf_status take_states(worker *w, const bf_buffer *body, int64_t now, bf_e
 {
     api_job_states states = { .n = 0 };
 
-    bf_status status = lease_json_read_states(body->bytes, body->n, &states, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(lease_json_read_states(body->bytes, body->n, &states, err));
     for (size_t k = 0; k < states.n; k++)
         take_state(w, w->about, &states.items[k], now);
     memory_free(states.items);
