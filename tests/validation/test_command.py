@@ -15,6 +15,7 @@ import feeds
 from documents import macro_document, micro_documents, set_member
 from layouts import DIAMETER_M as D
 from scenes import GOALS, SCENES
+from table import values_of
 
 HERE = Path(__file__).resolve().parent
 PROGRAM = Path(os.environ.get("BELTFLOW_BIN_DIR", HERE.parents[1] / "build/release/bin")) / "beltflow"
@@ -26,6 +27,11 @@ def compare(out, *options):
                     "--closures", "dispersive", "--cells", "10", *options], check=True, capture_output=True)
     with open(out / "table.csv", newline="") as file:
         return list(csv.DictReader(file))
+
+
+def cells_of(line):
+    """The cells of a line of a table in Markdown."""
+    return [cell.strip() for cell in line.strip("|").split("|")]
 
 
 class Scenes(unittest.TestCase):
@@ -57,6 +63,22 @@ class Scenes(unittest.TestCase):
                     check = subprocess.run([PROGRAM, "check", "-"], text=True, capture_output=True,
                                            input=json.dumps(scene.document(load, 0)))
                     self.assertEqual(check.returncode, 0, check.stderr)
+
+    def test_what_validity_calls_compared_was_within_the_goals(self):
+        scenes = [(scene, load, word) for scene in equipment.scenes() for load, word in zip(scene.loads, ("light", "saturated"))]
+        rows = {(row[0], row[1]): row for row in map(cells_of, (HERE / "README.md").read_text().splitlines())
+                if len(row) == 7 and row[1] in ("light", "saturated")}
+        self.assertEqual(set(rows), {(scene.name, word) for scene, _, word in scenes})
+        verdicts = values_of(PROGRAM.parent.parent / "validation/scene_values", "validity",
+                             [scene.document(load, 0) for scene, load, _ in scenes])
+        for (scene, _, word), verdict in zip(scenes, verdicts):
+            *_, off, contents, told = rows[scene.name, word]
+            off, contents = (abs(float(cell.split()[0])) / 100 for cell in (off, contents))
+            is_beyond = off > equipment.MOST_OFF or contents > equipment.MOST_GAP
+            with self.subTest(scene=scene.name, load=word):
+                self.assertEqual(verdict, told)
+                self.assertFalse(is_beyond and verdict == "compared", (off, contents))
+        self.assertEqual(sum(verdict == "compared" for verdict in verdicts), 4)
 
     def test_funnels_pass_what_was_published(self):
         for n, ratio in [(6, 1.31), (10, 1.125)]:

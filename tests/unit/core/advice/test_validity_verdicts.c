@@ -241,7 +241,7 @@ static const struct {
     { "sharp friction", sharp_friction, false, 0.0, VALIDITY_SMOOTHING, false },
     { "another jam density", other_jam, false, 0.0, VALIDITY_CONSTANTS, true },
     { "a belt that is stopped", commanded_belt, false, 0.0, VALIDITY_SCHEDULES, false },
-    { "who stops it", commanded_belt, false, 0.0, VALIDITY_COMMANDS, true },
+    { "who stops it", commanded_belt, false, 0.0, VALIDITY_COMMANDS, false },
     { "two sinks", two_sinks, false, 0.0, INSIDE, false },
     { "three sinks", three_sinks, false, 0.0, VALIDITY_SINKS, false },
     { "a sink of the paper's closure", dispersive_sinks, false, 0.0, VALIDITY_SINKS, true },
