@@ -138,17 +138,6 @@ double micro_dt_plates(const micro_def *def)
     return speed > 0.0 ? plate_move * implicit_step_radius(def) / speed : INFINITY;
 }
 
-static bf_status check_step(const micro_def *def, bf_error *err)
-{
-    const double stable = micro_dt_stable(def);
-
-    if (isfinite(def->dt) && def->dt > 0.0 && def->dt <= stable * (1.0 + step_slack))
-        return BF_OK;
-    return bf_fail(err, BF_EINPUT, "/micro/step_s",
-                   "a step of %.9g s is not possible; the largest stable one is %.9g s", def->dt,
-                   stable);
-}
-
 // The fastest plate whose contacts stop it within plate_move of a radius: a mass m at a speed v is stopped
 // by a spring within v sqrt(m/k), by a dashpot within v m/d.
 static double largest_plate_speed(const micro_def *def)
@@ -232,19 +221,6 @@ bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy,
     return surroundings_copy(&around, ret_copy, err);
 }
 
-static bf_status fill(micro_solver *s, const micro_def *def, bf_error *err)
-{
-    if (memory_reserve(&s->ids, &s->capacity, def->n_parts, sizeof *s->ids) != 0)
-        return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
-    while (s->n < def->n_parts)
-        s->ids[s->n++] = s->next_id++;
-    s->first_free = s->n;
-    bf_status status = places_init(def, &s->places, err);
-    if (status == BF_OK)
-        status = s->backend->create(def, &s->state, err);
-    return status == BF_OK ? drives_init(&s->drives, def, err) : status;
-}
-
 bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error *err)
 {
     micro_def own = *def;
@@ -255,8 +231,11 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
         own.dt = micro_dt_chosen(def);
     if (micro_dt_plates(&own) < INFINITY && (status = check_plates(&own, err)) != BF_OK)
         return status;
-    if ((status = check_step(&own, err)) != BF_OK)
-        return status;
+    const double stable = micro_dt_stable(&own);
+    if (!isfinite(own.dt) || !(own.dt > 0.0) || !(own.dt <= stable * (1.0 + step_slack)))
+        return bf_fail(err, BF_EINPUT, "/micro/step_s",
+                       "a step of %.9g s is not possible; the largest stable one is %.9g s", own.dt,
+                       stable);
     micro_solver *s = memory_alloc(1, sizeof *s);
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
@@ -269,7 +248,18 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
                          .n_kinds = def->n_kinds,
                          .n_defined = def->n_parts,
                          .admits = def->n_parts_expected > 0 };
-    if ((status = fill(s, &own, err)) != BF_OK) {
+    if (memory_reserve(&s->ids, &s->capacity, def->n_parts, sizeof *s->ids) != 0)
+        status = bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
+    while (status == BF_OK && s->n < def->n_parts)
+        s->ids[s->n++] = s->next_id++;
+    s->first_free = s->n;
+    if (status == BF_OK)
+        status = places_init(&own, &s->places, err);
+    if (status == BF_OK)
+        status = backend->create(&own, &s->state, err);
+    if (status == BF_OK)
+        status = drives_init(&s->drives, &own, err);
+    if (status != BF_OK) {
         micro_destroy(s);
         return status;
     }

@@ -7,25 +7,6 @@
 
 enum { SPARE_CELLS = 64 }; // grids may have 4 cells a part and these
 
-typedef struct bounds {
-    double x_min, x_max, y_min, y_max;
-} bounds;
-
-static bounds measure_bounds(size_t n, const neighbours_parts *parts, const uint8_t *skip)
-{
-    bounds b = { INFINITY, -INFINITY, INFINITY, -INFINITY };
-
-    for (size_t k = 0; k < n; k++) {
-        if (skip != NULL && skip[k] != 0)
-            continue;
-        b.x_min = fmin(b.x_min, parts->x[k * parts->stride]);
-        b.x_max = fmax(b.x_max, parts->x[k * parts->stride]);
-        b.y_min = fmin(b.y_min, parts->y[k * parts->stride]);
-        b.y_max = fmax(b.y_max, parts->y[k * parts->stride]);
-    }
-    return b;
-}
-
 // Cells that a length takes, at least 1 and not more than most (what is not finite: most).
 static double count_along(double length, double edge, double most)
 {
@@ -34,25 +15,34 @@ static double count_along(double length, double edge, double most)
     return n < most ? fmax(n, 1.0) : most;
 }
 
-static void lay_out(neighbours_cells *cells, bounds b, size_t n, double edge)
+// Cells of an edge or, where these would be too many, of a longer one, over all parts that are not skipped.
+static void lay_out(neighbours_cells *cells, size_t n, const neighbours_parts *parts,
+                    const uint8_t *skip, double edge)
 {
     const double most = 4.0 * (double)n + SPARE_CELLS;
-    const double extent = fmax(b.x_max - b.x_min, 0.0) + fmax(b.y_max - b.y_min, 0.0);
+    double x_min = INFINITY, x_max = -INFINITY, y_min = INFINITY, y_max = -INFINITY;
 
+    for (size_t k = 0; k < n; k++) {
+        if (skip != NULL && skip[k] != 0)
+            continue;
+        x_min = fmin(x_min, parts->x[k * parts->stride]);
+        x_max = fmax(x_max, parts->x[k * parts->stride]);
+        y_min = fmin(y_min, parts->y[k * parts->stride]);
+        y_max = fmax(y_max, parts->y[k * parts->stride]);
+    }
     // A little more, so that rounding cannot put parts within an edge two cells apart.
-    edge = edge * (1.0 + 1e-9) + 1e-15 * extent;
-    double n_x = count_along(b.x_max - b.x_min, edge, most);
-    double n_y = count_along(b.y_max - b.y_min, edge, most);
-
+    edge = edge * (1.0 + 1e-9) + 1e-15 * (fmax(x_max - x_min, 0.0) + fmax(y_max - y_min, 0.0));
+    double n_x = count_along(x_max - x_min, edge, most);
+    double n_y = count_along(y_max - y_min, edge, most);
     while (n_x * n_y > most) {
         edge *= 1.25;
-        n_x = count_along(b.x_max - b.x_min, edge, most);
-        n_y = count_along(b.y_max - b.y_min, edge, most);
+        n_x = count_along(x_max - x_min, edge, most);
+        n_y = count_along(y_max - y_min, edge, most);
         if (!isfinite(edge))
             n_x = n_y = 1.0;
     }
-    cells->x_min = isfinite(b.x_min) ? b.x_min : 0.0;
-    cells->y_min = isfinite(b.y_min) ? b.y_min : 0.0;
+    cells->x_min = isfinite(x_min) ? x_min : 0.0;
+    cells->y_min = isfinite(y_min) ? y_min : 0.0;
     cells->per_edge = 1.0 / edge;
     cells->n_x = (size_t)n_x;
     cells->n_y = (size_t)n_y;
@@ -75,26 +65,18 @@ size_t neighbours_row(const neighbours_cells *cells, double y)
     return clamp_cell((y - cells->y_min) * cells->per_edge, cells->n_y);
 }
 
-static bf_status reserve_cells(neighbours_cells *cells, size_t n)
-{
-    size_t n_cells = cells->n_x * cells->n_y;
-
-    if (memory_reserve(&cells->first, &cells->first_capacity, n_cells + 1, sizeof *cells->first) !=
-            0 ||
-        memory_reserve(&cells->order, &cells->order_capacity, n, sizeof *cells->order) != 0 ||
-        memory_reserve(&cells->cell_of, &cells->cell_capacity, n, sizeof *cells->cell_of) != 0)
-        return BF_ENOMEM;
-    memset(cells->first, 0, (n_cells + 1) * sizeof *cells->first);
-    return BF_OK;
-}
-
 bf_status neighbours_sort(neighbours_cells *cells, size_t n, const neighbours_parts *parts,
                           const uint8_t *skip, double edge, bf_error *err)
 {
     cells->n_live = 0;
-    lay_out(cells, measure_bounds(n, parts, skip), n, edge);
-    if (reserve_cells(cells, n) != BF_OK)
+    lay_out(cells, n, parts, skip, edge);
+    const size_t n_cells = cells->n_x * cells->n_y;
+    if (memory_reserve(&cells->first, &cells->first_capacity, n_cells + 1, sizeof *cells->first) !=
+            0 ||
+        memory_reserve(&cells->order, &cells->order_capacity, n, sizeof *cells->order) != 0 ||
+        memory_reserve(&cells->cell_of, &cells->cell_capacity, n, sizeof *cells->cell_of) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the cells of %zu parts", n);
+    memset(cells->first, 0, (n_cells + 1) * sizeof *cells->first);
     for (size_t k = 0; k < n; k++) {
         cells->cell_of[k] = UINT32_MAX;
         if (skip != NULL && skip[k] != 0)
@@ -105,14 +87,14 @@ bf_status neighbours_sort(neighbours_cells *cells, size_t n, const neighbours_pa
         cells->first[cell + 1]++;
         cells->n_live++;
     }
-    for (size_t cell = 0; cell < cells->n_x * cells->n_y; cell++)
+    for (size_t cell = 0; cell < n_cells; cell++)
         cells->first[cell + 1] += cells->first[cell];
     // Filling from the end counts each cell's end down to its beginning.
     for (size_t k = n; k-- > 0;)
         if (cells->cell_of[k] != UINT32_MAX)
             cells->order[--cells->first[cells->cell_of[k] + 1]] = (uint32_t)k;
-    memmove(cells->first, cells->first + 1, cells->n_x * cells->n_y * sizeof *cells->first);
-    cells->first[cells->n_x * cells->n_y] = (uint32_t)cells->n_live;
+    memmove(cells->first, cells->first + 1, n_cells * sizeof *cells->first);
+    cells->first[n_cells] = (uint32_t)cells->n_live;
     return BF_OK;
 }
 
@@ -145,17 +127,6 @@ static bool is_near(const neighbours_parts *parts, double skin, size_t k, size_t
     return dx * dx + dy * dy < range * range && other != k;
 }
 
-// Puts a part among the n that stand sorted before `at`.
-static void insert(const neighbours_parts *parts, uint32_t *at, size_t n, size_t step,
-                   uint32_t part)
-{
-    const uint32_t id = id_of(parts, part);
-
-    for (; n > 0 && id_of(parts, *(at - step)) > id; n--, at -= step)
-        *at = *(at - step);
-    *at = part;
-}
-
 size_t neighbours_find(const neighbours_cells *cells, const neighbours_parts *parts, double skin,
                        size_t k, uint32_t *ret, size_t step, size_t room)
 {
@@ -172,21 +143,15 @@ size_t neighbours_find(const neighbours_cells *cells, const neighbours_parts *pa
                     continue;
                 if (n == room)
                     return SIZE_MAX;
-                insert(parts, ret + n * step, n, step, other);
-                n++;
+                // Those that were found are sorted by their ids.
+                const uint32_t id = id_of(parts, other);
+                uint32_t *place = ret + n++ * step;
+                for (; place != ret && id_of(parts, *(place - step)) > id; place -= step)
+                    *place = *(place - step);
+                *place = other;
             }
         }
     return n;
-}
-
-static double largest_radius(const neighbours_parts *parts, size_t n, const uint8_t *is_gone)
-{
-    double largest = 0.0;
-
-    for (size_t k = 0; k < n; k++)
-        if (is_gone == NULL || is_gone[k] == 0)
-            largest = fmax(largest, radius_of(parts, k));
-    return largest;
 }
 
 // Room for n parts. The places where parts stood are read only after a build, so they need not stay.
@@ -208,23 +173,6 @@ static bf_status reserve_parts(neighbours_list *list, size_t n)
     return BF_ENOMEM;
 }
 
-// Lists the neighbours of part k from index `start` on.
-static bf_status list_part(neighbours_list *list, const neighbours_parts *parts, size_t k,
-                           size_t start, size_t *ret_n)
-{
-    for (;;) {
-        size_t n = neighbours_find(&list->cells, parts, list->skin, k, list->neighbour + start, 1,
-                                   list->capacity - start);
-        if (n != SIZE_MAX) {
-            *ret_n = n;
-            return BF_OK;
-        }
-        if (memory_reserve(&list->neighbour, &list->capacity, list->capacity + 1,
-                           sizeof *list->neighbour) != 0)
-            return BF_ENOMEM;
-    }
-}
-
 static bf_status list_parts(neighbours_list *list, const neighbours_parts *parts)
 {
     size_t total = 0;
@@ -232,14 +180,17 @@ static bf_status list_parts(neighbours_list *list, const neighbours_parts *parts
     if (memory_reserve(&list->neighbour, &list->capacity, list->n, sizeof *list->neighbour) != 0)
         return BF_ENOMEM;
     for (size_t k = 0; k < list->n; k++) {
-        size_t n = 0;
+        size_t n;
         if (total > UINT32_MAX)
             return BF_ENOMEM;
         list->start[k] = (uint32_t)total;
         if (list->cells.cell_of[k] == UINT32_MAX)
             continue;
-        if (list_part(list, parts, k, total, &n) != BF_OK)
-            return BF_ENOMEM;
+        while ((n = neighbours_find(&list->cells, parts, list->skin, k, list->neighbour + total, 1,
+                                    list->capacity - total)) == SIZE_MAX)
+            if (memory_reserve(&list->neighbour, &list->capacity, list->capacity + 1,
+                               sizeof *list->neighbour) != 0)
+                return BF_ENOMEM;
         list->x_built[k] = parts->x[k * parts->stride];
         list->y_built[k] = parts->y[k * parts->stride];
         total += n;
@@ -251,11 +202,16 @@ static bf_status list_parts(neighbours_list *list, const neighbours_parts *parts
 bf_status neighbours_build(neighbours_list *list, size_t n, neighbours_parts parts,
                            const uint8_t *is_gone, bf_error *err)
 {
+    double largest = 0.0; // radius
+
     if (reserve_parts(list, n) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the neighbours of %zu parts", n);
     list->n = n;
-    bf_status status = neighbours_sort(&list->cells, n, &parts, is_gone,
-                                       2.0 * largest_radius(&parts, n, is_gone) + list->skin, err);
+    for (size_t k = 0; k < n; k++)
+        if (is_gone == NULL || is_gone[k] == 0)
+            largest = fmax(largest, radius_of(&parts, k));
+    bf_status status =
+        neighbours_sort(&list->cells, n, &parts, is_gone, 2.0 * largest + list->skin, err);
     if (status != BF_OK)
         return status;
     parts.order = list->cells.order;

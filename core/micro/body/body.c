@@ -33,19 +33,6 @@ static void note_radius(body_state *s, double radius)
     s->bounding_radius_min = fmin(s->bounding_radius_min, radius);
 }
 
-/// What follows from the definition.
-static void take_def(body_state *s, const micro_def *def)
-{
-    const scene_contact *contact = &def->contact[SCENE_CARGO_CARGO];
-
-    s->def = micro__without_arrays(def);
-    s->gravity = (vec3){ 0.0, 0.0, -def->gravity };
-    // For D >= 1 (13) leaves no spin.
-    s->spin_damping = def->damping < 1.0 ? pow(1.0 - def->damping, def->dt) : 0.0;
-    s->cargo = (micro_law){ 0.25 * M_PI * contact->length, contact->damping, contact->friction,
-                            contact->tanh_linear, contact->tanh_spin };
-}
-
 /// Find the first pair of each part and reserve memory for all.
 static bf_status count_pairs(body_state *s)
 {
@@ -144,26 +131,29 @@ static void destroy(void *state)
     memory_free(s);
 }
 
-static bf_status init_arrays(body_state *s, size_t n, bf_error *err)
-{
-    // One more, so that no array is empty.
-    if (body__resize(s, n > 0 ? n : 1) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
-    body__set_parts(s, n);
-    return BF_OK;
-}
-
 static bf_status create(const micro_def *def, micro_common **ret_state, bf_error *err)
 {
     bf_status status;
     body_state *s = memory_alloc(1, sizeof *s);
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
+    const scene_contact *contact = &def->contact[SCENE_CARGO_CARGO];
     s->common.world = micro__world(def);
-    take_def(s, def);
-    if ((status = init_kinds(s, def, err)) == BF_OK &&
-        (status = init_arrays(s, def->n_parts, err)) == BF_OK &&
-        (status = body__belt_init(s, def, err)) == BF_OK) {
+    s->def = micro__without_arrays(def);
+    s->gravity = (vec3){ 0.0, 0.0, -def->gravity };
+    // For D >= 1 (13) leaves no spin.
+    s->spin_damping = def->damping < 1.0 ? pow(1.0 - def->damping, def->dt) : 0.0;
+    s->cargo = (micro_law){ 0.25 * M_PI * contact->length, contact->damping, contact->friction,
+                            contact->tanh_linear, contact->tanh_spin };
+    status = init_kinds(s, def, err);
+    // One more, so that no array is empty.
+    if (status == BF_OK && body__resize(s, def->n_parts > 0 ? def->n_parts : 1) != BF_OK)
+        status = bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
+    if (status == BF_OK) {
+        body__set_parts(s, def->n_parts);
+        status = body__belt_init(s, def, err);
+    }
+    if (status == BF_OK) {
         // Place the parts of the definition; those on a belt start with its velocity.
         for (size_t k = 0; k < s->n; k++) {
             const micro_arrival arrival = { .kind =

@@ -118,15 +118,6 @@ micro_place body__place(const void *state, size_t k)
                           .radius = kind->footprint_radius };
 }
 
-static double kinetic_energy(const body_state *s, const body_body *body)
-{
-    const body_kind *kind = &s->kinds[body->kind];
-    vec3 w = mat3_apply_back(&body->r, body->w), i = kind->inertia;
-
-    return 0.5 * kind->mass * vec3_dot(body->v, body->v) +
-           0.5 * (i.x * w.x * w.x + i.y * w.y * w.y + i.z * w.z * w.z);
-}
-
 micro_totals body__measure(const void *state)
 {
     const body_state *s = state;
@@ -137,8 +128,12 @@ micro_totals body__measure(const void *state)
     for (size_t k = 0; k < s->n; k++) {
         if (s->common.presence[k])
             continue;
+        const body_body *body = &s->bodies[k];
+        const body_kind *kind = &s->kinds[body->kind];
+        const vec3 w = mat3_apply_back(&body->r, body->w), i = kind->inertia;
         totals.n_parts++;
-        totals.kinetic_energy += kinetic_energy(s, &s->bodies[k]);
+        totals.kinetic_energy += 0.5 * kind->mass * vec3_dot(body->v, body->v) +
+                                 0.5 * (i.x * w.x * w.x + i.y * w.y * w.y + i.z * w.z * w.z);
     }
     return totals;
 }

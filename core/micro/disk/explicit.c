@@ -410,12 +410,6 @@ bf_status disk__advance_explicit(disk_state *s, uint64_t n, bf_error *err)
     return status == BF_OK ? refresh(s, err) : status;
 }
 
-static bool is_finite(const disk *part, double heading)
-{
-    return isfinite(part->x) && isfinite(part->y) && isfinite(part->vx) && isfinite(part->vy) &&
-           isfinite(part->spin) && isfinite(heading);
-}
-
 static bf_status fail(const disk_state *s, uint32_t id, const char *what, bf_error *err)
 {
     const disk *part = &s->now[s->slot_of[id]];
@@ -434,7 +428,8 @@ bf_status disk__check(const void *state, bf_error *err)
         const disk *part = &s->now[s->slot_of[k]];
         if (s->slot_of[k] >= s->n_live)
             continue;
-        if (!is_finite(part, s->heading[s->slot_of[k]]))
+        if (!isfinite(part->x) || !isfinite(part->y) || !isfinite(part->vx) ||
+            !isfinite(part->vy) || !isfinite(part->spin) || !isfinite(s->heading[s->slot_of[k]]))
             return fail(s, (uint32_t)k, "has a place or speed that is not finite", err);
         if (sqrt(part->vx * part->vx + part->vy * part->vy) * s->def.dt > 0.5 * s->radius_min)
             return fail(s, (uint32_t)k, "moved by more than half a radius", err);

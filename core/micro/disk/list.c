@@ -187,20 +187,6 @@ static void list_piece(void *context, size_t item)
     }
 }
 
-static void cut_pieces(making *m)
-{
-    const disk_state *s = m->s;
-    const size_t n_groups = s->n_padded / DISK_GROUP, n = (size_t)s->n_partitions;
-
-    m->n_pieces = n;
-    for (size_t k = 0; k < n; k++) {
-        piece *p = &m->pieces[k];
-        *p = (piece){ n_groups * k / n, n_groups * (k + 1) / n, 0, 0, 0, false };
-        p->row_first = s->list.rows_capacity * k / n;
-        p->row_room = s->list.rows_capacity * (k + 1) / n - p->row_first;
-    }
-}
-
 // Room for n rows or more, without those that there are.
 static bf_status reserve_rows(disk_state *s, size_t n)
 {
@@ -216,14 +202,6 @@ static bf_status reserve_rows(disk_state *s, size_t n)
     return BF_OK;
 }
 
-static bool is_short(const making *m)
-{
-    for (size_t k = 0; k < m->n_pieces; k++)
-        if (m->pieces[k].is_short)
-            return true;
-    return false;
-}
-
 static bf_status list_neighbours(disk_state *s)
 {
     const size_t n_groups = s->n_padded / DISK_GROUP;
@@ -231,12 +209,19 @@ static bf_status list_neighbours(disk_state *s)
 
     if (reserve_rows(s, (n_groups + 1) * ROWS_AT_FIRST + DISK_GROUP) != BF_OK)
         return BF_ENOMEM;
-    for (;;) {
-        cut_pieces(&m);
-        team_for((int)m.n_pieces, m.n_pieces, list_piece, &m);
-        if (!is_short(&m))
-            break;
-        if (reserve_rows(s, s->list.rows_capacity + s->list.rows_capacity / 4) != BF_OK)
+    for (bool is_short = true; is_short;) {
+        const size_t n = m.n_pieces = (size_t)s->n_partitions;
+        for (size_t k = 0; k < n; k++) {
+            piece *p = &m.pieces[k];
+            *p = (piece){ n_groups * k / n, n_groups * (k + 1) / n, 0, 0, 0, false };
+            p->row_first = s->list.rows_capacity * k / n;
+            p->row_room = s->list.rows_capacity * (k + 1) / n - p->row_first;
+        }
+        team_for((int)n, n, list_piece, &m);
+        is_short = false;
+        for (size_t k = 0; k < n; k++)
+            is_short = is_short || m.pieces[k].is_short;
+        if (is_short && reserve_rows(s, s->list.rows_capacity + s->list.rows_capacity / 4) != BF_OK)
             return BF_ENOMEM;
     }
     // Closes the gaps between the pieces' rows.

@@ -67,30 +67,24 @@ static bool is_near(const disk_state *s, uint32_t feature, size_t slot, double m
                : is_near_arc(&s->arcs[feature - s->n_faces], &s->now[slot], margin);
 }
 
-static bf_status add_candidates(disk_state *s, uint32_t feature, size_t cell, double margin)
-{
-    const uint32_t *first = s->cells.first;
-
-    for (uint32_t slot = first[cell]; slot < first[cell + 1]; slot++) {
-        if (!is_near(s, feature, slot, margin))
-            continue;
-        if (memory_reserve(&s->candidates, &s->candidates_capacity, s->n_candidates + 1,
-                           sizeof *s->candidates) != 0)
-            return BF_ENOMEM;
-        s->candidates[s->n_candidates++] = (disk_candidate){ slot, feature };
-    }
-    return BF_OK;
-}
-
+// Adds the parts in a box that may touch a feature.
 static bf_status search_box(disk_state *s, uint32_t feature, const box *b, double margin)
 {
     const neighbours_cells *c = &s->cells;
     size_t i_max = neighbours_column(c, b->x_max), j_max = neighbours_row(c, b->y_max);
 
     for (size_t i = neighbours_column(c, b->x_min); i <= i_max; i++)
-        for (size_t j = neighbours_row(c, b->y_min); j <= j_max; j++)
-            if (add_candidates(s, feature, neighbours_cell(c, i, j), margin) != BF_OK)
-                return BF_ENOMEM;
+        for (size_t j = neighbours_row(c, b->y_min); j <= j_max; j++) {
+            const size_t cell = neighbours_cell(c, i, j);
+            for (uint32_t slot = c->first[cell]; slot < c->first[cell + 1]; slot++) {
+                if (!is_near(s, feature, slot, margin))
+                    continue;
+                if (memory_reserve(&s->candidates, &s->candidates_capacity, s->n_candidates + 1,
+                                   sizeof *s->candidates) != 0)
+                    return BF_ENOMEM;
+                s->candidates[s->n_candidates++] = (disk_candidate){ slot, feature };
+            }
+        }
     return BF_OK;
 }
 

@@ -68,35 +68,30 @@ static disk_arc turn_arc(const disk_arc *from, const plate_pose *pose)
     return (disk_arc){ p.x, p.y, from->radius, e.x, e.y, f.x, f.y, from->friction };
 }
 
-static void pose_plate(disk_state *s, const disk_plate *plate, const plate_motion_step *step)
-{
-    const disk_plates *plates = &s->plates;
-    const vec2 pivot = plate_pose_pivot(&step->pose);
-    const disk_surface surface = { .px = pivot.x,
-                                   .py = pivot.y,
-                                   .spin = step->spin,
-                                   .recess = fmin(step->recess, DISK_FAR),
-                                   .growth = step->growth,
-                                   .vx = step->velocity.x,
-                                   .vy = step->velocity.y };
-
-    for (size_t k = plate->face_first; k < plate->face_last; k++) {
-        s->faces[k] = turn_face(&plates->faces[k], &step->pose);
-        plates->surfaces[k] = surface;
-    }
-    for (size_t k = plate->arc_first; k < plate->arc_last; k++) {
-        s->arcs[k] = turn_arc(&plates->arcs[k], &step->pose);
-        plates->surfaces[s->n_faces + k] = surface;
-    }
-}
-
 void disk__pose_plates(disk_state *s, uint64_t n_before)
 {
-    for (size_t k = 0; k < s->plates.n; k++) {
-        const disk_plate *plate = &s->plates.of[k];
+    const disk_plates *plates = &s->plates;
+
+    for (size_t k = 0; k < plates->n; k++) {
+        const disk_plate *plate = &plates->of[k];
         const plate_motion_step step = plate_motion_in_step(
             &s->common.world->plates, plate->obstacle, n_before, s->def.dt, plate->depth);
-        pose_plate(s, plate, &step);
+        const vec2 pivot = plate_pose_pivot(&step.pose);
+        const disk_surface surface = { .px = pivot.x,
+                                       .py = pivot.y,
+                                       .spin = step.spin,
+                                       .recess = fmin(step.recess, DISK_FAR),
+                                       .growth = step.growth,
+                                       .vx = step.velocity.x,
+                                       .vy = step.velocity.y };
+        for (size_t i = plate->face_first; i < plate->face_last; i++) {
+            s->faces[i] = turn_face(&plates->faces[i], &step.pose);
+            plates->surfaces[i] = surface;
+        }
+        for (size_t i = plate->arc_first; i < plate->arc_last; i++) {
+            s->arcs[i] = turn_arc(&plates->arcs[i], &step.pose);
+            plates->surfaces[s->n_faces + i] = surface;
+        }
     }
 }
 

@@ -155,25 +155,18 @@ typedef struct state_header {
     uint64_t group[IMPLICIT_GROUPS + 1];
 } state_header;
 
-static state_header header_of(const implicit_state *z)
-{
-    state_header header = { .is_chosen = z->is_chosen,
-                            .n_pairs = z->group[IMPLICIT_GROUPS],
-                            .displacement_bound = z->displacement_bound,
-                            .last_bound = z->last_bound };
-
-    for (size_t g = 0; g <= IMPLICIT_GROUPS; g++)
-        header.group[g] = z->group[g];
-    return header;
-}
-
 void disk_implicit__save(const disk_state *s, checkpoint_writer *w)
 {
     const implicit_state *z = s->implicit;
 
     if (!z)
         return;
-    const state_header header = header_of(z);
+    state_header header = { .is_chosen = z->is_chosen,
+                            .n_pairs = z->group[IMPLICIT_GROUPS],
+                            .displacement_bound = z->displacement_bound,
+                            .last_bound = z->last_bound };
+    for (size_t g = 0; g <= IMPLICIT_GROUPS; g++)
+        header.group[g] = z->group[g];
     checkpoint_write(w, &header, sizeof header);
     for (size_t piece = 0; piece < z->group_piece[IMPLICIT_GROUPS]; piece++)
         for (size_t k = 0; k < z->pieces[piece].n; k++) {
@@ -274,16 +267,21 @@ void disk__save(const void *state, checkpoint_writer *w)
     disk_implicit__save(s, w);
 }
 
-// Takes n saved parts, for which there is room. False: they cannot be of this solver.
-static bool take_parts(disk_state *s, const char *parts, size_t n)
+bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
 {
+    disk_state *s = state;
+    const char *parts = checkpoint_read_items(r, n, sizeof(saved_part));
     saved_part part;
 
+    if (parts == NULL)
+        return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
+    if (n > s->capacity && disk__resize(s, n) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
     s->n = n;
     for (size_t k = 0; k < n; k++) {
         memcpy(&part, parts + k * sizeof part, sizeof part);
         if (part.presence >= MICRO_PRESENCE_COUNT || part.kind >= s->n_kinds)
-            return false;
+            return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
         s->common.presence[k] = (uint8_t)part.presence;
         if (s->kind_of != NULL)
             s->kind_of[k] = part.kind;
@@ -298,20 +296,6 @@ static bool take_parts(disk_state *s, const char *parts, size_t n)
         s->now[k].spin = part.spin;
         s->heading[k] = part.heading;
     }
-    return true;
-}
-
-bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
-{
-    disk_state *s = state;
-    const char *parts = checkpoint_read_items(r, n, sizeof(saved_part));
-
-    if (parts == NULL)
-        return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
-    if (n > s->capacity && disk__resize(s, n) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
-    if (!take_parts(s, parts, n))
-        return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
     disk__pose_plates(s, s->common.steps);
     const bf_status status = disk_implicit__load(s, r, err);
     return status == BF_OK ? disk__rebuild(s, err) : status;
