@@ -132,6 +132,19 @@ static bf_status admit(exchange *x, bf_error *err)
     return access_check(x, err);
 }
 
+// Finds the run or study that the path names, if it does. When a POST has waited, that was for a run that it does not name.
+static bf_status find_named(const exchange *x, bf_error *err)
+{
+    static const char runs[] = "/v1/runs/{id}", studies[] = "/v1/studies/{id}";
+    const char *path = x->route->path;
+
+    x->named->is_study = strncmp(path, studies, sizeof studies - 1) == 0;
+    if (!x->named->is_study && strncmp(path, runs, sizeof runs - 1) != 0)
+        return BF_OK;
+    const bool is_over = x->request->polled != NULL && strcmp(x->route->method, "POST") == 0;
+    return is_over ? BF_OK : exchange__find_named(x, err);
+}
+
 static bf_status dispatch(exchange *x, bf_error *err)
 {
     BF_TRY(admit(x, err));
@@ -140,6 +153,7 @@ static bf_status dispatch(exchange *x, bf_error *err)
     BF_TRY(check_format(x, err));
     if (x->route->body != NULL && x->request->polled == NULL)
         BF_TRY(check_body(x, err));
+    BF_TRY(find_named(x, err));
     BF_TRY(x->route->handle(x, err));
     if (x->response->status == 0)
         x->response->status = 200;
@@ -222,8 +236,10 @@ static void end(exchange *x)
 void api_handle(const api_services *services, const api_request *request, api_response *response)
 {
     exchange x = begin(services, request, response);
+    exchange_resource named;
     bf_error error = { 0 };
 
+    x.named = &named;
     if (!answer_options(request, response)) {
         bf_status status = dispatch(&x, &error);
         if (status == BF_OK) {
@@ -306,24 +322,17 @@ bf_status exchange__write(exchange *x, const member_table *table, const void *it
     return json_out_status(&w, err);
 }
 
-bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
+bf_status exchange__find_named(const exchange *x, bf_error *err)
 {
+    exchange_resource *named = x->named;
     const char *id = x->params.values[0];
 
     BF_CHECK(x->params.n > 0);
     if (!param_is_id(id))
-        return bf_fail(err, BF_ENOTFOUND, "", "there is no run '%s'", id);
-    return access_find_run(x, id, ret_run, err);
-}
-
-bf_status exchange__find_study(const exchange *x, api_study *ret_study, bf_error *err)
-{
-    const char *id = x->params.values[0];
-
-    BF_CHECK(x->params.n > 0);
-    if (!param_is_id(id))
-        return bf_fail(err, BF_ENOTFOUND, "", "there is no study '%s'", id);
-    return access_find_study(x, id, ret_study, err);
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no %s '%s'",
+                       named->is_study ? "study" : "run", id);
+    return named->is_study ? access_find_study(x, id, &named->study, err)
+                           : access_find_run(x, id, &named->run, err);
 }
 
 const char *exchange__text(const exchange *x, const char *name)
@@ -357,9 +366,9 @@ size_t exchange__ids(const exchange *x, const char *name, char (*ret_ids)[API_ID
     return value.ids.n;
 }
 
-bf_status exchange__find_snapshot(const exchange *x, const api_run *of, uint64_t *ret_index,
-                                  bf_error *err)
+bf_status exchange__find_snapshot(const exchange *x, uint64_t *ret_index, bf_error *err)
 {
+    const api_run *of = &x->named->run;
     const char *number = x->params.values[1];
     uint64_t index = 0;
 

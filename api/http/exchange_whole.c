@@ -76,9 +76,9 @@ static bf_status append_file(exchange *x, const char *id, uint64_t index, array_
 }
 
 // What comes later to a run that goes on is missing here, so that the tag has the number of those that there are.
-bf_status exchange__send_several(exchange *x, const api_run *of, uint64_t index, bool is_parts,
-                                 bf_error *err)
+bf_status exchange__send_several(exchange *x, uint64_t index, bool is_parts, bf_error *err)
 {
+    const api_run *of = &x->named->run;
     const array_file_form form = is_parts ? ARRAY_FILE_PARTS_NPY : ARRAY_FILE_NPY;
     const uint64_t count = exchange__whole(x, "count"), left = of->n_snapshots - index;
     const uint64_t end = index + (count < left ? count : left);

@@ -20,7 +20,8 @@ bf_status handlers__read_last_event(const exchange *x, uint64_t *ret_id, bf_erro
     return BF_OK;
 }
 
-static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_runs, bf_error *err)
+static bf_status begin_stream(exchange *x, const char (*runs)[API_ID_SIZE], size_t n_runs,
+                              bf_error *err)
 {
     stream_format format = x->media->format == MEDIA_SSE ? STREAM_SSE : STREAM_NDJSON;
     api_response *response = x->response;
@@ -29,8 +30,7 @@ static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_r
     uint64_t after = 0;
 
     BF_TRY(handlers__read_last_event(x, &after, err));
-    BF_TRY(stream_begin(x->services, format, is_inline, (const char(*)[API_ID_SIZE])runs, n_runs,
-                        after, &cursor, err));
+    BF_TRY(stream_begin(x->services, format, is_inline, runs, n_runs, after, &cursor, err));
     if (cursor.n_open == 0) {
         response->status = 204; // tells a browser not to reconnect
         return BF_OK;
@@ -41,10 +41,7 @@ static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_r
 
 bf_status handlers_results_events(exchange *x, bf_error *err)
 {
-    api_run record;
-
-    BF_TRY(exchange__find_run(x, &record, err));
-    return begin_stream(x, &record.id, 1, err);
+    return begin_stream(x, (const char(*)[API_ID_SIZE])x->named->run.id, 1, err);
 }
 
 bf_status handlers_results_events_of_runs(exchange *x, bf_error *err)
@@ -55,5 +52,5 @@ bf_status handlers_results_events_of_runs(exchange *x, bf_error *err)
 
     for (size_t i = 0; i < n; i++)
         BF_TRY(access_find_run(x, runs[i], &record, err));
-    return begin_stream(x, runs, n, err);
+    return begin_stream(x, (const char(*)[API_ID_SIZE])runs, n, err);
 }

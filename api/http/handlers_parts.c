@@ -92,38 +92,33 @@ static bool is_sent_in_pieces(const exchange *x, const api_parts *parts)
 bf_status handlers_results_parts(exchange *x, bf_error *err)
 {
     uint64_t index = 0;
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status == BF_OK)
-        status = exchange__find_snapshot(x, &record, &index, err);
+    bf_status status = exchange__find_snapshot(x, &index, err);
     if (status != BF_OK)
         return status;
     if (exchange__wants_several(x))
-        return exchange__send_several(x, &record, index, true, err);
-    if (is_sent_in_pieces(x, &record.parts))
-        return send_parts(x, record.id, index, err);
-    status = reserve_parts(x, record.id, index, err);
-    if (status != BF_OK || has_parts_already(x, record.id, index))
+        return exchange__send_several(x, index, true, err);
+    if (is_sent_in_pieces(x, &of->parts))
+        return send_parts(x, of->id, index, err);
+    status = reserve_parts(x, of->id, index, err);
+    if (status != BF_OK || has_parts_already(x, of->id, index))
         return status;
-    return write_parts(x, record.id, index, err);
+    return write_parts(x, of->id, index, err);
 }
 
 bf_status handlers_results_parts_series(exchange *x, bf_error *err)
 {
     api_snapshot_list list = { 0 };
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status != BF_OK)
-        return status;
-    if (record.model != RUN_MICRO)
+    if (of->model != RUN_MICRO)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
-                       run_model_words[record.model]);
+                       run_model_words[of->model]);
     exchange__cache_revalidate(x);
-    if (exchange__is_unchanged(x, "r%" PRIu64 "-parts-%s", record.revision, x->media->word))
+    if (exchange__is_unchanged(x, "r%" PRIu64 "-parts-%s", of->revision, x->media->word))
         return BF_OK;
-    status = x->services->list_snapshots(x->services->store, record.id, &list, err);
+    bf_status status = x->services->list_snapshots(x->services->store, of->id, &list, err);
     if (status != BF_OK)
         return status;
     status = results_series_pvd(&list, RESULTS_FILES_PARTS_VTK, &x->response->body, err);

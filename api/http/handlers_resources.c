@@ -12,69 +12,47 @@
 #include <stdio.h>
 #include <string.h>
 
-// A run or a study.
-typedef struct resource {
-    bool is_study;
-    union {
-        api_run run;
-        api_study study;
-    };
-} resource;
-
-static uint64_t revision_of(const resource *r)
+static uint64_t revision_of(const exchange_resource *r)
 {
     return r->is_study ? r->study.revision : r->run.revision;
 }
 
-static bool has_ended(const resource *r)
+static bool has_ended(const exchange_resource *r)
 {
     return r->is_study ? api_study_state_is_end(r->study.state) : run_state_is_end(r->run.state);
 }
 
-// Finds the one that the path names.
-static bf_status find(const exchange *x, resource *ret_resource, bf_error *err)
-{
-    static const char studies[] = "/v1/studies/";
-
-    ret_resource->is_study = strncmp(x->route->path, studies, sizeof studies - 1) == 0;
-    return ret_resource->is_study ? exchange__find_study(x, &ret_resource->study, err)
-                                  : exchange__find_run(x, &ret_resource->run, err);
-}
-
-// A change of a resource, which it updates; of API_ANY_REVISION, or of the one that the resource must still have.
-typedef bf_status change_fn(exchange *x, uint64_t revision, resource *r, bf_error *err);
+// Changes the resource that the path names and updates it: of API_ANY_REVISION, or of the one that it must still have.
+typedef bf_status change_fn(exchange *x, uint64_t revision, exchange_resource *r, bf_error *err);
 
 // If-Match is compared with the resource as it is found, and the revision that it was found with again by the change
 // itself. Where another change came between, the resource is looked at anew.
-static bf_status change(exchange *x, change_fn *change_it, resource *ret_resource, bf_error *err)
+static bf_status change(exchange *x, change_fn *change_it, bf_error *err)
 {
     bf_status status;
 
     do {
         uint64_t revision = API_ANY_REVISION;
-        status = find(x, ret_resource, err);
-        if (status == BF_OK)
-            status = exchange__check_match(x, revision_of(ret_resource), &revision, err);
-        if (status != BF_OK)
+        BF_TRY(exchange__check_match(x, revision_of(x->named), &revision, err));
+        status = change_it(x, revision, x->named, err);
+        if (status != BF_EINPUT || x->faults.n > 0)
             return status;
-        status = change_it(x, revision, ret_resource, err);
-    } while (status == BF_EINPUT && x->faults.n == 0);
+        status = exchange__find_named(x, err);
+    } while (status == BF_OK);
     return status;
 }
 
 static bf_status answer_change(exchange *x, change_fn *change_it, bf_error *err)
 {
-    resource r;
+    const exchange_resource *r = x->named;
 
-    const bf_status status = change(x, change_it, &r, err);
-    if (status != BF_OK)
-        return status;
-    return r.is_study ? study_json_write(&r.study, &x->response->body, err)
-                      : run_json_write(&r.run, &x->response->body, err);
+    BF_TRY(change(x, change_it, err));
+    return r->is_study ? study_json_write(&r->study, &x->response->body, err)
+                       : run_json_write(&r->run, &x->response->body, err);
 }
 
 // The resource keeps what the patch does not name, as of the revision that it was found with.
-static bf_status annotate(exchange *x, uint64_t revision, resource *r, bf_error *err)
+static bf_status annotate(exchange *x, uint64_t revision, exchange_resource *r, bf_error *err)
 {
     const member_table *table = r->is_study ? &annotations_json_study : &annotations_json_run;
     const api_services *services = x->services;
@@ -103,14 +81,14 @@ static bf_status annotate(exchange *x, uint64_t revision, resource *r, bf_error 
     return status;
 }
 
-static bf_status change_study(exchange *x, uint64_t revision, api_study_change how, resource *r,
-                              bf_error *err)
+static bf_status change_study(exchange *x, uint64_t revision, api_study_change how,
+                              exchange_resource *r, bf_error *err)
 {
     return x->services->change_study(x->services->service, r->study.id, revision, how, &r->study,
                                      err);
 }
 
-static bf_status cancel(exchange *x, uint64_t revision, resource *r, bf_error *err)
+static bf_status cancel(exchange *x, uint64_t revision, exchange_resource *r, bf_error *err)
 {
     const bf_status status =
         r->is_study ? change_study(x, revision, API_STUDY_CANCEL, r, err)
@@ -120,20 +98,19 @@ static bf_status cancel(exchange *x, uint64_t revision, resource *r, bf_error *e
     return status;
 }
 
-static bf_status pause_study(exchange *x, uint64_t revision, resource *r, bf_error *err)
+static bf_status pause_study(exchange *x, uint64_t revision, exchange_resource *r, bf_error *err)
 {
-    const bf_status status = change_study(x, revision, API_STUDY_PAUSE, r, err);
-    if (status == BF_OK)
-        x->response->status = r->study.state == API_STUDY_PAUSED ? 200 : 202;
-    return status;
+    BF_TRY(change_study(x, revision, API_STUDY_PAUSE, r, err));
+    x->response->status = r->study.state == API_STUDY_PAUSED ? 200 : 202;
+    return BF_OK;
 }
 
-static bf_status resume_study(exchange *x, uint64_t revision, resource *r, bf_error *err)
+static bf_status resume_study(exchange *x, uint64_t revision, exchange_resource *r, bf_error *err)
 {
     return change_study(x, revision, API_STUDY_RESUME, r, err);
 }
 
-static bf_status remove_it(exchange *x, uint64_t revision, resource *r, bf_error *err)
+static bf_status remove_it(exchange *x, uint64_t revision, exchange_resource *r, bf_error *err)
 {
     const api_services *services = x->services;
 
@@ -163,29 +140,24 @@ bf_status handlers_resources_resume(exchange *x, bf_error *err)
 
 bf_status handlers_resources_remove(exchange *x, bf_error *err)
 {
-    resource r;
-
-    const bf_status status = change(x, remove_it, &r, err);
-    if (status == BF_OK)
-        x->response->status = 204;
-    return status;
+    BF_TRY(change(x, remove_it, err));
+    x->response->status = 204;
+    return BF_OK;
 }
 
 bf_status handlers_resources_grant(exchange *x, bf_error *err)
 {
     api_grant grant = { .id = 0 };
     grant_json_request asked;
-    resource r;
+    const exchange_resource *r = x->named;
 
-    bf_status status = find(x, &r, err);
-    if (status == BF_OK)
-        status = grant_json_read(exchange__body(x), x->request->n_body, &asked, &x->faults, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(grant_json_read(exchange__body(x), x->request->n_body, &asked, &x->faults, err));
     (void)snprintf(grant.resource, sizeof grant.resource, "%s%s",
-                   r.is_study ? "/v1/studies/" : "/v1/runs/", r.is_study ? r.study.id : r.run.id);
+                   r->is_study ? "/v1/studies/" : "/v1/runs/",
+                   r->is_study ? r->study.id : r->run.id);
     memcpy(grant.owner, x->who.owner, sizeof grant.owner);
-    status = x->services->add_grant(x->services->service, asked.expires_in_s, &grant, err);
+    const bf_status status =
+        x->services->add_grant(x->services->service, asked.expires_in_s, &grant, err);
     if (status == BF_ELIMIT)
         x->refusal = 429;
     if (status != BF_OK)

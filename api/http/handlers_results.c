@@ -9,32 +9,29 @@
 
 bf_status handlers_results_scenario(exchange *x, bf_error *err)
 {
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    BF_TRY(exchange__find_run(x, &record, err));
     exchange__cache_immutable(x);
-    if (exchange__is_unchanged(x, "%s-scenario", record.id))
+    if (exchange__is_unchanged(x, "%s-scenario", of->id))
         return BF_OK;
-    return x->services->read_text(x->services->store, record.id, API_TEXT_SCENARIO,
-                                  &x->response->body, err);
+    return x->services->read_text(x->services->store, of->id, API_TEXT_SCENARIO, &x->response->body,
+                                  err);
 }
 
 bf_status handlers_results_summary(exchange *x, bf_error *err)
 {
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    BF_TRY(exchange__find_run(x, &record, err));
-    if (!record.has_summary)
+    if (!of->has_summary)
         return bf_fail(err, BF_ECONFLICT, "",
-                       run_state_is_end(record.state)
-                           ? "the run is %s and has left no summary"
-                           : "the run is %s: the summary comes at its end",
-                       run_state_word(record.state));
+                       run_state_is_end(of->state) ? "the run is %s and has left no summary"
+                                                   : "the run is %s: the summary comes at its end",
+                       run_state_word(of->state));
     exchange__cache_revalidate(x);
-    if (exchange__is_unchanged(x, "%s-summary", record.id))
+    if (exchange__is_unchanged(x, "%s-summary", of->id))
         return BF_OK;
-    return x->services->read_text(x->services->store, record.id, API_TEXT_SUMMARY,
-                                  &x->response->body, err);
+    return x->services->read_text(x->services->store, of->id, API_TEXT_SUMMARY, &x->response->body,
+                                  err);
 }
 
 static bf_status write_curve(exchange *x, const curve_file *file, bf_error *err)
@@ -54,13 +51,12 @@ static bf_status write_curve(exchange *x, const curve_file *file, bf_error *err)
 bf_status handlers_results_curve(exchange *x, bf_error *err)
 {
     curve_file file;
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    BF_TRY(exchange__find_run(x, &record, err));
     exchange__cache_revalidate(x);
-    if (exchange__is_unchanged(x, "r%" PRIu64 "-%s", record.revision, x->media->word))
+    if (exchange__is_unchanged(x, "r%" PRIu64 "-%s", of->revision, x->media->word))
         return BF_OK;
-    BF_TRY(curve_file_open(x->services, record.id, record.n_samples, &file, err));
+    BF_TRY(curve_file_open(x->services, of->id, of->n_samples, &file, err));
     const bool is_long = file.n_values > EXCHANGE_WHOLE_MAX;
     if (is_long && x->media->format == MEDIA_CSV && exchange__accepts_plain(x))
         return curve_file_send(&file, &x->response->source, err);
@@ -71,18 +67,16 @@ bf_status handlers_results_curve(exchange *x, bf_error *err)
 bf_status handlers_results_figures(exchange *x, bf_error *err)
 {
     bf_buffer text = { 0 };
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status != BF_OK)
-        return status;
-    if (record.figures[0] == '\0')
+    if (of->figures[0] == '\0')
         return bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no key figures",
-                       run_state_word(record.state));
+                       run_state_word(of->state));
     exchange__cache_revalidate(x);
-    if (exchange__is_unchanged(x, "r%" PRIu64 "-figures-%s", record.revision, x->media->word))
+    if (exchange__is_unchanged(x, "r%" PRIu64 "-figures-%s", of->revision, x->media->word))
         return BF_OK;
-    status = x->services->read_text(x->services->store, record.id, API_TEXT_FIGURES, &text, err);
+    bf_status status =
+        x->services->read_text(x->services->store, of->id, API_TEXT_FIGURES, &text, err);
     if (status == BF_OK)
         status = x->media->format == MEDIA_CSV
                      ? key_figures_csv(text.bytes, text.n, &x->response->body, err)
@@ -94,15 +88,12 @@ bf_status handlers_results_figures(exchange *x, bf_error *err)
 bf_status handlers_results_photo_eyes(exchange *x, bf_error *err)
 {
     results_changes changes = { 0 };
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status != BF_OK)
-        return status;
     exchange__cache_revalidate(x);
-    if (exchange__is_unchanged(x, "r%" PRIu64 "-eyes-%s", record.revision, x->media->word))
+    if (exchange__is_unchanged(x, "r%" PRIu64 "-eyes-%s", of->revision, x->media->word))
         return BF_OK;
-    status = results_changes_read(x->services, record.id, &changes, err);
+    bf_status status = results_changes_read(x->services, of->id, &changes, err);
     if (status != BF_OK)
         return status;
     status = x->media->format == MEDIA_CSV
@@ -115,18 +106,17 @@ bf_status handlers_results_photo_eyes(exchange *x, bf_error *err)
 bf_status handlers_results_archive(exchange *x, bf_error *err)
 {
     bool has_vtk = exchange__whole(x, "vtk") == 1;
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    BF_TRY(exchange__find_run(x, &record, err));
-    if (!run_state_is_end(record.state))
+    if (!run_state_is_end(of->state))
         return bf_fail(err, BF_ECONFLICT, "", "the run is %s: results.zip comes at its end",
-                       run_state_word(record.state));
+                       run_state_word(of->state));
     exchange__cache_immutable(x);
-    if (exchange__is_unchanged(x, "%s-%" PRId64 "-zip%s", record.id, record.finished_ms,
+    if (exchange__is_unchanged(x, "%s-%" PRId64 "-zip%s", of->id, of->finished_ms,
                                has_vtk ? "-vtk" : ""))
         return BF_OK;
     api_response_header(x->response, "Content-Disposition", "attachment; filename=\"%s.zip\"",
-                        record.id);
-    return results_archive_open(&record, has_vtk ? RESULTS_ARCHIVE_VTK : RESULTS_ARCHIVE_PLAIN,
+                        of->id);
+    return results_archive_open(of, has_vtk ? RESULTS_ARCHIVE_VTK : RESULTS_ARCHIVE_PLAIN,
                                 x->services, &x->response->source, err);
 }

@@ -184,15 +184,12 @@ bf_status handlers_runs_show(exchange *x, bf_error *err)
 {
     bool has_state = exchange__header(x, "If-None-Match") != NULL;
     unsigned seconds = (unsigned)exchange__whole(x, "wait");
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status != BF_OK)
-        return status;
     exchange__cache_revalidate(x);
     // What is predicted of a run that waits changes its representation, but not its revision.
-    const char *predicted = isnan(record.predicted_s) ? "" : "p";
-    if (exchange__match_etag(x, "r%" PRIu64 "%s", record.revision, predicted) || !has_state)
-        exchange__long_poll(x, &record, seconds, has_state);
-    return run_json_write(&record, &x->response->body, err);
+    const char *predicted = isnan(of->predicted_s) ? "" : "p";
+    if (exchange__match_etag(x, "r%" PRIu64 "%s", of->revision, predicted) || !has_state)
+        exchange__long_poll(x, of, seconds, has_state);
+    return run_json_write(of, &x->response->body, err);
 }

@@ -39,20 +39,17 @@ static bf_status write_list(exchange *x, const api_run *of, const api_snapshot_l
 bf_status handlers_results_snapshots(exchange *x, bf_error *err)
 {
     api_snapshot_list list = { 0 };
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status != BF_OK)
-        return status;
     exchange__cache_revalidate(x);
-    if (exchange__is_unchanged(x, "r%" PRIu64 "-snapshots-%s", record.revision, x->media->word))
+    if (exchange__is_unchanged(x, "r%" PRIu64 "-snapshots-%s", of->revision, x->media->word))
         return BF_OK;
-    status = x->services->list_snapshots(x->services->store, record.id, &list, err);
+    bf_status status = x->services->list_snapshots(x->services->store, of->id, &list, err);
     if (status != BF_OK)
         return status;
     status = x->media->format == MEDIA_PVD
                  ? results_series_pvd(&list, RESULTS_FILES_SNAPSHOT_VTK, &x->response->body, err)
-                 : write_list(x, &record, &list, err);
+                 : write_list(x, of, &list, err);
     buffer_fini(&list.items);
     return status;
 }
@@ -144,32 +141,30 @@ bf_status handlers_results_snapshot(exchange *x, bf_error *err)
                                    .map = map == NULL ? colormap_first() : colormap_find(map) };
     const bool is_picture = x->media->format == MEDIA_PNG;
     uint64_t index = 0;
-    api_run record;
+    const api_run *of = &x->named->run;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status == BF_OK)
-        status = exchange__find_snapshot(x, &record, &index, err);
+    bf_status status = exchange__find_snapshot(x, &index, err);
     if (status != BF_OK)
         return status;
     if (exchange__wants_several(x))
-        return exchange__send_several(x, &record, index, false, err);
+        return exchange__send_several(x, index, false, err);
     exchange__cache_immutable(x);
     if (is_picture
-            ? exchange__is_unchanged(x, "%s-%" PRIu64 "-png-%" PRIu64 "-%s-%.17g", record.id, index,
+            ? exchange__is_unchanged(x, "%s-%" PRIu64 "-png-%" PRIu64 "-%s-%.17g", of->id, index,
                                      wanted.width, colormap_word(wanted.map), wanted.top)
-            : exchange__is_unchanged(x, "%s-%" PRIu64 "-%s", record.id, index, x->media->word))
+            : exchange__is_unchanged(x, "%s-%" PRIu64 "-%s", of->id, index, x->media->word))
         return BF_OK;
     exchange__name_snapshot(x, index);
-    const size_t n_cells = grid_cells(&record.grid);
+    const size_t n_cells = grid_cells(&of->grid);
     if (is_picture)
-        return write_picture(x, &record, index, &wanted, err);
+        return write_picture(x, of, index, &wanted, err);
     if (is_sent_in_pieces(x, n_cells)) {
         array_file file = { .item_size = 0 };
-        status = array_file_open(x->services, record.id, index,
+        status = array_file_open(x->services, of->id, index,
                                  x->media->format == MEDIA_NPY ? ARRAY_FILE_NPY : ARRAY_FILE_VTI,
                                  &file, err);
         return status == BF_OK ? exchange__send_array(x, &file, err) : status;
     }
     status = exchange__reserve_whole(x, n_cells, sizeof(float), "npy or vti", err);
-    return status == BF_OK ? write_snapshot(x, record.id, index, err) : status;
+    return status == BF_OK ? write_snapshot(x, of->id, index, err) : status;
 }

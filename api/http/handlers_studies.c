@@ -38,12 +38,9 @@ bf_status handlers_studies_submit(exchange *x, bf_error *err)
 
 bf_status handlers_studies_show(exchange *x, bf_error *err)
 {
-    api_study about;
+    const api_study *of = &x->named->study;
 
-    bf_status status = exchange__find_study(x, &about, err);
-    if (status != BF_OK)
-        return status;
     exchange__cache_revalidate(x);
-    (void)exchange__match_etag(x, "r%" PRIu64, about.revision);
-    return study_json_write(&about, &x->response->body, err);
+    (void)exchange__match_etag(x, "r%" PRIu64, of->revision);
+    return study_json_write(of, &x->response->body, err);
 }

@@ -13,23 +13,21 @@
 
 bf_status handlers_trials_document(exchange *x, bf_error *err)
 {
-    api_study about;
+    const api_study *of = &x->named->study;
 
-    BF_TRY(exchange__find_study(x, &about, err));
     // It never changes, but it may be removed.
     exchange__cache_revalidate(x);
-    if (exchange__is_unchanged(x, "%s-document", about.id))
+    if (exchange__is_unchanged(x, "%s-document", of->id))
         return BF_OK;
-    return x->services->read_study(x->services->store, about.id, API_STUDY_DOCUMENT,
+    return x->services->read_study(x->services->store, of->id, API_STUDY_DOCUMENT,
                                    &x->response->body, err);
 }
 
 bf_status handlers_trials_best(exchange *x, bf_error *err)
 {
-    api_study about;
+    const api_study *of = &x->named->study;
 
-    BF_TRY(exchange__find_study(x, &about, err));
-    BF_TRY(x->services->read_study(x->services->store, about.id, API_STUDY_BEST, &x->response->body,
+    BF_TRY(x->services->read_study(x->services->store, of->id, API_STUDY_BEST, &x->response->body,
                                    err));
     exchange__cache_revalidate(x);
     return BF_OK;
@@ -95,27 +93,25 @@ static bf_status write_page(exchange *x, const api_study *about, const study_col
 bf_status handlers_trials_list(exchange *x, bf_error *err)
 {
     study_columns columns;
-    api_study about;
+    const api_study *of = &x->named->study;
 
-    BF_TRY(exchange__find_study(x, &about, err));
-    BF_TRY(read_columns(x, about.id, &columns, err));
+    BF_TRY(read_columns(x, of->id, &columns, err));
     if (x->media->format != MEDIA_CSV)
-        return write_page(x, &about, &columns, err);
+        return write_page(x, of, &columns, err);
     exchange__cache_revalidate(x);
-    if (exchange__is_unchanged(x, "r%" PRIu64 "-csv", about.revision))
+    if (exchange__is_unchanged(x, "r%" PRIu64 "-csv", of->revision))
         return BF_OK;
-    return trials_csv_open(&about, &columns, &x->response->source, err);
+    return trials_csv_open(of, &columns, &x->response->source, err);
 }
 
 bf_status handlers_trials_events(exchange *x, bf_error *err)
 {
     study_stream stream = { .format = x->media->format == MEDIA_SSE ? STREAM_SSE : STREAM_NDJSON };
-    api_study about;
+    const api_study *of = &x->named->study;
 
-    BF_TRY(exchange__find_study(x, &about, err));
     BF_TRY(handlers__read_last_event(x, &stream.after, err));
-    BF_TRY(read_columns(x, about.id, &stream.columns, err));
-    if (!study_stream_begin(&stream, &about)) {
+    BF_TRY(read_columns(x, of->id, &stream.columns, err));
+    if (!study_stream_begin(&stream, of)) {
         x->response->status = 204; // tells a browser not to reconnect
         return BF_OK;
     }
@@ -136,14 +132,13 @@ static bf_status find_trial(exchange *x, api_trial *ret_trial, bf_error *err)
 {
     const char *number = x->params.values[1];
     api_trial_query wanted = { .order = API_TRIALS_BY_NUMBER, .limit = 1 };
-    api_study about;
+    const api_study *of = &x->named->study;
 
-    BF_TRY(exchange__find_study(x, &about, err));
-    if (!number_read_digits(number, 0, UINT64_MAX, &wanted.from) || wanted.from >= about.n_trials)
+    if (!number_read_digits(number, 0, UINT64_MAX, &wanted.from) || wanted.from >= of->n_trials)
         return bf_fail(err, BF_ENOTFOUND, "", "the study has no trial '%s'; it has %" PRIu64,
-                       number, about.n_trials);
+                       number, of->n_trials);
     *ret_trial = (api_trial){ .number = wanted.from };
-    return x->services->read_trials(x->services->store, about.id, &wanted, take_trial, ret_trial,
+    return x->services->read_trials(x->services->store, of->id, &wanted, take_trial, ret_trial,
                                     err);
 }
 

@@ -15,6 +15,15 @@ enum { EXCHANGE_ETAG_SIZE = 112 }; ///< bytes of an entity tag with its terminat
 
 struct array_file;
 
+/// The run or the study that a path below "/v1/runs/{id}" or "/v1/studies/{id}" names.
+typedef struct exchange_resource {
+    bool is_study; ///< which of them
+    union {
+        api_run run;     ///< as it was found before the handler was called
+        api_study study; ///< same
+    };
+} exchange_resource;
+
 /// One request on its way to its response. Lives on the stack of api_handle().
 struct exchange {
     const api_services *services; ///< what the daemon offers
@@ -27,6 +36,7 @@ struct exchange {
     const media *body_media;      ///< of the body, where the route has one
     bf_faults faults;             ///< of the request's document, for `errors` of a problem
     bool is_unmatched;            ///< If-Match of a GET names other states than the present one
+    exchange_resource *named;     ///< what the path names; found where it begins with such a path
     api_identity who;             ///< who sent it
     api_credential credential;    ///< what became of its token
     api_scope lacked;             ///< the scope that the token lacks, of a refusal for it
@@ -66,8 +76,8 @@ BF_MUST_CHECK bf_status exchange__send_array(exchange *x, struct array_file *fil
 
 /// Answer the parameter `count`: the NumPy files of densities, or parts, from a snapshot on. False: it asks for one.
 bool exchange__wants_several(const exchange *x);
-BF_MUST_CHECK bf_status exchange__send_several(exchange *x, const api_run *of, uint64_t index,
-                                               bool is_parts, bf_error *err);
+BF_MUST_CHECK bf_status exchange__send_several(exchange *x, uint64_t index, bool is_parts,
+                                               bf_error *err);
 
 /// A request header's value, or NULL.
 const char *exchange__header(const exchange *x, const char *name);
@@ -85,17 +95,13 @@ const char *exchange__body(const exchange *x);
 BF_MUST_CHECK bf_status exchange__write(exchange *x, const member_table *table, const void *item,
                                         bf_error *err);
 
-/// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
-BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);
-
-/// The same for a study.
-BF_MUST_CHECK bf_status exchange__find_study(const exchange *x, api_study *ret_study,
-                                             bf_error *err);
+/// Find what the path names: done before its handler is called, and again where a change found another revision.
+BF_MUST_CHECK bf_status exchange__find_named(const exchange *x, bf_error *err);
 
 /// Find the snapshot that the path's second parameter numbers. BF_ENOTFOUND: it is not a number, or the
 /// run does not have that snapshot yet.
-BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, const api_run *of,
-                                                uint64_t *ret_index, bf_error *err);
+BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, uint64_t *ret_index,
+                                                bf_error *err);
 
 /// Compare If-Match and If-None-Match with the tags of the forms that the resource to be changed has
 /// (ended by NULL). BF_EINPUT, as a 412: the first names other states, or the second this one.
