@@ -340,17 +340,6 @@ static bool holds_cargo(const piece *p, vec2 arm)
            vec2_dot(arm, p->upstream) > RIGHT_ANGLE * length;
 }
 
-static bool meets_wall(const measuring *m, const piece *p, vec2 tip)
-{
-    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
-        const vec2 arm = vec2_turn_left(surroundings_side(&m->around, side).inward);
-        if (is_wall(m, side) && -surroundings_excess(&m->around, side, tip) <= m->closed_gap &&
-            (holds_cargo(p, arm) || holds_cargo(p, vec2_scale(arm, -1.0))))
-            return true;
-    }
-    return false;
-}
-
 /// True if the other piece goes on from the tip of p to one of its own ends and keeps cargo there.
 static bool meets_piece(const measuring *m, const piece *p, vec2 tip, const piece *other)
 {
@@ -381,7 +370,13 @@ static bool ends_in_corner(const measuring *m, const piece *p)
         if (&m->pieces[k] != p && meets_piece(m, p, tip, &m->pieces[k]))
             return true;
     }
-    return meets_wall(m, p, tip);
+    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
+        const vec2 arm = vec2_turn_left(surroundings_side(&m->around, side).inward);
+        if (is_wall(m, side) && -surroundings_excess(&m->around, side, tip) <= m->closed_gap &&
+            (holds_cargo(p, arm) || holds_cargo(p, vec2_scale(arm, -1.0))))
+            return true;
+    }
+    return false;
 }
 
 static double angle_of(vec2 direction, vec2 belt)

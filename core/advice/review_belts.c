@@ -80,18 +80,6 @@ static bool leaves_at(const borders *b, size_t belt, vec2 at, vec2 out, vec2 way
                     vec2_add(at, vec2_scale(way, b->radius)));
 }
 
-static void warn(const scene *s, size_t belt, vec2 at, review_warnings *ret_warnings)
-{
-    const size_t of = scene_belt_of(s, belt);
-    review_explain(
-        review_add(ret_warnings, "Cargo leaves the belts", "/belts/%zu/%s", of,
-                   s->belts[of].path.n_points > 0 ? "path" : "polygon_m"),
-        "The belt '%s' carries cargo over its border at (%.4g, %.4g) m to where no belt is: it "
-        "falls there, and counts as fallen, not as throughput. Gaps narrower than the radius "
-        "of the smallest part are bridged.",
-        s->belts[belt].id, at.x, at.y);
-}
-
 /// Returns true if something was said of the side from one corner of a belt to the next.
 static bool review_side(borders *b, size_t belt, size_t corner, double turn,
                         review_warnings *ret_warnings)
@@ -112,7 +100,14 @@ static bool review_side(borders *b, size_t belt, size_t corner, double turn,
         b->steps += b->steps_of_place;
         if (!leaves_at(b, belt, at, out, way))
             continue;
-        warn(b->s, belt, at, ret_warnings);
+        const size_t path_of = scene_belt_of(b->s, belt);
+        review_explain(
+            review_add(ret_warnings, "Cargo leaves the belts", "/belts/%zu/%s", path_of,
+                       b->s->belts[path_of].path.n_points > 0 ? "path" : "polygon_m"),
+            "The belt '%s' carries cargo over its border at (%.4g, %.4g) m to where no belt is: it "
+            "falls there, and counts as fallen, not as throughput. Gaps narrower than the radius "
+            "of the smallest part are bridged.",
+            of->id, at.x, at.y);
         return true;
     }
     return false;

@@ -49,14 +49,6 @@ static bool is_beyond(const plates *p, vec2 at)
     return surroundings_is_outside(&p->around, at);
 }
 
-/// True if the belt at a place of a plate is the one that the plate is looked at for. Plates go on beyond open sides.
-static bool is_on_belt(plates *p, vec2 at, vec2 belt)
-{
-    const vec2 own = direction_of(p, at);
-
-    return is_beyond(p, at) || vec2_dot(own, belt) > 1.0 - SURROUNDINGS_GUIDE_SINE;
-}
-
 /// True if a plate lies on the line from a place along the belt, ahead of it or back from it.
 static void find_around(plates *p, const plate *of, vec2 at, bool *ret_ahead, bool *ret_back)
 {
@@ -67,8 +59,12 @@ static void find_around(plates *p, const plate *of, vec2 at, bool *ret_ahead, bo
         if (fabs(sine) <= SURROUNDINGS_GUIDE_SINE * vec2_length(piece))
             continue;
         const double place = vec2_cross(of->belt, to) / sine, back = vec2_cross(to, piece) / sine;
-        if (place < 0.0 || place > 1.0 ||
-            !is_on_belt(p, vec2_sub(at, vec2_scale(of->belt, back)), of->belt))
+        if (place < 0.0 || place > 1.0)
+            continue;
+        // The belt there is the one that the plate is looked at for. Plates go on beyond open sides.
+        const vec2 crossing = vec2_sub(at, vec2_scale(of->belt, back));
+        const vec2 own = direction_of(p, crossing);
+        if (!is_beyond(p, crossing) && !(vec2_dot(own, of->belt) > 1.0 - SURROUNDINGS_GUIDE_SINE))
             continue;
         *(back > 0.0 ? ret_back : ret_ahead) = true;
     }
@@ -85,19 +81,6 @@ static bool is_behind(plates *p, const scene_obstacle *obstacle, vec2 at)
     return is_back && !is_ahead;
 }
 
-/// The end of a plate that lies upstream, at which cargo gets behind it.
-static vec2 foot_of(plates *p, const scene_obstacle *obstacle, vec2 at)
-{
-    const vec2 first = obstacle->path[0], last = obstacle->path[obstacle->n_points - 1];
-
-    return vec2_dot(vec2_sub(last, first), direction_of(p, at)) < 0.0 ? last : first;
-}
-
-static bool is_off(const plates *p, vec2 at)
-{
-    return is_beyond(p, at) || surroundings_belt_at(&p->around, at) == p->around.n_belts;
-}
-
 /// A place for people, in whole tenths of a millimetre: a foot that an angle gives is only nearly at 0.
 static vec2 rounded(vec2 at)
 {
@@ -108,10 +91,15 @@ static vec2 rounded(vec2 at)
 static void explain_foot(plates *p, const scene_obstacle *obstacle, vec2 at, char *ret_text,
                          size_t size)
 {
-    const vec2 foot = foot_of(p, obstacle, at), said = rounded(foot);
+    // The foot is the end that lies upstream, at which cargo gets behind the plate.
+    const vec2 first = obstacle->path[0], last = obstacle->path[obstacle->n_points - 1];
+    const bool ends_upstream = vec2_dot(vec2_sub(last, first), direction_of(p, at)) < 0.0;
+    const vec2 foot = ends_upstream ? last : first, said = rounded(foot);
+    const bool is_off =
+        is_beyond(p, foot) || surroundings_belt_at(&p->around, foot) == p->around.n_belts;
 
     snprintf(ret_text, size, "its foot %s, at (%.3g, %.3g) m",
-             is_off(p, foot) ? "lies off the belt" : "stands too far upstream", said.x, said.y);
+             is_off ? "lies off the belt" : "stands too far upstream", said.x, said.y);
 }
 
 static void review_parts(plates *p, size_t k, review_warnings *ret_warnings)
