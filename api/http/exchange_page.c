@@ -16,34 +16,20 @@ exchange_page exchange__page(const exchange *x)
     return page;
 }
 
-// Into three bytes per byte of it at most; the end of what was written.
-static char *encode(const char *value, char *text)
-{
-    static const char plain[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
-
-    for (; *value != '\0'; value++) {
-        if (strchr(plain, *value) != NULL)
-            *text++ = *value;
-        else
-            text += sprintf(text, "%%%02X", (unsigned char)*value);
-    }
-    return text;
-}
-
 bf_status exchange__send_page(exchange *x, const exchange_page *page, const char *cursor,
                               const member_table *table, const void *list, bf_error *err)
 {
-    char filters[3 * QUERY_SIZE], *end = filters;
+    char filters[3 * QUERY_SIZE] = "";
+    size_t n = 0;
 
     for (size_t k = 0; k < x->query.n; k++) {
         const char *name = x->query.text + x->query.params[k].name;
         if (strcmp(name, "limit") == 0 || strcmp(name, "cursor") == 0)
             continue;
-        end += sprintf(end, "&%s=", name);
-        end = encode(x->query.text + x->query.params[k].value, end);
+        n += (size_t)snprintf(filters + n, sizeof filters - n, "&%s=", name);
+        n += query_write_escaped(x->query.text + x->query.params[k].value, "", filters + n,
+                                 sizeof filters - n);
     }
-    *end = '\0';
     if (cursor[0] != '\0')
         api_response_header(x->response, "Link", "<%s?limit=%zu%s&cursor=%s>; rel=\"next\"",
                             x->route->path, page->limit, filters, cursor);

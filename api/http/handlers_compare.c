@@ -432,25 +432,20 @@ static bf_status write_all(exchange *x, json_out *w, const comparison *c, bf_err
 
 static bf_status compare_all(exchange *x, comparison *c, bf_error *err)
 {
-    bf_status status = read_query(x, c, err);
-
-    for (size_t i = 0; i < c->n && status == BF_OK; i++)
-        status = find_entry(x, &c->entries[i], err);
-    if (status == BF_OK)
-        status = choose_column(x, c, err);
-    if (status == BF_OK)
-        status = measure_curves(x, c, err);
-    for (size_t i = 0; i < c->n && status == BF_OK; i++)
-        status = find_side(x, &c->entries[i], err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(read_query(x, c, err));
+    for (size_t i = 0; i < c->n; i++)
+        BF_TRY(find_entry(x, &c->entries[i], err));
+    BF_TRY(choose_column(x, c, err));
+    BF_TRY(measure_curves(x, c, err));
+    for (size_t i = 0; i < c->n; i++)
+        BF_TRY(find_side(x, &c->entries[i], err));
     for (size_t i = 0; i < c->n; i++)
         compare_verdict_leave_out(&c->entries[c->reference].side, &c->entries[i].side, c->column,
                                   &c->entries[i].figures, &c->entries[i].measures);
     exchange__cache_revalidate(x);
     json_out w = json_out_to(&x->response->body);
     json_out_object(&w);
-    status = c->is_pair ? write_pair(x, &w, c, err) : write_all(x, &w, c, err);
+    bf_status status = c->is_pair ? write_pair(x, &w, c, err) : write_all(x, &w, c, err);
     json_out_object_end(&w);
     return status == BF_OK ? json_out_status(&w, err) : status;
 }

@@ -84,11 +84,10 @@ bf_status handlers_leases_deliver(exchange *x, bf_error *err)
     const api_leases *leases = NULL;
     const char *id = NULL;
 
-    bf_status status = find_lease(x, &leases, &id, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(find_lease(x, &leases, &id, err));
     api_lease_section *sections = memory_alloc(LEASE_SECTIONS_MAX, sizeof *sections);
-    status = sections == NULL ? bf_fail_memory(err) : deliver(x, leases, id, sections, err);
+    bf_status status =
+        sections == NULL ? bf_fail_memory(err) : deliver(x, leases, id, sections, err);
     memory_free(sections);
     return status;
 }

@@ -91,16 +91,15 @@ bf_status handlers_measurements_show(exchange *x, bf_error *err)
     bf_buffer csv = { 0 };
     api_measurement about;
 
-    bf_status status = find_measurement(x, &about, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(find_measurement(x, &about, err));
     // It never changes, but it may be removed.
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "%s-%s", about.id, x->media->word))
         return BF_OK;
-    status = about.kind == API_MEASURED_CURVE
-                 ? x->services->read_measurement(x->services->store, about.id, &curve, err)
-                 : x->services->read_measurement_csv(x->services->store, about.id, &csv, err);
+    bf_status status =
+        about.kind == API_MEASURED_CURVE
+            ? x->services->read_measurement(x->services->store, about.id, &curve, err)
+            : x->services->read_measurement_csv(x->services->store, about.id, &csv, err);
     if (status == BF_OK && x->media->format != MEDIA_CSV)
         status = measurement_json(&about, &curve, &csv, body, err);
     else if (status == BF_OK)

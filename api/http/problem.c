@@ -1,5 +1,6 @@
 #include "api/http/problem.h"
 
+#include "api/http/query.h"
 #include "api/json/json_out.h"
 #include "core/base/check.h"
 
@@ -40,22 +41,6 @@ int problem_status(bf_status code)
             return kinds[i].status;
     }
     return 500;
-}
-
-// Percent-encodes a path, for a URI reference.
-static void encode_path(const char *path, char *ret_text, size_t size)
-{
-    static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                                "0123456789-._~/:@!$&'()*+,;=";
-    size_t n = 0;
-
-    for (; *path != '\0' && n + 4 <= size; path++) {
-        if (strchr(plain, *path) != NULL)
-            ret_text[n++] = *path;
-        else
-            n += (size_t)snprintf(ret_text + n, size - n, "%%%02X", (unsigned char)*path);
-    }
-    ret_text[n] = '\0';
 }
 
 static bool has_limit(const void *item)
@@ -158,7 +143,7 @@ static problem make_problem(int status, const char *instance, const bf_error *er
                   .n_errors = n > 0 ? n : error->pointer[0] != '\0' };
 
     snprintf(p.type, sizeof p.type, "/problems/%s", kind->word);
-    encode_path(instance, p.instance, sizeof p.instance);
+    (void)query_write_escaped(instance, "/:@!$&'()*+,;=", p.instance, sizeof p.instance);
     if (faults == NULL || faults->n < 2)
         snprintf(p.detail, sizeof p.detail, "%s%s%s", error->pointer, gap, error->text);
     else

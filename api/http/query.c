@@ -22,6 +22,22 @@ int query_read_escape(const char *text)
     return low < 0 ? -1 : high * 16 + low;
 }
 
+size_t query_write_escaped(const char *text, const char *kept, char *ret_text, size_t size)
+{
+    static const char unreserved[] = // RFC 3986, 2.3
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+    size_t n = 0;
+
+    for (; *text != '\0' && n + 4 <= size; text++) {
+        if (strchr(unreserved, *text) != NULL || strchr(kept, *text) != NULL)
+            ret_text[n++] = *text;
+        else
+            n += (size_t)snprintf(ret_text + n, size - n, "%%%02X", (unsigned char)*text);
+    }
+    ret_text[n] = '\0';
+    return n;
+}
+
 // The byte at *text, decoded, with *text moved past it; -1 if it is broken or a control byte.
 static int read_byte(const char **text)
 {

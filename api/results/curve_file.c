@@ -55,13 +55,12 @@ bf_status curve_file_read(curve_file *file, const api_services *services, bf_buf
     const uint64_t n_most = PIECE_VALUES / n_columns < 1 ? 1 : PIECE_VALUES / n_columns;
     api_curve curve = { 0 };
 
-    bf_status status = services->read_curve(services->store, file->id, file->at,
-                                            n_left < n_most ? n_left : n_most, &curve, err);
-    if (status != BF_OK)
-        return status;
-    status = curve.n == 0 && n_left > 0
-                 ? bf_fail(err, BF_ENOTFOUND, "", "the curve has fewer samples than before")
-                 : write_piece(file, &curve, out, err);
+    BF_TRY(services->read_curve(services->store, file->id, file->at,
+                                n_left < n_most ? n_left : n_most, &curve, err));
+    bf_status status =
+        curve.n == 0 && n_left > 0
+            ? bf_fail(err, BF_ENOTFOUND, "", "the curve has fewer samples than before")
+            : write_piece(file, &curve, out, err);
     api_curve_fini(&curve);
     return status;
 }

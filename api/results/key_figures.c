@@ -213,10 +213,8 @@ bf_status key_figures_csv(const char *json, size_t n, bf_buffer *out, bf_error *
     const size_t start = out->n;
     json_t *root = NULL;
 
-    bf_status status = key_figures_parse(json, n, &root, err);
-    if (status != BF_OK)
-        return status;
-    status = buffer_printf(out, "figure,of,id,value,unit\n");
+    BF_TRY(key_figures_parse(json, n, &root, err));
+    bf_status status = buffer_printf(out, "figure,of,id,value,unit\n");
     if (status == BF_OK)
         status = append_rows(FIGURE_OF_RUN, root, out);
     for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {

@@ -26,10 +26,8 @@ bf_status kinds_find(const char *scenario, size_t n_scenario, const api_parts *p
     *ret_kinds = kinds;
     if (parts->n_values == 0 || frame_has_ids(parts->n_values) || !is_mix(scenario, n_scenario))
         return BF_OK;
-    bf_status status = scenario_read_resolved(scenario, n_scenario, &s, err);
-    if (status != BF_OK)
-        return status;
-    status = mix_draw(&s, parts->n_parts, &kinds.of, err);
+    BF_TRY(scenario_read_resolved(scenario, n_scenario, &s, err));
+    bf_status status = mix_draw(&s, parts->n_parts, &kinds.of, err);
     kinds.n = kinds.of == NULL ? 0 : parts->n_parts;
     scene_fini(&s);
     if (status == BF_OK)

@@ -59,10 +59,8 @@ static bf_status write_curve(const archive *a, const api_services *services, uin
     api_curve curve = { 0 };
 
     (void)index;
-    bf_status status = services->read_curve(services->store, a->id, 0, a->curve.n, &curve, err);
-    if (status != BF_OK)
-        return status;
-    status = results_curve_csv(&curve, out, err);
+    BF_TRY(services->read_curve(services->store, a->id, 0, a->curve.n, &curve, err));
+    bf_status status = results_curve_csv(&curve, out, err);
     api_curve_fini(&curve);
     return status;
 }

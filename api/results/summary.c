@@ -245,11 +245,8 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
     json_out w = json_out_to(out);
     scene s;
 
-    bf_status status = figures->n > 0 ? key_figures_check(figures, err) : BF_OK;
-    if (status == BF_OK)
-        status = scenario_read_resolved(scenario, n_scenario, &s, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(figures->n > 0 ? key_figures_check(figures, err) : BF_OK);
+    BF_TRY(scenario_read_resolved(scenario, n_scenario, &s, err));
     summary_view *of = memory_alloc(1, sizeof *of);
     if (of == NULL) {
         scene_fini(&s);
@@ -274,7 +271,7 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
     of->figures = figures;
     of->scenario = scenario;
     of->n_scenario = n_scenario;
-    status = advice_of(&s, model, &of->advice, err);
+    bf_status status = advice_of(&s, model, &of->advice, err);
     const run_verdict_subject subject = { .scene = &s,
                                           .advice = &of->advice,
                                           .end = end,

@@ -119,11 +119,9 @@ bf_status submission_identity(const char *scenario, size_t n, bf_buffer *out, bf
 {
     scene s;
 
-    bf_status status = scenario_read_resolved(scenario, n, &s, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(scenario_read_resolved(scenario, n, &s, err));
     s.name[0] = '\0';
-    status = scenario_write(&s, out, err);
+    bf_status status = scenario_write(&s, out, err);
     scene_fini(&s);
     return status;
 }
@@ -273,10 +271,7 @@ bf_status submission_validation(const api_submission *submission, const predicti
     json_out w = json_out_to(out);
     scene s;
 
-    bf_status status =
-        scenario_read_resolved(submission->scenario.bytes, submission->scenario.n, &s, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(scenario_read_resolved(submission->scenario.bytes, submission->scenario.n, &s, err));
     validation *of = memory_alloc(1, sizeof *of);
     if (of == NULL) {
         scene_fini(&s);
@@ -287,7 +282,7 @@ bf_status submission_validation(const api_submission *submission, const predicti
     of->predicted_s = (double)NAN;
     of->parts_max = parts_max;
     of->grid = scene_grid(&s);
-    status = advice_of(&s, submission->model, &of->advice, err);
+    bf_status status = advice_of(&s, submission->model, &of->advice, err);
     if (status == BF_OK)
         status = predict(&s, submission->model, speed, &of->predicted_s, err);
     if (status == BF_OK && parts_max > 0)

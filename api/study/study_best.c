@@ -212,10 +212,8 @@ static bf_status write_found(json_out *w, study_document *d, const study *s, boo
                              bool *is_on, bf_error *err)
 {
     study_choice choice;
-    bf_status status = study_choose(s, is_in, &choice, err);
 
-    if (status != BF_OK)
-        return status;
+    BF_TRY(study_choose(s, is_in, &choice, err));
     json_out_key(w, "best");
     if (choice.best == SIZE_MAX)
         json_out_null(w);
@@ -226,7 +224,7 @@ static bf_status write_found(json_out *w, study_document *d, const study *s, boo
         json_out_key_measure(w, "demand", d->objectives[0].demand);
         json_out_key_bool(w, "is_met", choice.is_met);
     }
-    status = write_verdicts(w, d, s, &choice, is_in, err);
+    bf_status status = write_verdicts(w, d, s, &choice, is_in, err);
     if (d->has_own_second && d->method.type != STUDY_CALIBRATE && d->n_parameters > 0) {
         // The points between which two objectives leave the choice.
         size_t n;

@@ -99,10 +99,9 @@ bf_status cmd_read_curve(const char *path, const char *column, cmd_curve *ret_cu
     cmd_curve curve = { 0 };
     bf_error why = { 0 };
 
-    bf_status status = file_io_read(path, "curve.csv", CMD_CURVE_BYTES_MAX, &text, err);
-    if (status != BF_OK)
-        return status;
-    status = results_read_curve_csv(text.bytes, text.n, column, &curve.t, &curve.parts, NULL, &why);
+    BF_TRY(file_io_read(path, "curve.csv", CMD_CURVE_BYTES_MAX, &text, err));
+    bf_status status =
+        results_read_curve_csv(text.bytes, text.n, column, &curve.t, &curve.parts, NULL, &why);
     buffer_fini(&text);
     if (status != BF_OK) {
         const char *line = strrchr(why.pointer, '/');

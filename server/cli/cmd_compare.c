@@ -188,11 +188,9 @@ static bf_status measure(const char *path, const char *column, const compare_cur
     cmd_curve curve = { .n = 0 };
     bf_error why = { 0 };
 
-    bf_status status = cmd_read_curve(path, column, &curve, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(cmd_read_curve(path, column, &curve, err));
     compare_curve view = view_of(&curve);
-    status = compare_figures_of(&view, &ret_result->figures, &why);
+    bf_status status = compare_figures_of(&view, &ret_result->figures, &why);
     if (status == BF_OK)
         status = compare_curves(reference, &view, &ret_result->measures, &why);
     cmd_curve_fini(&curve);
@@ -212,12 +210,10 @@ static bf_status measure_all(const compare_arguments *a, compare_result *results
     cmd_curve curve = { .n = 0 };
     bf_error why = { 0 };
 
-    bf_status status = cmd_read_curve(a->paths[0], a->column, &curve, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(cmd_read_curve(a->paths[0], a->column, &curve, err));
     compare_curve reference = view_of(&curve);
     results[0].measures = none;
-    status = compare_figures_of(&reference, &results[0].figures, &why);
+    bf_status status = compare_figures_of(&reference, &results[0].figures, &why);
     if (status != BF_OK)
         status = fail_curve(status, &why, a->paths[0], err);
     for (size_t i = 1; i < a->n && status == BF_OK; i++)

@@ -117,10 +117,8 @@ static bf_status begin(const scene *s, const frame_job *job, const bf_buffer *in
 
     if (in->n == 0)
         return run_create(s, model, n_threads, ret_run, err);
-    bf_status status = next_frame(in, FRAME_RESUME, &f, &used, err);
-    if (status != BF_OK)
-        return status;
-    status = run_resume(s, model, n_threads, f.bytes.bytes, f.bytes.n, ret_run, err);
+    BF_TRY(next_frame(in, FRAME_RESUME, &f, &used, err));
+    bf_status status = run_resume(s, model, n_threads, f.bytes.bytes, f.bytes.n, ret_run, err);
     if (status != BF_ECORRUPT)
         return status;
     fprintf(stderr, "starting again from t = 0: %s\n", err->text);

@@ -220,13 +220,10 @@ bf_status pull__renew(void *context, const char *id, const api_renewal *renewal,
 {
     answer a;
 
-    bf_status status = pull__check_version(renewal->worker, renewal->solver, err);
-    if (status == BF_OK)
-        status = begin_answer(&a, API_LEASE_JOBS_MAX + renewal->n_ended, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(pull__check_version(renewal->worker, renewal->solver, err));
+    BF_TRY(begin_answer(&a, API_LEASE_JOBS_MAX + renewal->n_ended, err));
     pull_executor *e = pull__enter(context);
-    status = renew(e, id, renewal, &a, err);
+    bf_status status = renew(e, id, renewal, &a, err);
     lock_release(&e->lock);
     if (status == BF_OK)
         *ret_states = a.states;

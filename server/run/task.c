@@ -163,11 +163,9 @@ bf_status supervisor__check_claims(const supervisor__task *task, bool is_end, bf
         return BF_OK;
     if (!task->has_begun)
         return bf_fail(err, BF_ECORRUPT, "", "the run ended without a begin");
-    bf_status status = scenario_read_resolved(text->bytes, text->n, &s, err);
-    if (status != BF_OK)
-        return status;
-    status = is_end ? plausible_end(&s, model, &task->begin, &task->end, err)
-                    : plausible_begin(&s, model, &task->begin, err);
+    BF_TRY(scenario_read_resolved(text->bytes, text->n, &s, err));
+    bf_status status = is_end ? plausible_end(&s, model, &task->begin, &task->end, err)
+                              : plausible_begin(&s, model, &task->begin, err);
     scene_fini(&s);
     return status;
 }

@@ -109,11 +109,10 @@ bf_status slurm__run(const slurm__command *c, bf_buffer *out, bf_error *err)
     child p = { .exit = -1, .output = -1 };
     int code = 0;
 
-    bf_status status = start(c, &p, err);
-    if (status != BF_OK)
-        return status;
-    status = p.exit < 0 ? bf_fail(err, BF_ESYSTEM, "", "%s cannot be waited for", c->argv[0])
-                        : await(c, &p, out, err);
+    BF_TRY(start(c, &p, err));
+    bf_status status = p.exit < 0
+                           ? bf_fail(err, BF_ESYSTEM, "", "%s cannot be waited for", c->argv[0])
+                           : await(c, &p, out, err);
     if (status != BF_OK)
         (void)kill(-p.pid, SIGKILL);
     while (waitpid(p.pid, &code, 0) < 0 && errno == EINTR)

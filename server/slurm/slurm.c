@@ -199,10 +199,8 @@ bf_status slurm_start(const slurm_options *o, slurm **ret_slurm, bf_error *err)
 {
     slurm *s = NULL;
 
-    bf_status status = slurm__create(o, &s, err);
-    if (status != BF_OK)
-        return status;
-    status = thread_start(&s->thread, run_loop, s, "Slurm", err);
+    BF_TRY(slurm__create(o, &s, err));
+    bf_status status = thread_start(&s->thread, run_loop, s, "Slurm", err);
     if (status == BF_OK)
         *ret_slurm = s;
     else

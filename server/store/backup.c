@@ -28,10 +28,8 @@ static bf_status open_source(const char *directory, store__connection *source, b
     (void)snprintf(path, sizeof path, "%.*s/beltflow.db", STORE__PATH_SIZE - 1, directory);
     if (access(path, F_OK) != 0)
         return bf_fail(err, BF_EINPUT, "", "there is no store %s: %s", path, strerror(errno));
-    bf_status status = store__connect(path, STORE__READ_ONLY, source, err);
-    if (status != BF_OK)
-        return status;
-    status = store__identify(source->db, path, &version, err);
+    BF_TRY(store__connect(path, STORE__READ_ONLY, source, err));
+    bf_status status = store__identify(source->db, path, &version, err);
     if (status == BF_OK && version == 0)
         status = bf_fail(err, BF_EINPUT, "", "%s is empty", path);
     if (status != BF_OK)
@@ -88,10 +86,8 @@ static bf_status copy_to(const store__connection *source, const char *file, bf_e
 {
     char temporary[TEMPORARY_SIZE];
 
-    bf_status status = make_temporary(file, temporary, err);
-    if (status != BF_OK)
-        return status;
-    status = copy(source, temporary, err);
+    BF_TRY(make_temporary(file, temporary, err));
+    bf_status status = copy(source, temporary, err);
     if (status == BF_OK)
         status = file_io_publish(temporary, file, err);
     if (status != BF_OK)
@@ -110,10 +106,8 @@ static bf_status copy_tokens(const char *directory, const char *file, bf_error *
     (void)snprintf(copied, sizeof copied, "%.*s.access", STORE__PATH_SIZE - 1, file);
     if (access(path, F_OK) != 0)
         return BF_OK;
-    bf_status status = store__connect(path, STORE__READ_ONLY, &source, err);
-    if (status != BF_OK)
-        return status;
-    status = store__read_number(&source, STORE__SQL_COUNT_TOKENS, &n_tokens, err);
+    BF_TRY(store__connect(path, STORE__READ_ONLY, &source, err));
+    bf_status status = store__read_number(&source, STORE__SQL_COUNT_TOKENS, &n_tokens, err);
     if (status == BF_OK && n_tokens > 0)
         status = copy_to(&source, copied, err);
     store__disconnect(&source);
@@ -124,10 +118,8 @@ bf_status store_backup(const char *directory, const char *file, bf_error *err)
 {
     store__connection source;
 
-    bf_status status = open_source(directory, &source, err);
-    if (status != BF_OK)
-        return status;
-    status = copy_to(&source, file, err);
+    BF_TRY(open_source(directory, &source, err));
+    bf_status status = copy_to(&source, file, err);
     store__disconnect(&source);
     if (status == BF_OK && (status = copy_tokens(directory, file, err)) != BF_OK)
         (void)unlink(file);
@@ -338,10 +330,8 @@ bf_status store_verify(const char *path, store_verify_fn *take, void *context, b
 
     if (access(path, F_OK) != 0)
         return bf_fail(err, BF_EINPUT, "", "there is no store %s: %s", path, strerror(errno));
-    bf_status status = store__connect(path, STORE__READ_ONLY, &v.reader, err);
-    if (status != BF_OK)
-        return status;
-    status = check_version(&v, path, err);
+    BF_TRY(store__connect(path, STORE__READ_ONLY, &v.reader, err));
+    bf_status status = check_version(&v, path, err);
     // All checks see the store as it is now, even if a daemon writes meanwhile.
     if (status == BF_OK)
         status = store__run_plain(&v.reader, STORE__SQL_BEGIN_READ, err);

@@ -54,13 +54,11 @@ static bf_status read_next(const store *s, store__connection *reader, bool with_
 {
     store__row row;
 
-    bf_status status = store__find_next(reader, s, with_trials, &row, err);
-    if (status == BF_OK)
-        status = read_texts(reader, &row, job, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__find_next(reader, s, with_trials, &row, err));
+    BF_TRY(read_texts(reader, &row, job, err));
     job->step = row.checkpoint_step;
-    status = store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, compressed, err);
+    bf_status status =
+        store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, compressed, err);
     return begin_again_if_damaged(status, job);
 }
 
@@ -331,18 +329,15 @@ static bf_status apply_remove(store__connection *writer, store__operation *opera
     const int64_t since_ns = clock_thread_cpu_ns();
     store__row row;
 
-    bf_status status = store__find_row(writer, context->id, &row, err);
-    if (status == BF_OK)
-        status = check_revision(&row.run, context->revision, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__find_row(writer, context->id, &row, err));
+    BF_TRY(check_revision(&row.run, context->revision, err));
     context->is_running = row.run.state == RUN_RUNNING;
     if (context->is_running)
         return request_stop(writer, operation, &row, STORE_STOP_KILL, err);
     memcpy(operation->changed, row.run.id, API_ID_SIZE);
     memcpy(context->owner, row.run.owner, sizeof context->owner);
     context->results = row.results;
-    status = store__remove_row(writer, &row, &context->is_over, err);
+    bf_status status = store__remove_row(writer, &row, &context->is_over, err);
     context->cpu_ns = clock_thread_cpu_ns() - since_ns;
     return status;
 }

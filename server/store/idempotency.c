@@ -153,10 +153,8 @@ bf_status store__accept(store *s, const store__request *request, store__insert_f
 {
     accept_context a = { .request = request, .insert = insert, .context = context, .store = s };
 
-    bf_status status = use_key(s, &a.key, request, err);
-    if (status != BF_OK)
-        return status;
-    status = store__write(s, apply_accept, &a, err);
+    BF_TRY(use_key(s, &a.key, request, err));
+    bf_status status = store__write(s, apply_accept, &a, err);
     free_key(s, &a.key);
     if (status == BF_OK)
         *ret_acceptance = a.accepted;

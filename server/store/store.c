@@ -196,10 +196,8 @@ static bf_status recover(store__connection *writer, const store_options *options
 {
     int n = 0;
 
-    bf_status status = store__begin_transaction(writer, err);
-    if (status != BF_OK)
-        return status;
-    status = store__invalidate_results(writer, err);
+    BF_TRY(store__begin_transaction(writer, err));
+    bf_status status = store__invalidate_results(writer, err);
     if (status == BF_OK)
         status = requeue_all(writer, options, &n, err);
     status = store__end_transaction(writer, status, err);

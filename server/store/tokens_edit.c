@@ -97,12 +97,10 @@ bf_status tokens_add(const char *directory, tokens_record *token, char *ret_text
         return bf_fail(err, BF_EINPUT, "",
                        "names and owners are 1 to %d letters, digits and .-_+@, not '%.64s'",
                        TOKENS_NAME_SIZE - 1, is_name(token->name) ? token->owner : token->name);
-    bf_status status = store__open_tokens(directory, true, &c, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__open_tokens(directory, true, &c, err));
     make_text(ret_text);
     token->created_ms = clock_unix_ms();
-    status = store__run_plain(&c, STORE__SQL_BEGIN_WRITE, err);
+    bf_status status = store__run_plain(&c, STORE__SQL_BEGIN_WRITE, err);
     if (status == BF_OK)
         status = store__end_transaction(&c, insert(&c, token, ret_text, err), err);
     store__disconnect(&c);
@@ -137,16 +135,13 @@ static bf_status replace(store__connection *c, uint64_t id, int64_t overlap_ms,
     const int64_t now_ms = clock_unix_ms();
     tokens_record token;
 
-    bf_status status = find_valid(c, id, now_ms, &token, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(find_valid(c, id, now_ms, &token, err));
     token.expires_ms = token.expires_ms == 0 ? 0 : now_ms + token.expires_ms - token.created_ms;
     token.created_ms = now_ms;
     token.used_ms = 0;
-    status = insert(c, &token, text, err);
-    if (status != BF_OK)
-        return status;
-    status = store__exec(c, STORE__SQL_END_TOKEN, err, INTEGER(id), INTEGER(now_ms + overlap_ms));
+    BF_TRY(insert(c, &token, text, err));
+    bf_status status =
+        store__exec(c, STORE__SQL_END_TOKEN, err, INTEGER(id), INTEGER(now_ms + overlap_ms));
     *ret_token = token;
     return status;
 }
@@ -156,11 +151,9 @@ bf_status tokens_rotate(const char *directory, uint64_t id, int64_t overlap_ms,
 {
     store__connection c = { 0 };
 
-    bf_status status = store__open_tokens(directory, false, &c, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__open_tokens(directory, false, &c, err));
     make_text(ret_text);
-    status = store__run_plain(&c, STORE__SQL_BEGIN_WRITE, err);
+    bf_status status = store__run_plain(&c, STORE__SQL_BEGIN_WRITE, err);
     if (status == BF_OK)
         status =
             store__end_transaction(&c, replace(&c, id, overlap_ms, ret_token, ret_text, err), err);
@@ -172,10 +165,9 @@ bf_status tokens_revoke(const char *directory, uint64_t id, bf_error *err)
 {
     store__connection c = { 0 };
 
-    bf_status status = store__open_tokens(directory, false, &c, err);
-    if (status != BF_OK)
-        return status;
-    status = store__exec(&c, STORE__SQL_REVOKE_TOKEN, err, INTEGER(id), INTEGER(clock_unix_ms()));
+    BF_TRY(store__open_tokens(directory, false, &c, err));
+    bf_status status =
+        store__exec(&c, STORE__SQL_REVOKE_TOKEN, err, INTEGER(id), INTEGER(clock_unix_ms()));
     if (status == BF_OK && sqlite3_changes(c.db) == 0)
         status = bf_fail(err, BF_ENOTFOUND, "", "there is no token %" PRIu64 " that counts", id);
     store__disconnect(&c);
@@ -187,11 +179,10 @@ bf_status tokens_list(const char *directory, tokens_take_fn *take, void *context
     store__connection c = { 0 };
     size_t n = 0;
 
-    bf_status status = store__open_tokens(directory, false, &c, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__open_tokens(directory, false, &c, err));
     store__token *entries = memory_alloc(TOKENS_MAX, sizeof *entries);
-    status = entries == NULL ? bf_fail_memory(err) : store__read_tokens(&c, entries, &n, err);
+    bf_status status =
+        entries == NULL ? bf_fail_memory(err) : store__read_tokens(&c, entries, &n, err);
     store__disconnect(&c);
     for (size_t i = 0; status == BF_OK && i < n; i++)
         take(context, &entries[i].about);

@@ -64,16 +64,12 @@ bf_status store__open_tokens(const char *directory, bool is_new, store__connecti
     if (sodium_init() < 0)
         return bf_fail(err, BF_ESYSTEM, "", "libsodium cannot be used on this machine");
     (void)snprintf(path, sizeof path, "%s/access.db", directory);
-    bf_status status = BF_OK;
     if (is_new)
-        status = create_file(directory, path, err);
+        BF_TRY(create_file(directory, path, err));
     else if (access(path, F_OK) != 0)
-        status = bf_fail(err, BF_EINPUT, "", "there are no tokens in %.400s", directory);
-    if (status == BF_OK)
-        status = store__connect(path, STORE__READ_WRITE, c, err);
-    if (status != BF_OK)
-        return status;
-    status = create_table(c, err);
+        return bf_fail(err, BF_EINPUT, "", "there are no tokens in %.400s", directory);
+    BF_TRY(store__connect(path, STORE__READ_WRITE, c, err));
+    bf_status status = create_table(c, err);
     if (status == BF_OK)
         status = add_resource(c, err);
     if (status != BF_OK)

@@ -33,10 +33,8 @@ bf_status study__submission(study__task *t, const api_study *about, const api_tr
 {
     scene s;
 
-    bf_status status = make_scene(t, trial, &s, err);
-    if (status != BF_OK)
-        return status;
-    status = submission_make(&s, trial->model, ret_submission, err);
+    BF_TRY(make_scene(t, trial, &s, err));
+    bf_status status = submission_make(&s, trial->model, ret_submission, err);
     scene_fini(&s);
     if (status != BF_OK)
         return status;
@@ -97,10 +95,8 @@ static bf_status take_success(study__task *t, api_trial *trial, bf_error *err)
 {
     scene s;
 
-    bf_status status = make_scene(t, trial, &s, err);
-    if (status != BF_OK)
-        return status;
-    status = read_values(t, trial->run, &s, trial->values, err);
+    BF_TRY(make_scene(t, trial, &s, err));
+    bf_status status = read_values(t, trial->run, &s, trial->values, err);
     scene_fini(&s);
     return status;
 }

@@ -152,6 +152,18 @@ static void what_is_required_must_be_given(void **state)
     assert_string_equal(err.text, "query parameter 'runs' is missing: ids with commas");
 }
 
+static void bytes_that_are_not_kept_are_escaped(void **state)
+{
+    char text[32];
+
+    assert_int_equal(query_write_escaped("a b/\xc3\xa9~", "", text, sizeof text), 15);
+    assert_string_equal(text, "a%20b%2F%C3%A9~");
+    assert_int_equal(query_write_escaped("a b/c", "/", text, sizeof text), 7);
+    assert_string_equal(text, "a%20b/c");
+    assert_int_equal(query_write_escaped("ab   ", "", text, 9), 8);
+    assert_string_equal(text, "ab%20%20");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -164,6 +176,7 @@ int main(void)
         cmocka_unit_test(only_known_parameters_are_allowed),
         cmocka_unit_test(a_value_that_is_not_given_is_the_default),
         cmocka_unit_test(what_is_required_must_be_given),
+        cmocka_unit_test(bytes_that_are_not_kept_are_escaped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
