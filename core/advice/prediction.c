@@ -4,6 +4,7 @@
 #include "core/macro/mollifier.h"
 #include "core/run/micro_setup.h"
 #include "core/scene/belt.h"
+#include "core/scene/density.h"
 #include "core/scene/mix.h"
 
 #include <math.h>
@@ -42,24 +43,30 @@ static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
                                [PREDICTION_SAMPLE_CELLS] = 1.04e-08,
                                [PREDICTION_TRACER_STEPS] = 7.43e-08,
                                [PREDICTION_KIND_STEPS] = 1.22e-08 },
-    [PREDICTION_PLANAR_VERLET] = { [PREDICTION_STEPS] = 9.68e-08,
-                                   [PREDICTION_PART_STEPS] = 3.78e-09,
-                                   [PREDICTION_PAIR_STEPS] = 1.08e-08 },
-    [PREDICTION_PLANAR_IMPLICIT] = { [PREDICTION_SNAPSHOT_CELLS] = 7.57e-09,
-                                     [PREDICTION_STEPS] = 9.82e-07,
-                                     [PREDICTION_PART_STEPS] = 6.32e-08,
-                                     [PREDICTION_PAIR_STEPS] = 2.53e-08 },
-    [PREDICTION_SPATIAL_VERLET] = { [PREDICTION_CELLS] = 7.67e-07,
-                                    [PREDICTION_SNAPSHOT_CELLS] = 2.72e-07,
-                                    [PREDICTION_STEPS] = 6.70e-07,
-                                    [PREDICTION_PART_STEPS] = 1.26e-07,
-                                    [PREDICTION_ROUND_STEPS] = 5.36e-08,
-                                    [PREDICTION_PAIR_STEPS] = 3.48e-07 },
-    [PREDICTION_SPATIAL_IMPLICIT] = { [PREDICTION_SNAPSHOT_CELLS] = 6.60e-09,
-                                      [PREDICTION_STEPS] = 4.70e-06,
-                                      [PREDICTION_PART_STEPS] = 1.73e-07,
-                                      [PREDICTION_ROUND_STEPS] = 6.33e-07,
-                                      [PREDICTION_PAIR_STEPS] = 7.10e-07 },
+    [PREDICTION_PLANAR_VERLET] = { [PREDICTION_STEPS] = 1.25e-07,
+                                   [PREDICTION_SAMPLE_PARTS] = 5.05e-07,
+                                   [PREDICTION_PART_STEPS] = 2.61e-09,
+                                   [PREDICTION_LISTED_PAIRS] = 6.42e-06,
+                                   [PREDICTION_PAIR_STEPS] = 9.95e-09 },
+    [PREDICTION_PLANAR_IMPLICIT] = { [PREDICTION_SNAPSHOT_CELLS] = 2.82e-09,
+                                     [PREDICTION_STEPS] = 1.23e-06,
+                                     [PREDICTION_SPREAD_CELLS] = 1.28e-09,
+                                     [PREDICTION_SAMPLE_PARTS] = 1.36e-07,
+                                     [PREDICTION_PART_STEPS] = 3.41e-08,
+                                     [PREDICTION_LISTED_PAIRS] = 9.94e-07,
+                                     [PREDICTION_PAIR_STEPS] = 2.08e-08 },
+    [PREDICTION_SPATIAL_VERLET] = { [PREDICTION_SNAPSHOT_CELLS] = 3.66e-07,
+                                    [PREDICTION_STEPS] = 6.02e-07,
+                                    [PREDICTION_PART_STEPS] = 1.43e-07,
+                                    [PREDICTION_ROUND_STEPS] = 3.85e-08,
+                                    [PREDICTION_LISTED_PAIRS] = 4.04e-04,
+                                    [PREDICTION_PAIR_STEPS] = 2.21e-07 },
+    [PREDICTION_SPATIAL_IMPLICIT] = { [PREDICTION_STEPS] = 4.44e-06,
+                                      [PREDICTION_SPREAD_CELLS] = 1.58e-09,
+                                      [PREDICTION_PART_STEPS] = 2.10e-07,
+                                      [PREDICTION_ROUND_STEPS] = 5.89e-07,
+                                      [PREDICTION_LISTED_PAIRS] = 1.01e-05,
+                                      [PREDICTION_PAIR_STEPS] = 6.17e-07 },
 };
 
 static prediction_kind kind_of_micro(const micro_def *def)
@@ -81,6 +88,15 @@ static double round_fraction(const scene *s)
     for (size_t k = 0; k < s->n_cargo; k++)
         n_round += s->cargo[k].shape.type == SCENE_CYLINDER ? counts[k] : 0;
     return (double)n_round / (double)of;
+}
+
+static double fastest_of(const scene *s)
+{
+    double fastest = 0.0;
+
+    for (size_t k = 0; k < s->n_sections; k++)
+        fastest = fmax(fastest, belt_largest_speed(&s->belts[k]));
+    return fastest;
 }
 
 static void set_macro(const scene *s, const prediction_load *load, prediction_work *work)
@@ -105,7 +121,8 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
         work->kind == PREDICTION_CONGESTED ? load->relaxed : 0.0;
     amounts[PREDICTION_FIELD_CELLS] = load->fields * (double)grid_cells(&grid);
     if (s->n_feeds > 0)
-        amounts[PREDICTION_SAMPLE_CELLS] = load->area / (grid.d1 * grid.d2) / s->output.curve_every;
+        amounts[PREDICTION_SAMPLE_CELLS] =
+            load->area / (grid.d1 * grid.d2) * scene_samples(s) / s->duration;
     amounts[PREDICTION_TRACER_STEPS] = load->tracers / load->time * steps;
     if (scene_tells_kinds(s))
         amounts[PREDICTION_KIND_STEPS] =
@@ -121,6 +138,7 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
 static bf_status set_micro(const scene *s, const prediction_load *load, prediction_work *work,
                            bf_error *err)
 {
+    const bf_grid grid = scene_grid(s);
     micro_setup setup;
     double *amounts = work->amounts;
 
@@ -133,10 +151,16 @@ static bf_status set_micro(const scene *s, const prediction_load *load, predicti
     work->kind = kind_of_micro(&setup.def);
     micro_setup_fini(&setup);
     amounts[PREDICTION_STEPS] = load->time * per_s;
+    amounts[PREDICTION_SPREAD_CELLS] =
+        load->parts * scene_snapshots(s) / s->duration *
+        density_cells(s->macro.initial_mollifier, grid.d1 * grid.d2, (double)grid_cells(&grid));
+    amounts[PREDICTION_SAMPLE_PARTS] = load->parts * scene_samples(s) / s->duration;
     amounts[PREDICTION_PART_STEPS] = load->parts * per_s;
     amounts[PREDICTION_ROUND_STEPS] =
         work->kind >= PREDICTION_SPATIAL_VERLET ? round_fraction(s) * load->parts * per_s : 0.0;
     amounts[PREDICTION_PAIR_STEPS] = load->pairs * per_s * times;
+    amounts[PREDICTION_LISTED_PAIRS] =
+        load->pairs * fastest_of(s) / sqrt(scene_mean_footprint(s) / M_PI);
     return BF_OK;
 }
 

@@ -45,9 +45,13 @@ typedef enum prediction_term {
     PREDICTION_SAMPLE_CELLS, ///< with feeds, cells that cargo covers of all samples
     PREDICTION_TRACER_STEPS, ///< tracers of cargo's time, times steps
     PREDICTION_KIND_STEPS, ///< kinds that are told apart, times covered steps; cells of a jam twice
-    PREDICTION_PART_STEPS, ///< parts in the domain times steps
-    PREDICTION_ROUND_STEPS, ///< of them, cylinders in space, which roll
-    PREDICTION_PAIR_STEPS,  ///< each times the density around it and, implicit, iterations
+    PREDICTION_SPREAD_CELLS, ///< cells over which the mollifier spreads the parts of all snapshots
+    PREDICTION_SAMPLE_PARTS, ///< parts of all samples
+    PREDICTION_PART_STEPS,   ///< parts in the domain times steps
+    PREDICTION_ROUND_STEPS,  ///< of them, cylinders in space, which roll
+    PREDICTION_PAIR_STEPS, ///< parts times steps, each times the density around it and, implicit, iterations
+    PREDICTION_LISTED_PAIRS, ///< parts, each times the density around it, each time that the fastest belt has moved by a
+                             ///< part's radius: so often the lists of neighbours are made
     PREDICTION_TERM_COUNT
 } prediction_term;
 

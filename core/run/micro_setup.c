@@ -5,6 +5,7 @@
 #include "core/feed/arrivals.h"
 #include "core/micro/hardness.h"
 #include "core/run/run_priv.h"
+#include "core/scene/density.h"
 #include "core/scene/mix.h"
 #include "core/scene/surroundings.h"
 
@@ -208,9 +209,9 @@ static void check_results(const scene *s, const micro_def *def, bf_faults *fault
     const int n_values = (is_planar(s) ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL) +
                          (s->n_feeds > 0 ? FRAME_VALUES_FED : 0);
     double bytes = n * n_parts * n_values * (double)sizeof(double);
-    // A part counts for the cells up to where its Gaussian has fallen to 2^-53, see density.h.
-    double n_cells = 2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * grid.d1 * grid.d2);
-    double work = n * n_parts * fmin(n_cells, (double)grid_cells(&grid));
+    double work =
+        n * n_parts *
+        density_cells(s->macro.initial_mollifier, grid.d1 * grid.d2, (double)grid_cells(&grid));
 
     if (!(bytes <= SCENE_SNAPSHOT_BYTES_MAX))
         faults_add_limit(faults, "/output/snapshot_every_s",

@@ -5,6 +5,7 @@
 
 #include "core/scene/cells.h"
 #include "core/scene/check_work.h"
+#include "core/scene/density.h"
 #include "core/scene/goods.h"
 #include "core/scene/placement.h"
 #include "core/scene/ranges.h"
@@ -269,10 +270,10 @@ static void check_sizes(const scene *s, bf_faults *faults)
         return;
     check_limit(n_snapshots * c.n1 * c.n2 * (double)sizeof(float), SCENE_SNAPSHOT_BYTES_MAX,
                 "bytes of snapshots", "/output/snapshot_every_s", faults);
-    // A part counts to where its Gaussian has fallen to 2^-53, see density.h. Too many parts are reported at their source.
-    const double reached = 2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * c.d1 * c.d2);
+    // Too many parts are reported at their source.
+    const double n_reached = density_cells(s->macro.initial_mollifier, c.d1 * c.d2, c.n1 * c.n2);
     const double n_parts = fmin((double)scene_parts(s), SCENE_PARTS_MAX);
-    check_limit(n_parts * fmin(reached, c.n1 * c.n2), SCENE_INITIAL_WORK_MAX,
+    check_limit(n_parts * n_reached, SCENE_INITIAL_WORK_MAX,
                 "values to sum up for the density at the start", "/macro/initial_mollifier_per_m2",
                 faults);
 }

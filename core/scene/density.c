@@ -52,6 +52,11 @@ static void add_part(const bf_grid *g, double sigma0, double peak, scene_pose at
     }
 }
 
+double density_cells(double sigma0, double cell_area, double n_cells)
+{
+    return fmin(2.0 * M_PI * CUT / (sigma0 * cell_area), n_cells);
+}
+
 bf_status density_from_parts(const bf_grid *grid, double packing, double sigma0,
                              const scene_pose *poses, size_t n, double *rho, bf_error *err)
 {

@@ -171,6 +171,47 @@ static void test_kinds_count_where_they_are_told_apart(void **state)
     }
 }
 
+// Each snapshot spreads each part, as each sample looks at each one.
+static void test_results_of_parts_cost_by_parts(void **state)
+{
+    const double parts = ROWS * COLUMNS, reach2 = 2.0 * 53.0 * M_LN2;
+    prediction_work work;
+    scene s;
+
+    make_scene(&s, 2.0); // within which none leaves
+    s.output.curve_every = 0.05;
+    s.output.snapshot_every = 0.25;
+    check_scene(&s, RUN_MICRO);
+    assert_int_equal(prediction_work_of(&s, RUN_MICRO, &work, NULL), BF_OK);
+    const double cells = M_PI * reach2 / s.macro.initial_mollifier / (0.01 * 0.01);
+    const double snapshots = parts * scene_snapshots(&s), samples = parts * scene_samples(&s);
+    assert_near(work.amounts[PREDICTION_SPREAD_CELLS], cells * snapshots, 0.02 * cells * snapshots);
+    assert_near(work.amounts[PREDICTION_SAMPLE_PARTS], samples, 0.02 * samples);
+    scene_fini(&s);
+}
+
+// At twice the speed and for half the time the belt moves as far.
+static void test_lists_are_made_by_the_way_of_the_belt(void **state)
+{
+    double listed[2], pairs[2];
+
+    for (int k = 0; k < 2; k++) {
+        prediction_work work;
+        scene s;
+        make_scene(&s, k == 0 ? 2.0 : 1.0);
+        s.belts[0].velocity = (vec2){ k == 0 ? 0.5 : 1.0, 0.0 };
+        s.micro.step = 1e-4;
+        check_scene(&s, RUN_MICRO);
+        assert_int_equal(prediction_work_of(&s, RUN_MICRO, &work, NULL), BF_OK);
+        listed[k] = work.amounts[PREDICTION_LISTED_PAIRS];
+        pairs[k] = work.amounts[PREDICTION_PAIR_STEPS];
+        scene_fini(&s);
+    }
+    assert_true(listed[0] > 0.0);
+    assert_near(listed[1] / listed[0], 1.0, 0.05);
+    assert_near(pairs[1] / pairs[0], 0.5, 0.05);
+}
+
 static void test_a_jam_takes_time_in_proportion_to_its_duration(void **state)
 {
     const vec2 across[] = { { 1.5, 0.0 }, { 1.5, 0.48 } };
@@ -255,6 +296,8 @@ int main(void)
         cmocka_unit_test(test_fields_are_made_while_plates_move),
         cmocka_unit_test(test_tracers_are_there_while_cargo_is_fed),
         cmocka_unit_test(test_kinds_count_where_they_are_told_apart),
+        cmocka_unit_test(test_results_of_parts_cost_by_parts),
+        cmocka_unit_test(test_lists_are_made_by_the_way_of_the_belt),
         cmocka_unit_test(test_a_jam_takes_time_in_proportion_to_its_duration),
         cmocka_unit_test(test_a_machine_half_as_fast_takes_twice_as_long),
         cmocka_unit_test(test_the_speed_is_measured_by_the_clock),
