@@ -8,6 +8,8 @@
 #include <math.h>
 
 enum {
+    AHEAD_STEPS = 8,    ///< in a radius, in which the next belt is looked for
+    HALVINGS = 40,      ///< until a border between two of them is found
     CORNERS = 4,        ///< of a piece with its thickness
     LINK_SAMPLES = 16,  ///< places of a link between two bodies at which belts are looked for
     WALL_SAMPLES = 256, ///< places of a wall at which belts are looked for
@@ -18,6 +20,9 @@ enum {
 
 /// Directions whose cosine with another is within this are at right angles to it.
 #define RIGHT_ANGLE 1e-6
+
+/// Velocities are equal where they differ by this share.
+#define ROUNDING 1e-6
 
 /// A straight piece of a plate, as far as it lies in the domain, or beyond a side where cargo flows in.
 typedef struct piece {
@@ -433,6 +438,40 @@ static double way_out(const measuring *m, vec2 from, vec2 belt)
     return is_open ? nearest : INFINITY;
 }
 
+static bool is_as_fast(vec2 a, vec2 b)
+{
+    return vec2_length(vec2_sub(a, b)) <= ROUNDING * vec2_length(b);
+}
+
+/// The way along a belt to where a straight one of another velocity begins, m; INFINITY: farther than LAYOUT_NEXT_BELT, or there is
+/// none before an arc or the end of the belts or the domain.
+static double way_to_next_belt(const measuring *m, vec2 tip, vec2 belt)
+{
+    const double step = m->radius / AHEAD_STEPS;
+    const vec2 ahead = vec2_scale(belt, 1.0 / vec2_length(belt));
+    const vec2 from = vec2_sub(tip, vec2_scale(ahead, SCENE_LENGTH_MIN));
+    const vec2 own = belt_under(m, from);
+
+    for (int k = 1; k <= 2 * LAYOUT_NEXT_BELT * AHEAD_STEPS; k++) {
+        double low = (k - 1) * step, high = k * step;
+        const vec2 at = vec2_add(from, vec2_scale(ahead, high));
+        const size_t next = surroundings_belt_at(&m->around, at);
+        if (!is_in_domain(m, at) || next == m->around.n_belts || m->around.belts[next].arc.is_given)
+            return INFINITY;
+        if (is_as_fast(m->around.belts[next].velocity, own))
+            continue;
+        for (int i = 0; i < HALVINGS; i++) {
+            const double middle = 0.5 * (low + high);
+            if (is_as_fast(belt_under(m, vec2_add(from, vec2_scale(ahead, middle))), own))
+                low = middle;
+            else
+                high = middle;
+        }
+        return fmax(high - SCENE_LENGTH_MIN, 0.0);
+    }
+    return INFINITY;
+}
+
 static void measure_plates(const measuring *m, layout *out)
 {
     size_t last = SIZE_MAX, last_of_all = SIZE_MAX;
@@ -457,8 +496,13 @@ static void measure_plates(const measuring *m, layout *out)
             out->least = (layout_figure){ angle, p->obstacle };
         if (angle > out->greatest.value)
             out->greatest = (layout_figure){ angle, p->obstacle };
-        if (!closes && !is_corner && way < out->run_out.value)
+        if (closes || is_corner)
+            continue;
+        if (way < out->run_out.value)
             out->run_out = (layout_figure){ way, p->obstacle };
+        const double next = way_to_next_belt(m, tip, p->belt);
+        if (next < out->next_belt.value)
+            out->next_belt = (layout_figure){ next, p->obstacle };
     }
     out->n_guides -= out->n_plates;
 }
@@ -539,7 +583,8 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
     layout out = { .least = { INFINITY, 0 },
                    .greatest = { -INFINITY, 0 },
                    .stagger = { INFINITY, 0 },
-                   .run_out = { INFINITY, 0 } };
+                   .run_out = { INFINITY, 0 },
+                   .next_belt = { INFINITY, 0 } };
 
     for (size_t k = 0; k < s->n_obstacles; k++)
         out.n_pieces += s->obstacles[k].n_points - 1;

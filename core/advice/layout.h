@@ -16,6 +16,7 @@
 ///              past both
 ///     run-out  the way along the belt from the downstream end of a plate, unless that closes the belt or ends in a corner, to where
 ///              the domain ends
+///     next belt    the way along the belt from such an end to where a straight belt of another velocity begins
 ///
 /// Plates are solid with their thickness, and are looked at as far as they lie in the domain, or beyond a
 /// side where cargo flows in. Pieces along their belt are guides: they bound openings and deflect nothing. A gap at a wall of at most half a
@@ -32,7 +33,9 @@
 #include <stddef.h>
 
 enum {
-    LAYOUT_PIECES_MAX = 1024 ///< straight pieces of all plates up to which a layout is measured
+    LAYOUT_PIECES_MAX = 1024, ///< straight pieces of all plates up to which a layout is measured
+    LAYOUT_NEXT_BELT =
+        16 ///< diameters of the largest part within which the next belt is looked for
 };
 
 /// A number and what it belongs to.
@@ -56,7 +59,9 @@ typedef struct layout {
     layout_figure stagger;  ///< of the two nearest to each other, m, INFINITY: no two; index of one
     layout_figure
         free_ends; ///< largest angle of such a piece of a free body, 0: there is none; index of the obstacle
-    layout_figure run_out;    ///< the least, m, INFINITY: to walls alone; index of the obstacle
+    layout_figure run_out; ///< the least, m, INFINITY: to walls alone; index of the obstacle
+    layout_figure
+        next_belt; ///< the least, m, INFINITY: beyond LAYOUT_NEXT_BELT; index of the obstacle
     layout_figure wall_angle; ///< largest angle at which a belt runs against a wall, 0: none does;
                               ///< index of the side
 } layout;

@@ -4,6 +4,7 @@
 #include "core/advice/review_belts.h"
 #include "core/advice/validity_priv.h"
 #include "core/base/memory.h"
+#include "core/base/polygon.h"
 #include "core/base/vec2.h"
 #include "core/feed/arrivals.h"
 #include "core/scene/belt_range.h"
@@ -31,6 +32,12 @@
 
 /// Part diameters of belt behind a plate beyond which more of it changes nothing.
 #define LONG_ENOUGH 8.0
+
+/// Degrees to the belt below which the friction on a deflector says how fast a queue slides along it.
+#define SHALLOW 50.0
+
+/// Part diameters beside a feed's line that count as free belt: lines that were compared left up to one.
+#define BESIDE 1.25
 
 /// Parts within which a queue may stop for good.
 #define BRIDGED_WITHIN 1000.0
@@ -118,6 +125,83 @@ static double length_before(const scene *s, const scene_feed *feed, const scene_
     return least / vec2_length(belt);
 }
 
+static bool has_plate_across(const scene *s, vec2 from, vec2 to)
+{
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *o = &s->obstacles[k];
+        for (size_t i = 0; i + 1 < o->n_points; i++)
+            if (polygon_segments_touch(from, to, o->path[i], o->path[i + 1], o->thickness))
+                return true;
+    }
+    return false;
+}
+
+static bool is_inside(const scene_rect *d, vec2 at)
+{
+    return at.x >= d->x_min && at.x <= d->x_max && at.y >= d->y_min && at.y <= d->y_max;
+}
+
+/// True if cargo can queue beside the line of a feed, on the belt that it is on.
+static bool leaves_belt_free(const measures *f, const scene_feed *feed)
+{
+    const surroundings around = surroundings_of(f->s);
+    const vec2 line = vec2_sub(feed->line[1], feed->line[0]);
+    const double beyond = BESIDE * f->diameter / vec2_length(line);
+
+    for (int k = 0; k < 2 && vec2_length(line) > 0.0; k++) {
+        const vec2 to = vec2_add(feed->line[k], vec2_scale(line, k == 0 ? -beyond : beyond));
+        if (is_inside(&f->s->domain, to) &&
+            surroundings_belt_at(&around, to) == surroundings_belt_at(&around, feed->line[k]) &&
+            !has_plate_across(f->s, feed->line[k], to))
+            return true;
+    }
+    return false;
+}
+
+/// What matters where cargo queues, now and then or always.
+static void note_queue(measures *f, const layout *of)
+{
+    size_t n_beside = 0, beside = 0;
+
+    if (isfinite(of->stagger.value))
+        note(f, VALIDITY_STAGGER, of->stagger.value / f->diameter, "/obstacles/%zu",
+             of->stagger.index);
+    if (of->n_plates == 1 && of->free_ends.value > 0.0)
+        note(f, VALIDITY_FREE_ENDS, of->free_ends.value, "/obstacles/%zu", of->free_ends.index);
+    if (isfinite(of->run_out.value))
+        note(f, VALIDITY_RUN_OUT, fmin(of->run_out.value / f->diameter, LONG_ENOUGH),
+             "/obstacles/%zu", of->run_out.index);
+    for (size_t k = 0; k < f->s->n_feeds; k++) {
+        if (!leaves_belt_free(f, &f->s->feeds[k]))
+            continue;
+        n_beside++;
+        beside = k;
+    }
+    if (n_beside > 0)
+        note(f, VALIDITY_BESIDE, (double)n_beside, "/feeds/%zu", beside);
+    note(f, VALIDITY_BRIDGES, 100.0 * bridges_of(f->s, of, f->diameter, BRIDGED_WITHIN),
+         "/obstacles/%zu", of->opening.index);
+}
+
+/// What matters where feeds keep the opening full.
+static void note_full(measures *f, const layout *of)
+{
+    if (isfinite(of->next_belt.value))
+        note(f, VALIDITY_NEXT_BELT, of->next_belt.value / f->diameter, "/obstacles/%zu",
+             of->next_belt.index);
+    if (of->n_plates > 1)
+        note(f, VALIDITY_FUNNEL_ANGLE, of->least.value, "/obstacles/%zu", of->least.index);
+    if (of->least.value < SHALLOW)
+        note(f, VALIDITY_SLIDING, f->s->micro.contact[SCENE_HANDLING_CARGO].friction,
+             "/contacts/handling_cargo/friction");
+    for (size_t k = 0; k < f->s->n_feeds; k++) {
+        const scene_feed *feed = &f->s->feeds[k];
+        note(f, VALIDITY_QUEUE,
+             length_before(f->s, feed, &f->s->obstacles[of->opening.index]) / f->diameter,
+             "/feeds/%zu", k);
+    }
+}
+
 static void note_heap(measures *f, const layout *of)
 {
     const double n_parts = (double)scene_parts(f->s), width = of->opening.value / f->diameter;
@@ -137,29 +221,16 @@ static void note_heap(measures *f, const layout *of)
              of->opening.index);
     if (isfinite(width) && of->n_plates == 1 && of->least_bends > 0.0)
         note(f, VALIDITY_LANE, width, "/obstacles/%zu", of->opening.index);
-    const bool queues = f->s->n_feeds == 0 || f->rate >= QUEUES * full_rate(f, of);
-    if (queues && isfinite(of->stagger.value))
-        note(f, VALIDITY_STAGGER, of->stagger.value / f->diameter, "/obstacles/%zu",
-             of->stagger.index);
-    if (queues && of->n_plates == 1 && of->free_ends.value > 0.0)
-        note(f, VALIDITY_FREE_ENDS, of->free_ends.value, "/obstacles/%zu", of->free_ends.index);
-    if (queues && isfinite(of->run_out.value))
-        note(f, VALIDITY_RUN_OUT, fmin(of->run_out.value / f->diameter, LONG_ENOUGH),
-             "/obstacles/%zu", of->run_out.index);
-    if (queues)
-        note(f, VALIDITY_BRIDGES, 100.0 * bridges_of(f->s, of, f->diameter, BRIDGED_WITHIN),
-             "/obstacles/%zu", of->opening.index);
+    if (f->s->n_feeds == 0 || f->rate >= QUEUES * full_rate(f, of))
+        note_queue(f, of);
     if (width > 0.0 && isfinite(width))
         note(f, VALIDITY_HEAP, n_parts / width, "/initial");
     if (f->s->n_feeds == 0 || of->opening.value == 0.0)
         return;
     const double load = f->rate / full_rate(f, of);
     note(f, VALIDITY_LOAD, 100.0 * load, "/feeds");
-    for (size_t k = 0; k < f->s->n_feeds && load >= FULL; k++)
-        note(f, VALIDITY_QUEUE,
-             length_before(f->s, &f->s->feeds[k], &f->s->obstacles[of->opening.index]) /
-                 f->diameter,
-             "/feeds/%zu", k);
+    if (load >= FULL)
+        note_full(f, of);
 }
 
 static void note_plates(measures *f, const layout *of)

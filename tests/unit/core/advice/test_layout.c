@@ -158,6 +158,32 @@ static void the_belt_behind_a_plate_ends_at_the_first_open_side(void **state)
     assert_true(isinf(walled.run_out.value));
 }
 
+// From the downstream end of a plate, at x = 0.7 or 0.8 m, to 0.75 m, where a faster belt begins, one that goes aside, or one as fast.
+static void the_next_belt_begins_where_another_velocity_does(void **state)
+{
+    static const vec2 behind[] = { { 0.75, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.6 }, { 0.75, 0.6 } };
+    static const struct {
+        double end;
+        vec2 velocity;
+        double way;
+    } cases[] = { { 0.7, { 0.6, 0.0 }, 0.05 },
+                  { 0.7, { 0.4, 0.1 }, 0.05 },
+                  { 0.7, { 0.4, 0.0 }, INFINITY },
+                  { 0.8, { 0.6, 0.0 }, INFINITY } };
+
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene s;
+        make_belt(&s, east[0], east[1]);
+        helper_scene_add_belt(&s, cases[k].velocity, behind, 4);
+        add_plate(&s, 0.4, 0.0, cases[k].end, 0.4);
+        const layout of = measure(&s);
+        if (isinf(cases[k].way))
+            assert_true(isinf(of.next_belt.value));
+        else
+            assert_near(of.next_belt.value, cases[k].way, 1e-8);
+    }
+}
+
 // 45 degrees up to (0.6, 0.2), then atan 2 = 63.43 degrees, up to (0.7, 0.4); the tip is 0.2 m off the wall.
 static void a_bent_plate_has_the_angles_of_its_pieces(void **state)
 {
@@ -515,6 +541,7 @@ int main(void)
         cmocka_unit_test(the_way_between_plates_one_behind_the_other_is_an_opening),
         cmocka_unit_test(plates_are_staggered_by_how_far_one_is_downstream_of_the_other),
         cmocka_unit_test(the_belt_behind_a_plate_ends_at_the_first_open_side),
+        cmocka_unit_test(the_next_belt_begins_where_another_velocity_does),
         cmocka_unit_test(a_bent_plate_has_the_angles_of_its_pieces),
         cmocka_unit_test(angles_are_those_to_the_belt),
         cmocka_unit_test(a_belt_may_run_in_any_direction),

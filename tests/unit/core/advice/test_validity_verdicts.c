@@ -54,6 +54,14 @@ static void full_feed(scene *s)
 {
     congested(s);
     feed_it(s, 130.0);
+    s->feeds[0].line[0].y = s->domain.y_min;
+    s->feeds[0].line[1].y = s->domain.y_max;
+}
+
+static void full_feed_on_a_part(scene *s)
+{
+    full_feed(s);
+    s->feeds[0].line[0].y += 0.05;
 }
 
 static void full_dispersive_feed(scene *s)
@@ -224,6 +232,7 @@ static const struct {
     { "a thin feed", thin_feed, false, 0.0, INSIDE, false },
     { "a thin feed of parts", thin_feed, true, 0.01, INSIDE, false },
     { "a feed beyond the outlet", full_feed, false, 0.0, INSIDE, false },
+    { "one on a part of its belt", full_feed_on_a_part, false, 0.0, VALIDITY_BESIDE, false },
     { "the same, dispersive", full_dispersive_feed, false, 0.0, VALIDITY_LOAD, false },
     { "a long queue of parts", long_queue, true, 0.01, VALIDITY_QUEUE, false },
     { "batches", batches, false, 0.0, VALIDITY_BATCH, true },
