@@ -48,17 +48,15 @@ static bool stop(void *context, size_t j, size_t first, size_t last)
 
 void macro_sinks_check(const scene *s, bf_faults *faults)
 {
-    const bf_grid g = scene_grid(s);
+    const double steps = s->n_sinks > 0 ? sink_cells_steps(s) : 0.0;
     sink_cells cells;
-    double steps = 0.0; // of sink_visit_cells(): each row with each side
     char pointer[BF_POINTER_SIZE];
 
-    for (size_t k = 0; k < s->n_sinks; k++)
-        steps += (double)g.n2 * (double)s->sinks[k].n_points;
     if (steps > SCENE_CHECK_STEPS_MAX) {
         faults_add_limit(faults, "/sinks",
-                         "%.3g corners of sinks times rows of cells, the limit is %.3g", steps,
-                         SCENE_CHECK_STEPS_MAX);
+                         "%.3g corners of sinks times rows of cells, and cells along obstacles, "
+                         "the limit is %.3g",
+                         steps, SCENE_CHECK_STEPS_MAX);
         return;
     }
     if (s->n_sinks == 0 || sink_cells_init(s, &cells) != BF_OK)

@@ -6,10 +6,12 @@
 
 #include <math.h>
 
-// A closed line lies beside its obstacle's by SCENE_TOLERANCE: as far from centres on that, and farther from the place for them.
+// A closed line is its obstacle's path moved by SCENE_TOLERANCE, so a centre on the path is that far from the line: with rounding
+// within ON_LINE of it. The sink's outline may lie on the path as well: BESIDE away a point is clearly on one side of that.
 #define ON_LINE (1.5 * SCENE_TOLERANCE)
 #define BESIDE  (2.0 * SCENE_TOLERANCE)
 
+// Where sinks are looked up for a cell, from its centre.
 static const vec2 places[SINK_CELLS_SIDES] = { [SINK_CELLS_EAST] = { BESIDE, 0.0 },
                                                [SINK_CELLS_WEST] = { -BESIDE, 0.0 },
                                                [SINK_CELLS_NORTH] = { 0.0, BESIDE },
@@ -54,6 +56,26 @@ static bool mark_line(void *context, const closed_line *l)
         }
     }
     return false;
+}
+
+double sink_cells_steps(const scene *s)
+{
+    const bf_grid g = scene_grid(s);
+    const double n1 = (double)g.n1, n2 = (double)g.n2;
+    double steps = 0.0;
+
+    // sink_visit_cells(): each row with each side.
+    for (size_t k = 0; k < s->n_sinks; k++)
+        steps += n2 * (double)s->sinks[k].n_points;
+    // mark_line(): each row that a piece crosses, and the columns beside it there.
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *o = &s->obstacles[k];
+        for (size_t m = 0; closed_lines_has(s, o) && m + 1 < o->n_points; m++) {
+            const vec2 along = vec2_sub(o->path[m + 1], o->path[m]);
+            steps += fmin(fabs(along.x) / g.d1, n1) + fmin(fabs(along.y) / g.d2, n2);
+        }
+    }
+    return steps;
 }
 
 bf_status sink_cells_init(const scene *s, sink_cells *ret_cells)

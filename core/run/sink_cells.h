@@ -30,6 +30,9 @@ typedef struct sink_cells {
     bool has[SINK_CELLS_SIDES]; ///< whether a cell has it
 } sink_cells;
 
+/// Steps that it takes to find the cells of all sinks of a scene, for which SCENE_CHECK_STEPS_MAX is the limit.
+double sink_cells_steps(const scene *s);
+
 /// Find the cells on lines of obstacles, as they stand at t = 0: sink_cells_fini(). BF_ENOMEM; *ret_cells is then empty.
 BF_MUST_CHECK bf_status sink_cells_init(const scene *s, sink_cells *ret_cells);
 

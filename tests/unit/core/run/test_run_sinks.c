@@ -415,24 +415,34 @@ static void kinds_and_sinks_leave_memory_for_fewer_cells(void **state)
     }
 }
 
-// Each side of a sink is compared with each row of cells: 400,000 rows, and sinks of 4 sides.
+// Each side of a sink is compared with each row of cells, each piece of a path with the rows that it passes: 400,000 rows, sinks of 4
+// sides, and a path to and fro along all rows.
 static void cells_of_sinks_are_looked_for_within_a_number_of_steps(void **state)
 {
-    bf_faults faults = { 0 };
+    static const vec2 path[] = { { 0.2, 0.0 }, { 0.2, 4000.0 }, { 0.2, 0.0 }, { 0.2, 4000.0 } };
+    static const struct {
+        size_t n_sinks, n_points, n_faults;
+    } cases[] = { { 62, 3, 0 }, { 62, 4, 1 }, { 63, 3, 1 } };
     scene s;
 
     make_belt(&s, 1, NULL, 0);
     s.domain.y_max = 4000.0;
-    for (int k = 0; k < 62; k++)
+    for (int k = 0; k < 63; k++)
         add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, UINT32_MAX);
+    helper_scene_add_obstacle(&s, path, 4, SCENE_SEALED);
     helper_scene_resolve(&s);
-    macro_sinks_check(&s, &faults);
-    assert_int_equal(faults.n, 0);
-    add_sink(&s, (scene_rect){ 0.4, 0.5, 0.0, 0.16 }, INFINITY, UINT32_MAX);
-    macro_sinks_check(&s, &faults);
-    assert_int_equal(faults.n, 1);
-    assert_int_equal(faults.items[0].code, BF_ELIMIT);
-    assert_string_equal(faults.items[0].pointer, "/sinks");
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene of = s;
+        bf_faults faults = { 0 };
+        of.n_sinks = cases[k].n_sinks;
+        of.obstacles[0].n_points = cases[k].n_points;
+        macro_sinks_check(&of, &faults);
+        assert_int_equal(faults.n, cases[k].n_faults);
+        if (faults.n == 0)
+            continue;
+        assert_int_equal(faults.items[0].code, BF_ELIMIT);
+        assert_string_equal(faults.items[0].pointer, "/sinks");
+    }
     scene_fini(&s);
 }
 
