@@ -19,7 +19,7 @@
 /// The sinks of a run; opaque, on the heap.
 typedef struct macro_sinks macro_sinks;
 
-/// Note sinks of no cell, which a density cannot have.
+/// Note sinks of no cell, which a density cannot have; or, at /sinks, more steps to find the cells than SCENE_CHECK_STEPS_MAX.
 void macro_sinks_check(const scene *s, bf_faults *faults);
 
 /// Begin with a solver at t = 0, which must outlive them, as the flows, NULL without feeds. The caller owns *ret_sinks:
