@@ -130,6 +130,37 @@ static void a_trial_is_solved_again_as_a_run(void **state)
     buffer_fini(&scenario);
 }
 
+static const char *no_header(void *context, const char *name)
+{
+    return NULL;
+}
+
+static void who_waits_for_a_run_gets_it_even_when_its_study_is_gone(void **state)
+{
+    const api_services services = helper_services(&ask_daemon);
+    const api_request request = {
+        .method = "POST", .path = STUDY "/trials/0/run", .query = "", .header = no_header
+    };
+    helper_study *of = add_study();
+    helper_run *solved = ask_add_run(RUN_SUCCEEDED);
+    api_trial *trial = helper_add_trial(of, API_TRIAL_SUCCEEDED);
+    bf_buffer scenario = resolved();
+
+    solved->scenario = scenario.bytes;
+    trial->model = RUN_MICRO;
+    memcpy(trial->run, solved->record.id, sizeof trial->run);
+    ask("POST", STUDY "/trials/0/run", NULL, "Prefer: wait=5\n", NULL, 201);
+    assert_string_equal(ask_response.long_poll.run, ID_2);
+    of->about.id[0] = '\0';
+    ask_daemon.runs[1].record.state = RUN_SUCCEEDED;
+    api_handle_again(&services, &request, &ask_response);
+    assert_int_equal(ask_response.status, 201);
+    ask_assert_header("Location", "/v1/runs/" ID_2);
+    assert_true(ask_body_has("\"status\":\"succeeded\""));
+    assert_int_equal(ask_daemon.n_submitted, 1);
+    buffer_fini(&scenario);
+}
+
 static void runs_of_trials_are_listed_for_their_study_alone(void **state)
 {
     ask_add_run(RUN_SUCCEEDED);
@@ -151,6 +182,7 @@ int main(void)
         ASK_TEST(trials_come_page_by_page),
         ASK_TEST(as_csv_those_that_have_ended_come_in_pieces),
         ASK_TEST(a_trial_is_solved_again_as_a_run),
+        ASK_TEST(who_waits_for_a_run_gets_it_even_when_its_study_is_gone),
         ASK_TEST(runs_of_trials_are_listed_for_their_study_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
