@@ -6,7 +6,6 @@
 #include "api/access.h"
 #include "core/scene/limits.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 

@@ -6,7 +6,6 @@
 #include "api/json/text.h"
 #include "api/results/measurement.h"
 #include "api/results/results.h"
-#include "core/base/memory.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-// What runs and studies have alike: changes with one loop over If-Match, and grants to read one of them.
+// Changes of runs and studies, with one loop over If-Match, and grants to read one of them.
 
 #include "api/http/access.h"
 #include "api/http/http_priv.h"

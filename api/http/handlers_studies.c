@@ -6,8 +6,6 @@
 #include "api/study/study_submission.h"
 
 #include <inttypes.h>
-#include <stdio.h>
-#include <string.h>
 
 bf_status handlers__submit_study(exchange *x, api_study_submission *submission, bf_error *err)
 {

@@ -36,7 +36,7 @@ struct exchange {
     const media *body_media;      ///< of the body, where the route has one
     bf_faults faults;             ///< of the request's document, for `errors` of a problem
     bool is_unmatched;            ///< If-Match of a GET names other states than the present one
-    exchange_resource *named;     ///< what the path names; found where it begins with such a path
+    exchange_resource *named;     ///< the run or study that the path names; of other paths not set
     api_identity who;             ///< who sent it
     api_credential credential;    ///< what became of its token
     api_scope lacked;             ///< the scope that the token lacks, of a refusal for it
@@ -96,6 +96,7 @@ BF_MUST_CHECK bf_status exchange__write(exchange *x, const member_table *table, 
                                         bf_error *err);
 
 /// Find what the path names: done before its handler is called, and again where a change found another revision.
+/// BF_ENOTFOUND also for what cannot be an id.
 BF_MUST_CHECK bf_status exchange__find_named(const exchange *x, bf_error *err);
 
 /// Find the snapshot that the path's second parameter numbers. BF_ENOTFOUND: it is not a number, or the
@@ -163,7 +164,7 @@ route_handler_fn handlers_runs_submit;
 route_handler_fn handlers_runs_validate;
 route_handler_fn handlers_runs_list;
 route_handler_fn handlers_runs_show;
-/// and what they have alike with studies.
+/// and what they have alike with studies; of studies alone pause and resume.
 route_handler_fn handlers_resources_annotate, handlers_resources_remove, handlers_resources_cancel;
 route_handler_fn handlers_resources_pause, handlers_resources_resume;
 /// Grants, which read one run or study each.
@@ -189,8 +190,7 @@ BF_MUST_CHECK bf_status handlers__submit_study(exchange *x, api_study_submission
                                                bf_error *err);
 
 /// Studies: accept, show,
-route_handler_fn handlers_studies_submit;
-route_handler_fn handlers_studies_show;
+route_handler_fn handlers_studies_submit, handlers_studies_show;
 /// and what they have: document, trials, what was found, events; a trial as a run of its own.
 route_handler_fn handlers_trials_document;
 route_handler_fn handlers_trials_list;

@@ -36,8 +36,8 @@ BF_MUST_CHECK bf_status query_parse(const char *text, query *ret_query, bf_error
 /// The byte that the two hexadecimal digits behind a '%' say; -1: they are none.
 int query_read_escape(const char *text);
 
-/// Percent-encode a text but for its letters, digits, "-._~" and the bytes of `kept`; what has no room with a terminator is
-/// left out. Returns how many bytes there are before the terminator.
+/// Percent-encode a text but for its letters, digits, "-._~" and the bytes of `kept`, up to where fewer than four bytes of
+/// ret_text are left, as an escape and the terminator need. Returns how many bytes there are before the terminator.
 size_t query_write_escaped(const char *text, const char *kept, char *ret_text, size_t size);
 
 /// The value of a parameter, or NULL if it was not given.

@@ -143,7 +143,6 @@ static bf_status prepare_policies(http *h, bf_error *err)
 
     list_quotas(&h->options, quotas);
     BF_TRY(http_cors_check(origins, err));
-
     BF_TRY(http_host_check(names, err));
     BF_TRY(http_client_read_proxies(proxies, &h->proxies, err));
     BF_TRY(http_limit_create(quotas, HTTP_LIMIT_CLIENTS, &h->limit, err));
