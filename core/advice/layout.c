@@ -8,8 +8,8 @@
 #include <math.h>
 
 enum {
-    AHEAD_STEPS = 8,    ///< in a radius, in which the next belt is looked for
-    HALVINGS = 40,      ///< until a border between two of them is found
+    AHEAD_STEPS = 2,    ///< in a radius, in which the next belt is looked for
+    HALVINGS = 24,      ///< of a step, until the border in it is found
     CORNERS = 4,        ///< of a piece with its thickness
     LINK_SAMPLES = 16,  ///< places of a link between two bodies at which belts are looked for
     WALL_SAMPLES = 256, ///< places of a wall at which belts are looked for
@@ -438,7 +438,7 @@ static double way_out(const measuring *m, vec2 from, vec2 belt)
     return is_open ? nearest : INFINITY;
 }
 
-static bool is_as_fast(vec2 a, vec2 b)
+static bool is_same_velocity(vec2 a, vec2 b)
 {
     return vec2_length(vec2_sub(a, b)) <= ROUNDING * vec2_length(b);
 }
@@ -458,11 +458,11 @@ static double way_to_next_belt(const measuring *m, vec2 tip, vec2 belt)
         const size_t next = surroundings_belt_at(&m->around, at);
         if (!is_in_domain(m, at) || next == m->around.n_belts || m->around.belts[next].arc.is_given)
             return INFINITY;
-        if (is_as_fast(m->around.belts[next].velocity, own))
+        if (is_same_velocity(m->around.belts[next].velocity, own))
             continue;
         for (int i = 0; i < HALVINGS; i++) {
             const double middle = 0.5 * (low + high);
-            if (is_as_fast(belt_under(m, vec2_add(from, vec2_scale(ahead, middle))), own))
+            if (is_same_velocity(belt_under(m, vec2_add(from, vec2_scale(ahead, middle))), own))
                 low = middle;
             else
                 high = middle;

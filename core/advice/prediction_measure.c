@@ -110,7 +110,7 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
 
 static bf_status solve(const scene *s, run_model model, stopwatch *watch, bf_error *err)
 {
-    const run_sink sink = { watch, take_frame, NULL };
+    const run_sink sink = { .context = watch, .take = take_frame };
     run *r = NULL;
 
     bf_status status = run_create(s, model, 1, &r, err);
