@@ -16,7 +16,8 @@
 ///              past both
 ///     run-out  the way along the belt from the downstream end of a plate, unless that closes the belt or ends in a corner, to where
 ///              the domain ends
-///     next belt    the way along the belt from such an end to where a straight belt of another velocity begins
+///     next belt    the way along the belt from such an end to where a straight belt of another velocity begins, half a radius of the
+///              largest part long or longer
 ///
 /// Plates are solid with their thickness, and are looked at as far as they lie in the domain, or beyond a
 /// side where cargo flows in. Pieces along their belt are guides: they bound openings and deflect nothing. A gap at a wall of at most half a
