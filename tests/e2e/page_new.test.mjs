@@ -108,6 +108,27 @@ test("a deflector is drawn by pointer and by keys, and the numbers beside it fol
   assert.ok(Math.abs(ey - length * Math.sin((degrees * Math.PI) / 180)) < 1e-5);
 });
 
+test("what would leave no deflector across the belt is refused at its field, which stays", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?example=example-1");
+  await page.getByText("Ready:").waitFor();
+  const field = (id) => page.locator(`#${id}`);
+  // The foot is at (0.46, 0) m and the tip at (0.75, 0.5) m, on a belt of 0.6 m: a tip at 7.5 m makes 4 degrees with it, and an
+  // opening of 0.7 m is wider than the belt.
+  for (const [id, bad, good] of [["tip-x", "7.5", "0.75"], ["foot-x", "-9", "0.461325"], ["opening", "0.7", "0.1"]]) {
+    await field(id).fill(bad);
+    await page.locator(`#${id}-fault`, { hasText: "must leave a deflector across the belt, at 10 to 170 degrees" }).waitFor();
+    assert.equal(await field("angle").inputValue(), "60");
+    await page.getByRole("button", { name: "Start the run" }).click();
+    await page.waitForFunction((wanted) => document.activeElement.id === wanted, id);
+    await field(id).fill(good);
+    await page.locator(`#${id}-fault`).waitFor({ state: "hidden" });
+  }
+  await page.getByText("Ready: 24,000 cells, 6 s.").waitFor();
+  assert.deepEqual((await d.get("/v1/runs")).json.runs, []);
+});
+
 test("each part of random cargo is drawn where it will stand, in the colour of its kind", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);

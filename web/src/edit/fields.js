@@ -8,6 +8,7 @@ import { goodsFields } from "./goods.js";
 
 const LEAST_DEGREES = 10;
 const MOST_DEGREES = 170;
+const NEAR = 1e-6; // m, or of the value
 
 // The first plate, if it is a straight one across the belt; a guide along it has no opening.
 function plateIn(scenario) {
@@ -49,12 +50,17 @@ function member(section, name, fallback) {
   };
 }
 
-// A field of the first plate's ends: get(plate, domain), and set(plate, value, domain), which returns another plate.
+// A field of the first plate's ends: get(plate, domain), and set(plate, value, domain), which returns another plate. What would
+// leave no plate across the belt is refused: the plate's fields would be hidden with it.
 function ofPlate(get, set) {
+  const moved = ({ obstacles, domain }, value) => withPlate(obstacles[0], set(plateIn({ obstacles }), value, domain));
+  const isNear = (plate, domain, value) => Math.abs(get(plate, domain) - value) <= NEAR * Math.max(1, Math.abs(value));
   return {
     get: (scenario) => (plateIn(scenario) && scenario.domain?.y_m ? tidy(get(plateIn(scenario), scenario.domain)) : null),
-    set: (scenario, value) => {
-      scenario.obstacles[0] = withPlate(scenario.obstacles[0], set(plateIn(scenario), value, scenario.domain));
+    set: (scenario, value) => (scenario.obstacles[0] = moved(scenario, value)),
+    faultIn: (scenario, value) => {
+      const plate = plateIn({ obstacles: [moved(scenario, value)] });
+      return plate && isNear(plate, scenario.domain, value) ? "" : `must leave a deflector across the belt, at ${LEAST_DEGREES} to ${MOST_DEGREES} degrees`;
     },
   };
 }
@@ -111,12 +117,12 @@ export const fields = [
     set: (scenario, value) => (scenario.micro = { ...scenario.micro, step_s: value }) },
 ];
 
-// The fault of a number by itself; the daemon validates the rest.
-export function faultOf(field, text) {
+// The fault of a number that is not set in the scenario; the daemon validates the rest.
+export function faultOf(field, text, scenario) {
   if (field.choices) return "";
   if (text.trim() === "") return field.auto ? "" : "must be given";
   const { value, fault } = readNumber(text);
-  return fault || limitFault(field, value);
+  return fault || limitFault(field, value) || (field.faultIn?.(scenario, value) ?? "");
 }
 
 // The limits of a field in words.

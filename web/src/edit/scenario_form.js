@@ -57,7 +57,7 @@ export class ScenarioForm {
 
   take(field) {
     const text = this.boxes.get(field.id).box.value;
-    const fault = faultOf(field, text);
+    const fault = faultOf(field, text, this.scenario);
     this.showFault(field.id, fault);
     if (fault !== "") this.onFault();
     else this.onChange((scenario) => field.set(scenario, field.choices ? text : text.trim() === "" ? "auto" : readNumber(text).value, this.goods), field.id);
@@ -83,7 +83,7 @@ export class ScenarioForm {
     const placed = this.placed(errors);
     for (const { field, box } of this.boxes.values()) {
       const isShown = this.shown().some((one) => one.field === field);
-      this.showFault(field.id, (isShown ? faultOf(field, box.value) : "") || (placed.get(field.id) ?? []).map(({ detail }) => detail).join("; "));
+      this.showFault(field.id, (isShown ? faultOf(field, box.value, this.scenario) : "") || (placed.get(field.id) ?? []).map(({ detail }) => detail).join("; "));
     }
     return errors.filter((error) => ![...placed.values()].flat().includes(error));
   }
@@ -121,7 +121,7 @@ export class ScenarioForm {
 
   // Numbers that are out of their limits never came into the scenario.
   hasBadNumbers() {
-    return this.shown().some(({ field, box }) => faultOf(field, box.value) !== "");
+    return this.shown().some(({ field, box }) => faultOf(field, box.value, this.scenario) !== "");
   }
 
   // To the first field with a fault, also where it is folded away; whether there is one.
