@@ -66,6 +66,24 @@ test("a line that is called by the name of its scenario has whole characters and
   assert.equal(lineOf(`a${"\u{1f4e6}".repeat(25)}`), `a${"\u{1f4e6}".repeat(24)}`);
 });
 
+test("a variant's name has 200 bytes at most, of whole parameters", async (t) => {
+  const d = await daemon(t);
+  // The speeds of 27 belts take some 29 bytes each. Behind the 37 of the stem there is room for five and the mark.
+  const origin = (await d.get("/v1/examples/cell-singulator")).json;
+  const slower = structuredClone(origin);
+  for (const belt of slower.belts) belt.velocity_m_s = belt.velocity_m_s.map((value) => value / 2);
+  slower.name = nameOfVariant(origin, slower);
+  assert.match(slower.name, /^Singulator of five by five belt cells(, [^,]+ m\/s){5}, …$/);
+  assert.ok(Buffer.byteLength(slower.name) <= 200, slower.name);
+  assert.equal((await d.post("/v1/validate", { scenario: slower })).status, 200);
+  // The mark of what is left out belongs to no stem.
+  const longer = { ...structuredClone(origin), name: slower.name, duration_s: 9 };
+  assert.equal(nameOfVariant({ ...longer, duration_s: 8 }, longer).split(", ")[0], "Singulator of five by five belt cells");
+  // A name without room for a parameter stays.
+  const named = { ...origin, name: "x".repeat(197) };
+  assert.equal(nameOfVariant(named, { ...named, duration_s: 9 }), named.name);
+});
+
 test("counts are shifted to where they are nearest to a curve", () => {
   // Parts leave from 2 s on, ten a second, until 6 s; the clock of the counts began 3.3 s later.
   const t = Array.from({ length: 101 }, (_, k) => k / 10);

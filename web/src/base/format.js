@@ -3,6 +3,16 @@
 const NBSP = " ";
 const THIN = " ";
 
+// Bytes of UTF-8, by which the server counts.
+export const bytesIn = (text) => new TextEncoder().encode(text).length;
+
+// The whole characters of a text that have so many bytes at most.
+export function cut(text, most) {
+  const characters = [...text];
+  while (bytesIn(characters.join("")) > most) characters.pop();
+  return characters.join("");
+}
+
 const formats = new Map();
 
 function formatOf(options) {

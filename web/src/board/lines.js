@@ -1,5 +1,7 @@
 // Lines that are being edited are kept in the browser as they are, so that a reload or a closed tab loses nothing.
 
+import { cut } from "../base/format.js";
+
 const KEY = "beltflow-lines";
 const MOST = 20; // the oldest are forgotten
 
@@ -29,11 +31,7 @@ export function saveLine(line) {
 const LINE_BYTES = 100; // the server's limit of a line's name
 
 // What a line is called by the name of its scenario.
-export function lineOf(name = "") {
-  const characters = [...name.trim()];
-  while (new TextEncoder().encode(characters.join("")).length > LINE_BYTES) characters.pop();
-  return characters.join("");
-}
+export const lineOf = (name = "") => cut(name.trim(), LINE_BYTES);
 
 export const newLineId = () => `${Date.now().toString(36)}${Math.floor(Math.random() * 1e6).toString(36)}`;
 

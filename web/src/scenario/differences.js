@@ -1,6 +1,10 @@
 // What scenarios differ in, for names, chips and legends.
 
+import { bytesIn } from "../base/format.js";
 import { parametersOf, valueText } from "./parameters.js";
+
+const NAME_BYTES = 200; // the server's limit of a scenario's name
+const MORE = "…"; // for the parameters that it leaves no room for
 
 const key = ({ pointer, label }) => `${pointer} ${label}`;
 
@@ -40,13 +44,13 @@ export function chipsOf(rows, k, most = 4) {
 // of "Example 1: singularizer at 60 degrees".
 export function stemOf(name, labels) {
   const parts = name.split(", ");
-  while (parts.length > 1 && labels.some((label) => parts.at(-1).startsWith(`${label} `))) parts.pop();
+  while (parts.length > 1 && (parts.at(-1) === MORE || labels.some((label) => parts.at(-1).startsWith(`${label} `)))) parts.pop();
   const stem = parts.join(", ");
   return /^(.+?): /.exec(stem)?.[1] ?? stem;
 }
 
 // The name of a scenario that was changed: the name of the one it began with, without what that says of its parameters, and
-// the parameters that were changed. null: nothing was.
+// the parameters that were changed, as many as there is room for. null: nothing was.
 export function nameOfVariant(origin, scenario) {
   const changed = differences([origin, scenario]).map(({ label }) => label);
   if (changed.length === 0) return null;
@@ -56,5 +60,9 @@ export function nameOfVariant(origin, scenario) {
   const rest = (origin.name ?? "").slice(stem.length);
   const said = parameters.filter(({ label, value, unit }) =>
     valueText(value, unit) !== null && (changed.includes(label) || rest.includes(`, ${label} `)));
-  return [stem, ...said.map(({ label, value, unit }) => `${label} ${valueText(value, unit)}`)].filter(Boolean).join(", ");
+  const texts = said.map(({ label, value, unit }) => `${label} ${valueText(value, unit)}`);
+  const nameWith = (n) => [stem, ...texts.slice(0, n), n < texts.length ? MORE : ""].filter(Boolean).join(", ");
+  let n = texts.length;
+  while (n > 0 && bytesIn(nameWith(n)) > NAME_BYTES) n--;
+  return bytesIn(nameWith(n)) > NAME_BYTES ? stem : nameWith(n);
 }

@@ -2,7 +2,7 @@
 
 import { post, Problem } from "../base/api.js";
 import { h, setText } from "../base/dom.js";
-import { span } from "../base/format.js";
+import { cut, span } from "../base/format.js";
 import { readNumber, writeNumber } from "../base/numbers.js";
 import { address, go } from "../base/router.js";
 import { lineOf } from "../board/lines.js";
@@ -28,14 +28,6 @@ const methods = [
 const SPREAD = ["sobol", "lhs"];
 const CONFIRMED = 3;
 const NAME_MOST = 100; // bytes
-
-// At most so many bytes of UTF-8.
-function cut(text, most) {
-  const encoder = new TextEncoder();
-  let n = text.length;
-  while (encoder.encode(text.slice(0, n)).length > most) n--;
-  return text.slice(0, n);
-}
 
 const numberIn = (box) => readNumber(box.value).value;
 
