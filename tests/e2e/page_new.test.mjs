@@ -171,6 +171,24 @@ test("both models are run from one form and compared, and a study begins with wh
   assert.equal(await page.locator("[name=to]").inputValue(), "0.65");
 });
 
+test("a belt speed that is typed keeps the directions of all belts and the proportions of their speeds", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?example=merge");
+  await page.getByText("Ready:").waitFor();
+  const speed = page.getByLabel("Belt speed");
+  assert.equal(await speed.inputValue(), "0.5");
+  await speed.fill("");
+  await speed.pressSequentially("0.");
+  await page.locator("#speed-fault", { hasText: "must be greater than 0" }).waitFor();
+  await speed.pressSequentially("25");
+  await page.locator("#speed-fault").waitFor({ state: "hidden" });
+  await page.getByRole("button", { name: "JSON" }).click();
+  const velocities = JSON.parse(await editedText(page)).belts.map(({ id, velocity_m_s: velocity }) => [id, velocity]);
+  // Half of what they were: 0.5 m/s along x, and 0.4 m/s against y.
+  assert.deepEqual(velocities, [["line", [0.25, 0]], ["side", [0, -0.2]]]);
+});
+
 test("what the form changes is what is submitted: angle, speed, duration, cell and model", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);

@@ -26,13 +26,11 @@ function speedOf(scenario) {
   return tidy(Math.hypot(...velocity), 9);
 }
 
-// All belts in proportion, as their directions are.
+// All belts in proportion, as their directions are. None is stopped: a speed of 0, as one types 0.25, would lose both.
 function setSpeed(scenario, speed) {
   const now = speedOf(scenario);
-  scenario.belts = (scenario.belts?.length ? scenario.belts : [{ id: "main", velocity_m_s: [0.395, 0] }]).map((belt) => {
-    const velocity = belt.velocity_m_s ?? [0.395, 0];
-    return { ...belt, velocity_m_s: now > 0 ? velocity.map((value) => tidy((value * speed) / now)) : [speed, 0] };
-  });
+  scenario.belts = (scenario.belts?.length ? scenario.belts : [{ id: "main", velocity_m_s: [0.395, 0] }]).map((belt) => (
+    { ...belt, velocity_m_s: (belt.velocity_m_s ?? [0.395, 0]).map((value) => tidy((value * speed) / now)) }));
 }
 
 // How far the rectangle that is looked at goes along an axis; what stands on it stays.
@@ -92,8 +90,8 @@ export const fields = [
     ...ofPlate(({ from }) => from[0], ({ from, to }, x) => ({ from: [x, from[1]], to })) },
   { id: "domain-length", label: "Line, along x", unit: "m", at: ["/domain/x_m"], above: 0, step: 0.1, hint: "what is looked at; what stands there stays", ...sizeOf("x_m") },
   { id: "domain-width", label: "Line, along y", unit: "m", at: ["/domain/y_m"], above: 0, step: 0.05, hint: "the belt’s width, where it fills it", ...sizeOf("y_m") },
-  { id: "speed", label: "Belt speed", unit: "m/s", at: ["/belts/0/velocity_m_s"], least: 0, step: 0.005, hint: "of the first belt; others in proportion",
-    get: speedOf, set: setSpeed },
+  { id: "speed", label: "Belt speed", unit: "m/s", at: ["/belts/0/velocity_m_s"], above: 0, step: 0.005, hint: "of the first belt; others in proportion",
+    get: (scenario) => speedOf(scenario) || null, set: setSpeed },
   { id: "rate", label: "Feed", unit: "parts/s", at: ["/feeds/0/rate_per_s"], above: 0, step: 1, hint: "how many parts arrive, of the first feed",
     get: (scenario) => scenario.feeds?.[0]?.rate_per_s, set: (scenario, value) => (scenario.feeds[0].rate_per_s = value) },
   { id: "duration", label: "Duration", unit: "s", at: ["/duration_s"], above: 0, step: 0.5, hint: "simulated time",
