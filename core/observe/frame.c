@@ -99,7 +99,7 @@ static const field end_fields[] = { { COPY(end.stopped) },        { COPY(end.rea
                                     { COPY(end.overlap_share) },  { COPY(end.reduction_start) },
                                     { COPY(end.reduction) },      { END } };
 static const field error_fields[] = {
-    { COPY(error.error.code) }, { COPY(error.error.pointer) }, { COPY(error.error.text) }, { END }
+    { COPY(error.code) }, { COPY(error.pointer) }, { COPY(error.text) }, { END }
 };
 static const field parts_fields[] = {
     { COPY(parts.index) },    { COPY(parts.t) }, { COPY(parts.n_parts) },
@@ -300,7 +300,7 @@ static bf_status read_payload(const char *bytes, uint64_t n, frame *f, bf_error 
         return bf_fail(err, BF_ECORRUPT, "", "a frame of type %d has a wrong length", (int)f->type);
     if (f->type == FRAME_ERROR) {
         // An error's texts must be terminated, and its code must be known.
-        bf_error *e = &f->error.error;
+        bf_error *e = &f->error;
         if ((unsigned)e->code >= BF_STATUS_COUNT)
             e->code = BF_ECORRUPT;
         e->pointer[sizeof e->pointer - 1] = '\0';
@@ -335,5 +335,19 @@ bf_status frame_decode(const void *bytes, size_t n, frame *ret_frame, size_t *re
         return status;
     *ret_frame = f;
     *ret_used = (size_t)length;
+    return BF_OK;
+}
+
+bf_status frame_decode_input(const void *bytes, size_t n, frame_type type, frame *ret_frame,
+                             size_t *ret_used, bf_error *err)
+{
+    size_t used = 0;
+    frame f;
+
+    BF_TRY(frame_decode(bytes, n, &f, &used, err));
+    if (used == 0 || f.type != type)
+        return bf_fail(err, BF_ECORRUPT, "", "a job's input ends early or is out of order");
+    *ret_frame = f;
+    *ret_used = used;
     return BF_OK;
 }

@@ -208,11 +208,6 @@ typedef struct frame_end {
     double reduction_start, reduction; ///< modulus_reduction at both ends, where chosen by the run
 } frame_end;
 
-/// Why a run failed.
-typedef struct frame_error {
-    bf_error error; ///< as reported by the failing function
-} frame_error;
-
 /// One frame; only the member of its type is valid. Pointers are borrowed from the creator of the frame.
 typedef struct frame {
     frame_type type; ///< which member
@@ -224,7 +219,7 @@ typedef struct frame {
         frame_snapshot snapshot; ///< FRAME_SNAPSHOT
         frame_progress progress; ///< FRAME_PROGRESS
         frame_end end;           ///< FRAME_END
-        frame_error error;       ///< FRAME_ERROR
+        bf_error error;          ///< FRAME_ERROR: as reported by the function that failed
         frame_parts parts;       ///< FRAME_PARTS
         frame_change change;     ///< FRAME_CHANGE
         frame_figures figures;   ///< FRAME_FIGURES
@@ -248,3 +243,7 @@ uint64_t frame_length(const void *bytes, size_t n, frame_type *ret_type);
 /// Pointers in *ret_frame point into bytes, which must be aligned to 8. BF_ECORRUPT: not a frame, damaged, or too long.
 BF_MUST_CHECK bf_status frame_decode(const void *bytes, size_t n, frame *ret_frame,
                                      size_t *ret_used, bf_error *err);
+
+/// The same of a frame of a job's input, which is of this type and whole. BF_ECORRUPT: neither.
+BF_MUST_CHECK bf_status frame_decode_input(const void *bytes, size_t n, frame_type type,
+                                           frame *ret_frame, size_t *ret_used, bf_error *err);

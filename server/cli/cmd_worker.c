@@ -13,7 +13,6 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/random.h>
@@ -90,21 +89,6 @@ static unsigned find_requested(void *context)
     return run_control_requested(&w->run_control);
 }
 
-// Decode the frame at the start of *in, which must be of this type.
-static bf_status next_frame(const bf_buffer *in, frame_type type, frame *ret_frame,
-                            size_t *ret_used, bf_error *err)
-{
-    frame f;
-    size_t used = 0;
-
-    BF_TRY(frame_decode(in->bytes, in->n, &f, &used, err));
-    if (used == 0 || f.type != type)
-        return bf_fail(err, BF_ECORRUPT, "", "the worker's input ends early or is out of order");
-    *ret_frame = f;
-    *ret_used = used;
-    return BF_OK;
-}
-
 // A run that goes on from the checkpoint in *in. Without one, or from one that does not fit (of another version), it starts
 // from t = 0.
 static bf_status begin(const scene *s, const frame_job *job, const bf_buffer *in, run **ret_run,
@@ -117,7 +101,7 @@ static bf_status begin(const scene *s, const frame_job *job, const bf_buffer *in
 
     if (in->n == 0)
         return run_create(s, model, n_threads, ret_run, err);
-    BF_TRY(next_frame(in, FRAME_RESUME, &f, &used, err));
+    BF_TRY(frame_decode_input(in->bytes, in->n, FRAME_RESUME, &f, &used, err));
     bf_status status = run_resume(s, model, n_threads, f.bytes.bytes, f.bytes.n, ret_run, err);
     if (status != BF_ECORRUPT)
         return status;
@@ -172,7 +156,7 @@ static bf_status work(working *w, int64_t checkpoint_ms, bf_error *err)
 
     bf_status status = read_job(w, checkpoint_ms, &in, err);
     if (status == BF_OK)
-        status = next_frame(&in, FRAME_JOB, &f, &used, err);
+        status = frame_decode_input(in.bytes, in.n, FRAME_JOB, &f, &used, err);
     if (status == BF_OK)
         status = scenario_read(f.job.document, f.job.n_document, &s, &faults, err);
     if (status == BF_OK) {
@@ -263,10 +247,10 @@ int cmd_worker(int argc, char **argv)
     argp_parse(&parser, argc, argv, 0, NULL, &arguments);
     if (!limit_process(&arguments))
         return CMD_FAILED;
-    bf_status status = work(&w, (int64_t)arguments.checkpoint_ms, &failure.error.error);
+    bf_status status = work(&w, (int64_t)arguments.checkpoint_ms, &failure.error);
     if (status != BF_OK && !w.is_reader_gone) {
         // The error stands on stderr too, for when there is no memory left to make a frame of it.
-        fprintf(stderr, "%s\n", failure.error.error.text);
+        fprintf(stderr, "%s\n", failure.error.text);
         if (take_frame(&w, &failure, NULL) != BF_OK)
             fputs("the error frame could not be written\n", stderr);
     }

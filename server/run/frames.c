@@ -291,7 +291,7 @@ static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *er
         task->has_ended = true;
         return BF_OK;
     default:
-        task->error = f->error.error;
+        task->error = f->error;
         task->failed = true;
         return BF_OK;
     }

@@ -55,27 +55,16 @@ static void end_job(worker_job *job, api_job_cause cause, const bf_error *why)
 
 // ---- start
 
-// The next frame of an input, which moves on; its digest is checked.
-static bf_status next_frame(bf_buffer *in, frame_type type, frame *ret_frame, bf_error *err)
-{
-    size_t used = 0;
-
-    BF_TRY(frame_decode(in->bytes, in->n, ret_frame, &used, err));
-    if (used == 0 || ret_frame->type != type)
-        return bf_fail(err, BF_ECORRUPT, "", "a job's input ends early or is out of order");
-    in->bytes += used;
-    in->n -= used;
-    return BF_OK;
-}
-
 static bf_status start_child(worker *w, const worker_lease *lease, worker_job *job, bf_error *err)
 {
-    bf_buffer in = { .bytes = lease->input.bytes + job->at, .n = (size_t)job->about.n_bytes };
+    const char *in = lease->input.bytes + job->at;
+    const size_t n = (size_t)job->about.n_bytes;
+    size_t used = 0;
     frame about = { .type = FRAME_JOB }, resume = { .type = FRAME_RESUME };
 
-    BF_TRY(next_frame(&in, FRAME_JOB, &about, err));
-    if (in.n > 0)
-        BF_TRY(next_frame(&in, FRAME_RESUME, &resume, err));
+    BF_TRY(frame_decode_input(in, n, FRAME_JOB, &about, &used, err));
+    if (used < n)
+        BF_TRY(frame_decode_input(in + used, n - used, FRAME_RESUME, &resume, &used, err));
     const bf_buffer scenario = { .bytes = (char *)about.job.document, .n = about.job.n_document };
     const bf_buffer checkpoint = { .bytes = (char *)resume.bytes.bytes, .n = resume.bytes.n };
     const executor_work work = { .run_id = job->about.run,

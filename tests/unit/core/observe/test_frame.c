@@ -38,9 +38,9 @@ static size_t make_frames(frame frames[FRAME_TYPE_COUNT])
     frames[n++] =
         (frame){ .type = FRAME_CHANGE, .change = { 7, 0.5, FRAME_CHANGE_EYE, 3, 1, "pe3" } };
     frames[n] = (frame){ .type = FRAME_ERROR };
-    frames[n].error.error.code = BF_ENUMERIC;
-    strcpy(frames[n].error.error.pointer, "/macro/step_s");
-    strcpy(frames[n++].error.error.text, "density nan");
+    frames[n].error.code = BF_ENUMERIC;
+    strcpy(frames[n].error.pointer, "/macro/step_s");
+    strcpy(frames[n++].error.text, "density nan");
     return n;
 }
 

@@ -225,8 +225,7 @@ static void a_snapshot_without_its_parts_is_not_kept(void **state)
         { .type = FRAME_SNAPSHOT, .snapshot = { .n1 = 4, .n2 = 2, .rho = rho } },
         { .type = FRAME_PARTS, .parts = { .n_parts = 2, .n_values = 6, .rows = rows } },
         { .type = FRAME_SNAPSHOT, .snapshot = { .index = 1, .n1 = 4, .n2 = 2, .rho = rho } },
-        { .type = FRAME_ERROR,
-          .error = { .error = { .code = BF_ENUMERIC, .text = "part 3 flew off" } } },
+        { .type = FRAME_ERROR, .error = { .code = BF_ENUMERIC, .text = "part 3 flew off" } },
     };
 
     const api_run record = fail_after(*state, frames, 5);
@@ -240,8 +239,7 @@ static void what_came_before_the_solver_failed_is_kept(void **state)
     const frame frames[] = {
         begin_frame,
         { .type = FRAME_CURVE, .curve = { .n = 2, .n_columns = 2, .t = t, .values = values } },
-        { .type = FRAME_ERROR,
-          .error = { .error = { .code = BF_ENUMERIC, .text = "cell 3 is not finite" } } },
+        { .type = FRAME_ERROR, .error = { .code = BF_ENUMERIC, .text = "cell 3 is not finite" } },
     };
 
     const api_run record = fail_after(*state, frames, 3);

@@ -261,7 +261,7 @@ static void send_error(helper_jobs *f, size_t index)
 {
     frame error = { .type = FRAME_ERROR };
 
-    (void)bf_fail(&error.error.error, BF_EINPUT, "/belts/0", "the belt cannot be solved");
+    (void)bf_fail(&error.error, BF_EINPUT, "/belts/0", "the belt cannot be solved");
     helper_executor_send(f->executor, index, &error);
     helper_executor_end(f->executor, index, API_JOB_FAILED);
 }
