@@ -371,14 +371,8 @@ static void check_placement(scene *s, bf_faults *faults)
         return;
     }
     s->placement = p;
-    bf_status status = placement_check(s, &p, faults);
-    if (status == BF_EBUSY) {
-        (void)bf_fail(&err, status, "", "the check was cancelled, as the service is stopping");
+    if (placement_check(s, &p, faults, &err) != BF_OK)
         faults_add_error(faults, &err);
-    } else if (status != BF_OK) {
-        (void)bf_fail(&err, status, "/initial", "no memory for %zu parts", p.n);
-        faults_add_error(faults, &err);
-    }
 }
 
 void scene_check(scene *s, bf_faults *faults)

@@ -315,7 +315,8 @@ static bool check_free(overlap_findings *f, overlap_grid *c, size_t k)
     return false;
 }
 
-bf_status placement_check(const scene *s, const scene_placement *p, bf_faults *faults)
+bf_status placement_check(const scene *s, const scene_placement *p, bf_faults *faults,
+                          bf_error *err)
 {
     overlap_findings f = { .s = s, .p = p, .faults = faults };
     size_t limit = placement__reported_max(s);
@@ -324,10 +325,7 @@ bf_status placement_check(const scene *s, const scene_placement *p, bf_faults *f
     if (s->initial.type == SCENE_INITIAL_RANDOM)
         return BF_OK; // placed where they are inside and overlap none
     mix_footprints(s, f.footprints);
-    bf_status status =
-        overlap_grid_init(&c, f.footprints, s->n_cargo, p->kinds, p->poses, p->n, NULL);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(overlap_grid_init(&c, f.footprints, s->n_cargo, p->kinds, p->poses, p->n, err));
     for (size_t k = 0; k < p->n && f.n_outside < limit && f.n_overlaps < limit &&
                        c.steps <= SCENE_PLACEMENT_STEPS_MAX && !faults_are_cancelled(faults);
          k++) {
@@ -341,5 +339,5 @@ bf_status placement_check(const scene *s, const scene_placement *p, bf_faults *f
             "for overlaps, which is the limit",
             p->n, (double)SCENE_PLACEMENT_STEPS_MAX);
     overlap_grid_fini(&c);
-    return faults_are_cancelled(faults) ? fail_cancelled(NULL) : BF_OK;
+    return faults_are_cancelled(faults) ? fail_cancelled(err) : BF_OK;
 }

@@ -28,9 +28,9 @@ void placement_fini(scene_placement *p);
 
 /// Note parts that extend outside the domain (over a wall) or have their centre outside (over an
 /// open edge), or overlap another part by more than SCENE_TOLERANCE, with the pointer of the part; or that this
-/// takes more than SCENE_PLACEMENT_STEPS_MAX steps. BF_ENOMEM.
-BF_MUST_CHECK bf_status placement_check(const scene *s, const scene_placement *p,
-                                        bf_faults *faults);
+/// takes more than SCENE_PLACEMENT_STEPS_MAX steps. BF_ENOMEM; BF_EBUSY: the check was cancelled.
+BF_MUST_CHECK bf_status placement_check(const scene *s, const scene_placement *p, bf_faults *faults,
+                                        bf_error *err);
 
 /// How far a part extends over a side of the domain, m: with its footprint over a wall, with its centre
 /// over any side. Negative inside.

@@ -28,7 +28,7 @@ static const bf_faults *check(const scene *s)
     scene_placement p = make(s);
 
     faults = (bf_faults){ 0 };
-    assert_int_equal(placement_check(s, &p, &faults), BF_OK);
+    assert_int_equal(placement_check(s, &p, &faults, NULL), BF_OK);
     placement_fini(&p);
     return &faults;
 }
@@ -330,7 +330,7 @@ static void without_memory_nothing_is_placed_or_lost(void **state)
     for (size_t n = 1;; n++) {
         static bf_faults faults;
         memory_plan_fault(n, 0);
-        bf_status status = placement_check(&s, &p, &faults);
+        bf_status status = placement_check(&s, &p, &faults, NULL);
         size_t n_faults = memory_faults();
         memory_plan_fault(0, 0);
         assert_int_equal(status, n_faults == 0 ? BF_OK : BF_ENOMEM);
