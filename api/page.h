@@ -25,7 +25,7 @@ typedef struct api_page_query {
 typedef struct api_page {
     size_t n;                      ///< items in this page
     bool has_more;                 ///< older ones follow
-    char next_cursor[API_ID_SIZE]; ///< of these: api_page_query.before
+    char next_cursor[API_ID_SIZE]; ///< of these: api_page_query.before; who answers writes it
     union {
         api_study studies[API_LIST_MAX];            ///< the page, of studies
         api_measurement measurements[API_LIST_MAX]; ///< of measurements

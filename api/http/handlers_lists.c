@@ -11,8 +11,9 @@
 #include <stdio.h>
 #include <string.h>
 
-static bf_status answer_page(exchange *x, api_page_fn *read, const member_table *table,
-                             bf_error *err)
+// Answer a page of items of a size, each with its id, by which they are sorted, at a place.
+static bf_status answer_page(exchange *x, api_page_fn *read, const member_table *table, size_t size,
+                             size_t id, bf_error *err)
 {
     const exchange_page page = exchange__page(x);
     const char *state = exchange__text(x, "status"), *line = exchange__text(x, "line");
@@ -30,6 +31,9 @@ static bf_status answer_page(exchange *x, api_page_fn *read, const member_table 
     if (list == NULL)
         return bf_fail_memory(err);
     status = read(x->services->store, &wanted, list, err);
+    if (status == BF_OK && list->has_more)
+        memcpy(list->next_cursor, (const char *)list->studies + (list->n - 1) * size + id,
+               sizeof list->next_cursor);
     if (status == BF_OK)
         status = exchange__send_page(x, &page, list->next_cursor, table, list, err);
     memory_free(list);
@@ -38,15 +42,18 @@ static bf_status answer_page(exchange *x, api_page_fn *read, const member_table 
 
 bf_status handlers_lists_studies(exchange *x, bf_error *err)
 {
-    return answer_page(x, x->services->list_studies, &study_json_list, err);
+    return answer_page(x, x->services->list_studies, &study_json_list, sizeof(api_study),
+                       offsetof(api_study, id), err);
 }
 
 bf_status handlers_lists_measurements(exchange *x, bf_error *err)
 {
-    return answer_page(x, x->services->list_measurements, &measurement_list, err);
+    return answer_page(x, x->services->list_measurements, &measurement_list,
+                       sizeof(api_measurement), offsetof(api_measurement, id), err);
 }
 
 bf_status handlers_lists_lines(exchange *x, bf_error *err)
 {
-    return answer_page(x, x->services->list_lines, &line_json_list, err);
+    return answer_page(x, x->services->list_lines, &line_json_list, sizeof(api_line),
+                       offsetof(api_line, newest), err);
 }

@@ -5,8 +5,6 @@
 #include "api/scenario/submission.h"
 
 #include <sodium.h>
-#include <sqlite3.h>
-#include <string.h>
 
 static bool has_version(const api_run *record)
 {
@@ -65,12 +63,9 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
     api_page *page = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
 
-    const bf_status status = store__list(reader, STORE__SQL_LIST_LINES, &line_record, page->lines,
-                                         query->limit, &page->n, &page->has_more, err, TEXT(before),
-                                         TEXT(query->owner), INTEGER(query->limit + 1));
-    if (page->has_more)
-        memcpy(page->next_cursor, page->lines[page->n - 1].newest, API_ID_SIZE);
-    return status;
+    return store__list(reader, STORE__SQL_LIST_LINES, &line_record, page->lines, query->limit,
+                       &page->n, &page->has_more, err, TEXT(before), TEXT(query->owner),
+                       INTEGER(query->limit + 1));
 }
 
 bf_status store_list_lines(store *s, const api_page_query *query, api_page *ret_page, bf_error *err)

@@ -185,15 +185,12 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
     const api_page_query *query = of;
     api_page *page = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
-    bool has_label = query->label[0] != '\0';
+    const store__sql sql =
+        query->label[0] == '\0' ? STORE__SQL_LIST_MEASUREMENTS : STORE__SQL_LIST_MEASUREMENTS_LABEL;
 
-    const bf_status status = store__list(
-        reader, has_label ? STORE__SQL_LIST_MEASUREMENTS_LABEL : STORE__SQL_LIST_MEASUREMENTS,
-        &record, page->measurements, query->limit, &page->n, &page->has_more, err, TEXT(before),
-        INTEGER(query->limit + 1), TEXT(query->label), TEXT(query->owner));
-    if (page->has_more)
-        memcpy(page->next_cursor, page->measurements[page->n - 1].id, API_ID_SIZE);
-    return status;
+    return store__list(reader, sql, &record, page->measurements, query->limit, &page->n,
+                       &page->has_more, err, TEXT(before), INTEGER(query->limit + 1),
+                       TEXT(query->label), TEXT(query->owner));
 }
 
 bf_status store_list_measurements(store *s, const api_page_query *query, api_page *ret_page,

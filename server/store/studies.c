@@ -213,8 +213,6 @@ static bf_status read_list(store__connection *reader, const void *of, void *to, 
             page->studies[page->n++] = row.study;
     }
     store__end(&q);
-    if (page->has_more)
-        memcpy(page->next_cursor, page->studies[page->n - 1].id, API_ID_SIZE);
     return status;
 }
 

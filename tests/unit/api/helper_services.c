@@ -125,8 +125,6 @@ static bf_status do_list_lines(api_store *store, const api_page_query *query, ap
         memcpy(line->newest_run, record->id, sizeof line->newest_run);
         memcpy(line->newest, record->id, sizeof line->newest);
     }
-    if (ret_page->has_more)
-        memcpy(ret_page->next_cursor, ret_page->lines[ret_page->n - 1].newest, API_ID_SIZE);
     return BF_OK;
 }
 

@@ -73,8 +73,6 @@ static bf_status do_list_studies(api_store *store, const api_page_query *query, 
         else if (fits)
             ret_page->studies[ret_page->n++] = *about;
     }
-    if (ret_page->has_more)
-        memcpy(ret_page->next_cursor, ret_page->studies[ret_page->n - 1].id, API_ID_SIZE);
     return BF_OK;
 }
 

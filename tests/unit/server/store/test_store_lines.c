@@ -147,7 +147,7 @@ static void lines_are_listed_by_their_newest_run(void **state)
     assert_string_equal(list->lines[0].newest_run, newest.id);
     assert_int_equal(list->lines[0].used_ms, newest.created_ms);
     assert_line(&list->lines[1], "", "hall 3", 1, 1);
-    memcpy(query.before, list->next_cursor, sizeof query.before);
+    memcpy(query.before, list->lines[1].newest, sizeof query.before);
     assert_int_equal(store_list_lines(s, &query, list, NULL), BF_OK);
     assert_int_equal(list->n, 1);
     assert_false(list->has_more);

@@ -145,7 +145,7 @@ static void measurements_are_listed_newest_first(void **state)
     assert_string_equal(list.measurements[0].id, all[4].id);
     assert_string_equal(list.measurements[1].id, all[3].id);
     assert_int_equal(list.measurements[1].n_samples, 3);
-    memcpy(query.before, list.next_cursor, sizeof query.before);
+    memcpy(query.before, list.measurements[1].id, sizeof query.before);
     query.limit = 3;
     assert_int_equal(store_list_measurements(s, &query, &list, NULL), BF_OK);
     assert_true(list.n == 3 && !list.has_more);

@@ -217,7 +217,7 @@ static void studies_are_listed_newest_first_by_state_and_owner(void **state)
     assert_int_equal(list.n, 2);
     assert_true(list.has_more);
     assert_string_equal(list.studies[0].id, c.id);
-    memcpy(query.before, list.next_cursor, sizeof query.before);
+    memcpy(query.before, list.studies[1].id, sizeof query.before);
     assert_int_equal(store_list_studies(s, &query, &list, NULL), BF_OK);
     assert_int_equal(list.n, 1);
     assert_string_equal(list.studies[0].id, a.id);
