@@ -11,7 +11,6 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 bf_status exchange__check_change(exchange *x, const char *const *tags, bf_error *err)
 {

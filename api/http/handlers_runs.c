@@ -4,14 +4,12 @@
 #include "api/http/http_priv.h"
 #include "api/http/negotiation.h"
 #include "api/http/run_sort.h"
-#include "api/json/moment.h"
 #include "api/json/text.h"
 #include "api/results/run_json.h"
 #include "api/scenario/condition.h"
 #include "api/scenario/submission.h"
 #include "api/study/study_replications.h"
 #include "api/study/study_submission.h"
-#include "core/base/check.h"
 #include "core/base/memory.h"
 
 #include <inttypes.h>

@@ -4,7 +4,6 @@
 
 #include "api/http/problem.h"
 #include "api/http/routes_params.h"
-#include "core/base/check.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,6 @@
 #include "api/json/members.h"
 #include "core/compare/compare.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 
 /// The figures of a curve (compare_figures), which stand among the members of what it is of.

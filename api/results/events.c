@@ -4,7 +4,6 @@
 #include "api/results/results.h"
 #include "api/results/results_priv.h"
 #include "api/results/run_json.h"
-#include "core/base/check.h"
 #include "core/world/belt_stops.h"
 #include "core/world/plate_drive.h"
 

@@ -4,7 +4,6 @@
 
 #include <endian.h>
 #include <stdio.h>
-#include <string.h>
 
 // Magic and version, length of the rest of the header, and the description that ends in a newline
 // and pads all of it to a multiple of 64 bytes (NumPy's format 1.0).

@@ -9,7 +9,6 @@
 #include "core/base/memory.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>

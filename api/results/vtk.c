@@ -6,7 +6,6 @@
 #include "api/json/number.h"
 #include "api/results/results_files.h"
 #include "api/results/results_priv.h"
-#include "core/base/check.h"
 
 #include <inttypes.h>
 #include <math.h>

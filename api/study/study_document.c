@@ -9,7 +9,6 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 bf_status study__read_tree(json_in *in, const json_t *root, study_document *ret_document,
                            bf_error *err)

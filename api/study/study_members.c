@@ -1,7 +1,5 @@
 // The document of a study as tables.
 
-#include "api/json/schema.h"
-#include "api/scenario/scenario_members.h"
 #include "api/scenario/submission.h"
 #include "api/study/study_priv.h"
 

@@ -8,7 +8,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { LISTED = 6, PARAMETER_DIGITS = 6, TRY_DIGITS = 4 };

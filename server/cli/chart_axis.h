@@ -2,9 +2,6 @@
 
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
-
 enum {
     CHART_AXIS_TICKS_MAX = 40,  ///< ticks on an axis
     CHART_AXIS_LABEL_SIZE = 24, ///< bytes of a tick's label with its terminator

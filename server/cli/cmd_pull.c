@@ -1,5 +1,4 @@
 #include "api/json/number.h"
-#include "core/base/memory.h"
 #include "server/base/cores.h"
 #include "server/base/file_io.h"
 #include "server/base/solver.h"

@@ -5,7 +5,6 @@
 #include "core/observe/frame.h"
 
 #include <stdbool.h>
-#include <stddef.h>
 
 /// A bar. Begin with progress_bar_start().
 typedef struct progress_bar {

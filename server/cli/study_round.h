@@ -4,8 +4,6 @@
 
 #include "server/cli/study_files.h"
 
-#include <stdbool.h>
-
 /// The trials to solve.
 typedef struct study_round {
     study_document *document; ///< of the study; not to be used meanwhile

@@ -15,7 +15,6 @@
 #include "server/study/studies.h"
 
 #include <stdatomic.h>
-#include <stdbool.h>
 
 typedef struct service_waiter service_waiter;
 

@@ -4,7 +4,6 @@
 #include "server/pull/pull_executor.h"
 
 #include "api/json/number.h"
-#include "core/base/check.h"
 #include "core/base/memory.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"

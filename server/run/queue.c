@@ -7,7 +7,6 @@
 #include "server/base/log.h"
 
 #include <stdio.h>
-#include <string.h>
 
 enum {
     BACKOFF_MAX_MS = 30000,

@@ -2,8 +2,6 @@
 
 #include "core/base/check.h"
 #include "core/base/memory.h"
-#include "server/base/clock.h"
-#include "server/base/log.h"
 #include "server/base/thread.h"
 
 #include <errno.h>

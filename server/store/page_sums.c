@@ -7,7 +7,6 @@
 #include <sodium.h>
 #include <sqlite3.h>
 #include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
 enum {

@@ -11,9 +11,7 @@
 
 #include "server/base/solver.h"
 
-#include <sodium.h>
 #include <sqlite3.h>
-#include <stdio.h>
 #include <string.h>
 
 enum {

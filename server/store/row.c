@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <sqlite3.h>
-#include <string.h>
 
 // Pages of an old store have no sums, and another program may have written a row. A number that stands for nothing, and
 // an id by which the run is not found again, must not get any further.

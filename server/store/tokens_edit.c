@@ -8,7 +8,6 @@
 #include <inttypes.h>
 #include <sodium.h>
 #include <sqlite3.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { SECRET_BYTES = 32 };

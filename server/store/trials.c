@@ -6,9 +6,6 @@
 #include "server/store/submit.h"
 
 #include "core/base/memory.h"
-#include "server/base/run_id.h"
-
-#include <stdio.h>
 
 enum { TRIALS_A_STEP = 1000 }; // that are removed in one transaction
 

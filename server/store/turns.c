@@ -5,7 +5,6 @@
 #include "server/store/quotas.h"
 #include "server/store/studies_priv.h"
 
-#include <sqlite3.h>
 #include <stdlib.h>
 #include <string.h>
 

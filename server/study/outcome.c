@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
-#include <string.h>
 
 static bf_status make_scene(study__task *t, const api_trial *trial, scene *ret_scene, bf_error *err)
 {

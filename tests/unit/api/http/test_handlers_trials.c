@@ -103,16 +103,24 @@ static bf_buffer resolved(void)
     return text;
 }
 
-static void a_trial_is_solved_again_as_a_run(void **state)
+// A trial of the microscopic model that was solved, and its run, whose scenario is that.
+static helper_run *add_solved_trial(helper_study *of, const bf_buffer *scenario)
 {
-    helper_study *of = add_study();
     helper_run *solved = ask_add_run(RUN_SUCCEEDED);
     api_trial *trial = helper_add_trial(of, API_TRIAL_SUCCEEDED);
-    bf_buffer scenario = resolved();
 
-    solved->scenario = scenario.bytes;
+    solved->scenario = scenario->bytes;
     trial->model = RUN_MICRO;
     memcpy(trial->run, solved->record.id, sizeof trial->run);
+    return solved;
+}
+
+static void a_trial_is_solved_again_as_a_run(void **state)
+{
+    bf_buffer scenario = resolved();
+    helper_study *of = add_study();
+    helper_run *solved = add_solved_trial(of, &scenario);
+
     ask("POST", STUDY "/trials/0/run", NULL, NULL, NULL, 201);
     ask_assert_header("Location", "/v1/runs/" ID_2);
     assert_int_equal(ask_daemon.submitted.model, RUN_MICRO);
@@ -141,14 +149,10 @@ static void who_waits_for_a_run_gets_it_even_when_its_study_is_gone(void **state
     const api_request request = {
         .method = "POST", .path = STUDY "/trials/0/run", .query = "", .header = no_header
     };
-    helper_study *of = add_study();
-    helper_run *solved = ask_add_run(RUN_SUCCEEDED);
-    api_trial *trial = helper_add_trial(of, API_TRIAL_SUCCEEDED);
     bf_buffer scenario = resolved();
+    helper_study *of = add_study();
 
-    solved->scenario = scenario.bytes;
-    trial->model = RUN_MICRO;
-    memcpy(trial->run, solved->record.id, sizeof trial->run);
+    add_solved_trial(of, &scenario);
     ask("POST", STUDY "/trials/0/run", NULL, "Prefer: wait=5\n", NULL, 201);
     assert_string_equal(ask_response.long_poll.run, ID_2);
     of->about.id[0] = '\0';
