@@ -165,6 +165,20 @@ test("things are doubled, mirrored, turned and deleted; rules are told in words 
   await assertAccessible(page, "the board");
 });
 
+test("a box that is emptied is typed on in, also where it is folded away then", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?blank=1");
+  await page.getByText("Ready:").waitFor();
+  await page.getByRole("button", { name: "Feed feed-1" }).click();
+  const id = page.getByLabel("Id", { exact: true });
+  await id.focus();
+  for (let k = 0; k < "feed-1".length; k++) await page.keyboard.press("Backspace");
+  await page.keyboard.type("infeed");
+  await page.getByRole("button", { name: "Feed infeed" }).waitFor();
+  assert.equal(await id.inputValue(), "infeed");
+});
+
 test("curves and figures are saved as the reader's spreadsheet opens them", async (t) => {
   const d = await daemon(t);
   const run = await d.submit(tiny());

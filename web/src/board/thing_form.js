@@ -64,7 +64,7 @@ export class ThingForm {
     }
   }
 
-  // What is being typed goes on in the new box.
+  // What is being typed goes on in the new box, also where that is folded away: a member that is not needed is, once it is empty.
   rebuild(built) {
     const typed = this.boxes?.find(({ box }) => box === document.activeElement)?.box;
     const isOpen = this.element.querySelector("details")?.open && this.built.split(" {")[0] === built.split(" {")[0];
@@ -74,6 +74,7 @@ export class ThingForm {
     for (const details of isOpen ? this.element.querySelectorAll("details") : []) details.open = true;
     const entry = this.boxes.find(({ box }) => box.id === typed?.id);
     if (!entry) return;
+    entry.box.closest("details")?.setAttribute("open", "");
     entry.box.value = typed.value;
     entry.box.focus();
     if (typed.selectionEnd !== undefined && typed.selectionEnd !== null) entry.box.setSelectionRange(typed.selectionEnd, typed.selectionEnd);
