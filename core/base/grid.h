@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <math.h>
 #include <stddef.h>
 
 /// Where the cells are.
@@ -34,4 +35,16 @@ static inline double grid_x2(const bf_grid *g, size_t j)
 static inline size_t grid_cells(const bf_grid *g)
 {
     return g->n1 * g->n2;
+}
+
+/// Number of faces across an axis, 0: x1, 1: x2.
+static inline size_t grid_faces(const bf_grid *g, int axis)
+{
+    return axis == 0 ? (g->n1 + 1) * g->n2 : g->n1 * (g->n2 + 1);
+}
+
+/// A real index as the nearest one of 0 .. n.
+static inline size_t grid_clamp(double index, size_t n)
+{
+    return (size_t)fmin(fmax(index, 0.0), (double)n);
 }

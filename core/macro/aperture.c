@@ -236,7 +236,7 @@ static ptrdiff_t nearest_face(const face_axis *x, double normal)
 // The face of a strip of cells that the plate closes next to its end; the nearest one to the end if there is none.
 static ptrdiff_t closed_face(const face_axis *x, const plate_end *e, ptrdiff_t strip)
 {
-    const uint8_t *closed = x->axis == 0 ? x->field->closed1 : x->field->closed2;
+    const uint8_t *closed = x->field->faces[x->axis].closed;
     const double steep = fmax(fabs(beside_of(x, e->outward)), 1e-3);
     const double rise = fabs(normal_of(x, e->outward)) / steep; // from strip to strip
     const ptrdiff_t most = 1 + (ptrdiff_t)ceil(rise * (x->edge_beside / x->edge_normal));
@@ -255,8 +255,8 @@ static void cover_face(const face_axis *x, ptrdiff_t face, ptrdiff_t strip, doub
                        bool is_end)
 {
     const size_t at = index_of(x, face, strip);
-    double *aperture = x->axis == 0 ? x->field->aperture1 : x->field->aperture2;
-    uint8_t *closed = x->axis == 0 ? x->field->closed1 : x->field->closed2;
+    double *aperture = x->field->faces[x->axis].aperture;
+    uint8_t *closed = x->field->faces[x->axis].closed;
     const double open = 1.0 - fmin(fmax(covered, 0.0), 1.0);
 
     if (!is_end && closed[at] != 0)
@@ -365,7 +365,6 @@ static void apply_end(const scene *s, velocity_field *f, const surroundings *aro
 void aperture_apply(const scene *s, velocity_field *f)
 {
     const surroundings around = surroundings_of(s);
-    const size_t n1 = f->grid.n1, n2 = f->grid.n2;
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
         const scene_obstacle *obstacle = &s->obstacles[k];
@@ -376,8 +375,9 @@ void aperture_apply(const scene *s, velocity_field *f)
             apply_end(s, f, &around, obstacle, m, m + 1);
         }
     }
-    for (size_t k = 0; k < (n1 + 1) * n2; k++)
-        f->aperture1[k] = f->closed1[k] ? 0.0 : f->aperture1[k];
-    for (size_t k = 0; k < n1 * (n2 + 1); k++)
-        f->aperture2[k] = f->closed2[k] ? 0.0 : f->aperture2[k];
+    for (int axis = 0; axis < 2; axis++) {
+        const velocity_field_faces *faces = &f->faces[axis];
+        for (size_t k = 0; k < grid_faces(&f->grid, axis); k++)
+            faces->aperture[k] = faces->closed[k] ? 0.0 : faces->aperture[k];
+    }
 }

@@ -68,8 +68,8 @@ static bool meets_closed(const velocity_field *f, size_t i, size_t j)
 
     if (i == 0 || i == n1 || j == 0 || j == n2)
         return false;
-    return f->closed1[(j - 1) * (n1 + 1) + i] || f->closed1[j * (n1 + 1) + i] ||
-           f->closed2[j * n1 + i - 1] || f->closed2[j * n1 + i];
+    return f->faces[0].closed[(j - 1) * (n1 + 1) + i] || f->faces[0].closed[j * (n1 + 1) + i] ||
+           f->faces[1].closed[j * n1 + i - 1] || f->faces[1].closed[j * n1 + i];
 }
 
 /// True if the centre of a cell is beyond a border of the arc, between its ends.
@@ -111,11 +111,9 @@ static double line_lane(const arc_grid *a, size_t i, size_t j)
 static void find_range(double low, double high, double lower, double edge, size_t n,
                        size_t *ret_first, size_t *ret_count)
 {
-    const double first = fmin(fmax(floor((low - lower) / edge) - 2.0, 0.0), (double)n);
-    const double last = fmin(fmax(ceil((high - lower) / edge) + 2.0, first), (double)n);
-
-    *ret_first = (size_t)first;
-    *ret_count = (size_t)last - (size_t)first + 1;
+    *ret_first = grid_clamp(floor((low - lower) / edge) - 2.0, n);
+    const size_t last = grid_clamp(ceil((high - lower) / edge) + 2.0, n);
+    *ret_count = (last > *ret_first ? last - *ret_first : 0) + 1;
 }
 
 static bf_status init_corners(arc_corners *c, const scene_belt *belt, const bf_grid *g)
@@ -221,8 +219,8 @@ static void find_corners(double first, double last, double lower, double edge, s
     const double low = floor((first - lower) / edge) - (double)at;
     const double high = ceil((last - lower) / edge) + 1.0 - (double)at;
 
-    ret_range[0] = (size_t)fmin(fmax(low, 0.0), (double)n);
-    ret_range[1] = (size_t)fmin(fmax(high, 0.0), (double)n);
+    ret_range[0] = grid_clamp(low, n);
+    ret_range[1] = grid_clamp(high, n);
 }
 
 /// Bring the own q of the corners within a rectangle, and which of them have that of a line, to the closed faces. True if one has

@@ -298,18 +298,18 @@ void macro_set_field(macro_solver *s, const velocity_field *field, const scene_b
     macro_def def = s->def;
 
     def.belts = belts;
-    def.v1 = field->v1;
-    def.v2 = field->v2;
-    def.closed1 = field->closed1;
-    def.closed2 = field->closed2;
-    def.belt1 = field->belt1;
-    def.belt2 = field->belt2;
-    def.aperture1 = field->aperture1;
-    def.aperture2 = field->aperture2;
-    def.transverse1 = field->transverse1;
-    def.transverse2 = field->transverse2;
-    def.loose1 = field->loose1;
-    def.loose2 = field->loose2;
+    def.v1 = field->faces[0].v;
+    def.v2 = field->faces[1].v;
+    def.closed1 = field->faces[0].closed;
+    def.closed2 = field->faces[1].closed;
+    def.belt1 = field->faces[0].belt;
+    def.belt2 = field->faces[1].belt;
+    def.aperture1 = field->faces[0].aperture;
+    def.aperture2 = field->faces[1].aperture;
+    def.transverse1 = field->faces[0].transverse;
+    def.transverse2 = field->faces[1].transverse;
+    def.loose1 = field->faces[0].loose;
+    def.loose2 = field->faces[1].loose;
     s->n_fields++;
     fill_all(s, &def);
     if (s->speeds != NULL)

@@ -71,8 +71,8 @@ void swept_cells_begin(swept_cells *c, const velocity_field *f)
 {
     const bf_grid *g = &c->grid;
 
-    memcpy(c->closed1, f->closed1, (g->n1 + 1) * g->n2);
-    memcpy(c->closed2, f->closed2, g->n1 * (g->n2 + 1));
+    memcpy(c->closed1, f->faces[0].closed, (g->n1 + 1) * g->n2);
+    memcpy(c->closed2, f->faces[1].closed, g->n1 * (g->n2 + 1));
     c->round = next_mark(c->round, c->swept_in, grid_cells(g));
 }
 
@@ -224,8 +224,8 @@ static size_t next_cell(const hand_on_context *x, size_t from, direction d, size
     const bf_grid *g = &c->grid;
     const bool was = is_swept(c, from);
 
-    if (is_closed(g, was ? c->closed1 : x->field->closed1, was ? c->closed2 : x->field->closed2,
-                  from, d))
+    if (is_closed(g, was ? c->closed1 : x->field->faces[0].closed,
+                  was ? c->closed2 : x->field->faces[1].closed, from, d))
         return from;
     const size_t to = (size_t)((ptrdiff_t)from + d.di + d.dj * (ptrdiff_t)g->n1);
     return is_behind(g, start, to, ahead) || (!was && is_swept(c, to)) ||
@@ -378,7 +378,8 @@ static bool is_wide(const hand_on_context *x, const pushed *p, size_t cell)
     const double edge = order[0].di != 0 ? g->d1 : g->d2;
     const ptrdiff_t next = order[0].di + order[0].dj * (ptrdiff_t)g->n1;
     double free = edge;
-    for (; free < width && !is_closed(g, x->field->closed1, x->field->closed2, cell, order[0]);
+    for (; free < width &&
+           !is_closed(g, x->field->faces[0].closed, x->field->faces[1].closed, cell, order[0]);
          free += edge)
         cell = (size_t)((ptrdiff_t)cell + next);
     return free >= width;

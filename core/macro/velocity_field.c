@@ -33,20 +33,6 @@ enum { AT_FACE, BEFORE_FACE, BEHIND_FACE, CELL_BEFORE, CELL_BEHIND, FACE_POINTS 
 
 #define NOT_KNOWN UINT16_MAX ///< of a belt
 
-static bool is_congested(const scene *s)
-{
-    return s->macro.closure == SCENE_CONGESTED;
-}
-
-static bool has_arcs(const scene *s)
-{
-    bool has = false;
-
-    for (size_t k = 0; k < s->n_sections; k++)
-        has = has || belt_has_lanes(&s->belts[k]);
-    return has;
-}
-
 /// A straight border between constant velocities.
 typedef struct border {
     vec2 low;  ///< the end with the smaller y, m
@@ -88,12 +74,6 @@ typedef struct lattice {
     double offset1;
     double offset2;
 } lattice;
-
-/// A real index as one of 0 .. n.
-static size_t clamp_index(double index, size_t n)
-{
-    return (size_t)fmin(fmax(index, 0.0), (double)n);
-}
 
 static void add_border(sampler *k, vec2 a, vec2 b)
 {
@@ -152,8 +132,6 @@ static void sampler_destroy(sampler *k)
 /// For a field that has its velocities. NULL: no memory.
 static sampler *sampler_alloc(const scene *s, const velocity_field *f)
 {
-    const bf_grid grid = f->grid;
-    const size_t n_faces[2] = { (grid.n1 + 1) * grid.n2, grid.n1 * (grid.n2 + 1) };
     sampler *k = memory_alloc(1, sizeof *k);
     size_t n_segments = 0, n_borders = 0;
 
@@ -168,22 +146,22 @@ static sampler *sampler_alloc(const scene *s, const velocity_field *f)
     k->near = memory_alloc(n_segments, sizeof *k->near);
     k->borders = memory_alloc(n_borders, sizeof *k->borders);
     k->active = memory_alloc(n_borders, sizeof(border *));
-    k->marks = memory_alloc(grid.n1 + 1, sizeof *k->marks);
+    k->marks = memory_alloc(f->grid.n1 + 1, sizeof *k->marks);
     k->due = memory_alloc(s->n_obstacles + s->n_sections + 1, sizeof *k->due);
     k->is_made_again =
         scene_has_moving_obstacles(s) || belt_range_may_reverse_any(s->n_sections, s->belts);
     bool is_whole = k->segments && k->near && k->borders && k->active && k->marks && k->due &&
-                    arc_faces_init(&k->arcs, s, &grid) == BF_OK;
+                    arc_faces_init(&k->arcs, s, &f->grid) == BF_OK;
     if (k->is_made_again)
         k->standing = memory_alloc(n_segments, sizeof *k->standing);
     is_whole = is_whole && (!k->is_made_again || k->standing != NULL);
     for (int axis = 0; axis < 2 && is_whole; axis++) {
-        const size_t n = n_faces[axis];
+        const size_t n = grid_faces(&f->grid, axis);
         if (k->arcs.n > 0)
             k->held[axis] = memory_alloc(n, sizeof *k->held[axis]);
         is_whole = k->arcs.n == 0 || k->held[axis] != NULL;
         if (!k->is_made_again) {
-            k->v[axis] = axis == 0 ? f->v1 : f->v2;
+            k->v[axis] = f->faces[axis].v;
             continue;
         }
         k->v[axis] = memory_alloc(n, sizeof *k->v[axis]);
@@ -238,8 +216,8 @@ static void find_columns(const lattice *l, double low, double high, size_t *ret_
     const double first = floor((low - l->grid->lower1) / l->grid->d1 - l->offset1);
     const double last = ceil((high - l->grid->lower1) / l->grid->d1 - l->offset1);
 
-    *ret_begin = clamp_index(first, l->n_columns);
-    *ret_end = clamp_index(last + 1.0, l->n_columns);
+    *ret_begin = grid_clamp(first, l->n_columns);
+    *ret_end = grid_clamp(last + 1.0, l->n_columns);
 }
 
 /// Mark the faces of the row at y that are near a border or an arc. Rows come upwards.
@@ -377,20 +355,12 @@ static size_t arc_of(const sampler *k, const face *f, const regions_velocity *e)
     return belt < around->n_belts && belt_has_lanes(&around->belts[belt]) ? belt : around->n_belts;
 }
 
-/// What is filled in for the faces of a lattice; see velocity_field.h.
-typedef struct face_arrays {
-    double *v;
-    uint8_t *held;  ///< NULL: there is no arc
-    uint16_t *belt; ///< NULL: none, and so for those below
-    double *transverse;
-    double *loose;
-} face_arrays;
-
-/// Fill a component of the velocity, if no face were closed, and what else there is on the marked faces first <= i < last of row j.
+/// Fill a component of the velocity, if no face were closed, and what else there is on the faces first <= i < last of row j.
 static void fill_columns(const velocity_field *f, const scene *s, const lattice *l, int component,
-                         size_t j, size_t first, size_t last, const face_arrays *ret)
+                         size_t j, size_t first, size_t last)
 {
     const sampler *k = f->sampler;
+    const velocity_field_faces *faces = &f->faces[component];
     const size_t base = j * l->n_columns;
     const double y = l->grid->lower2 + ((double)j + l->offset2) * l->grid->d2;
 
@@ -401,7 +371,7 @@ static void fill_columns(const velocity_field *f, const scene *s, const lattice 
                             k->under[component] == NULL
                                 ? NULL
                                 : k->under[component] + FACE_POINTS * (base + i) };
-        const regions_velocity e = evaluate_any(k, &here, ret->belt != NULL);
+        const regions_velocity e = evaluate_any(k, &here, faces->belt != NULL);
         const size_t arc = k->arcs.n > 0 ? arc_of(k, &here, &e) : s->n_sections;
         const bool is_arc = arc < s->n_sections;
         const double v =
@@ -410,29 +380,31 @@ static void fill_columns(const velocity_field *f, const scene *s, const lattice 
         const uint8_t *next = k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, last - i);
         const size_t end = next != NULL ? (size_t)(next - k->marks) : last;
         const uint8_t held = is_arc && arc_faces_is_held(f, s, &k->around, arc, component, i, j);
-        for (size_t m = i; ret->held != NULL && m < end; m++)
-            ret->held[base + m] = held;
-        for (size_t m = i; ret->belt != NULL && m < end; m++)
-            ret->belt[base + m] = (uint16_t)(is_arc ? arc : e.belt_index);
-        for (size_t m = i; ret->transverse != NULL && m < end; m++)
-            ret->transverse[base + m] = component == 0 ? e.velocity.y : e.velocity.x;
+        for (size_t m = i; k->held[component] != NULL && m < end; m++)
+            k->held[component][base + m] = held;
+        for (size_t m = i; faces->belt != NULL && m < end; m++)
+            faces->belt[base + m] = (uint16_t)(is_arc ? arc : e.belt_index);
+        for (size_t m = i; faces->transverse != NULL && m < end; m++)
+            faces->transverse[base + m] = component == 0 ? e.velocity.y : e.velocity.x;
         const double loose = e.region == REGIONS_SLIDE ? component == 0 ? e.belt.x : e.belt.y : v;
-        for (size_t m = i; ret->loose != NULL && m < end; m++)
-            ret->loose[base + m] = loose;
+        for (size_t m = i; faces->loose != NULL && m < end; m++)
+            faces->loose[base + m] = loose;
         for (; i < end; i++)
-            ret->v[base + i] = v;
+            k->v[component][base + i] = v;
     }
 }
 
-/// Fill what there is on the faces of a lattice that are due.
-static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int component,
-                       const face_arrays *ret)
+/// Fill what there is on the faces across a component that are due.
+static void fill_faces(velocity_field *f, const scene *s, int component)
 {
+    const bf_grid *g = &f->grid;
+    const lattice l = component == 0 ? (lattice){ g, g->n1 + 1, g->n2, 0.0, 0.5 }
+                                     : (lattice){ g, g->n1, g->n2 + 1, 0.5, 0.0 };
     sampler *k = f->sampler;
 
     k->n_begun = k->n_active = 0;
-    for (size_t j = 0; j < l->n_rows; j++) {
-        const double y = l->grid->lower2 + ((double)j + l->offset2) * l->grid->d2;
+    for (size_t j = 0; j < l.n_rows; j++) {
+        const double y = g->lower2 + ((double)j + l.offset2) * g->d2;
         bool is_ready = false;
         for (size_t d = 0; d < k->n_due; d++) {
             const scene_rect *due = &k->due[d];
@@ -441,11 +413,11 @@ static void fill_faces(velocity_field *f, const scene *s, const lattice *l, int 
                 continue;
             if (!is_ready) {
                 find_near(k, y);
-                mark_row(k, l, y);
+                mark_row(k, &l, y);
             }
             is_ready = true;
-            find_columns(l, due->x_min, due->x_max, &first, &last);
-            fill_columns(f, s, l, component, j, first, last, ret);
+            find_columns(&l, due->x_min, due->x_max, &first, &last);
+            fill_columns(f, s, &l, component, j, first, last);
         }
     }
 }
@@ -466,29 +438,24 @@ static bool is_behind_gap(const surroundings *around, vec2 centre, vec2 to_face)
     return (goes < 0.0 || (goes > 0.0 && reverses)) && is_off_at(around, vec2_add(centre, to_face));
 }
 
-/// The way from a face to the centre of the cell behind it.
-static vec2 half_cell(const bf_grid *grid, int component)
-{
-    return component == 0 ? (vec2){ 0.5 * grid->d1, 0.0 } : (vec2){ 0.0, 0.5 * grid->d2 };
-}
-
 /// Find the cells that carry nothing.
 static bf_status find_off(const scene *s, velocity_field *f)
 {
     const surroundings around = surroundings_of(s);
-    const size_t n_cells = grid_cells(&f->grid);
+    const bf_grid *g = &f->grid;
+    const vec2 to_faces[4] = {
+        { 0.5 * g->d1, 0.0 }, { -0.5 * g->d1, 0.0 }, { 0.0, 0.5 * g->d2 }, { 0.0, -0.5 * g->d2 }
+    };
 
     if (!s->may_drop)
         return BF_OK;
-    f->off = memory_alloc(n_cells, sizeof *f->off);
-    for (size_t c = 0; f->off != NULL && c < n_cells; c++) {
-        const vec2 centre = { grid_x1(&f->grid, c % f->grid.n1),
-                              grid_x2(&f->grid, c / f->grid.n1) };
-        const vec2 along = half_cell(&f->grid, 0), across = half_cell(&f->grid, 1);
-        f->off[c] = is_off_at(&around, centre) || is_behind_gap(&around, centre, along) ||
-                    is_behind_gap(&around, centre, vec2_scale(along, -1.0)) ||
-                    is_behind_gap(&around, centre, across) ||
-                    is_behind_gap(&around, centre, vec2_scale(across, -1.0));
+    f->off = memory_alloc(grid_cells(g), sizeof *f->off);
+    for (size_t c = 0; f->off != NULL && c < grid_cells(g); c++) {
+        const vec2 centre = { grid_x1(g, c % g->n1), grid_x2(g, c / g->n1) };
+        bool is_off = is_off_at(&around, centre);
+        for (int m = 0; m < 4; m++)
+            is_off = is_off || is_behind_gap(&around, centre, to_faces[m]);
+        f->off[c] = is_off;
     }
     return f->off != NULL ? BF_OK : BF_ENOMEM;
 }
@@ -507,22 +474,22 @@ static void close_links(velocity_field *f, const closed_line *l, bool swap)
     double first = floor((fmin(a.y, b.y) - MARGIN - lower_across) / d_across - 0.5);
     double last = ceil((fmax(a.y, b.y) + MARGIN - lower_across) / d_across - 0.5);
 
-    for (size_t m = clamp_index(first, n_across); m < clamp_index(last + 1.0, n_across); m++) {
+    for (size_t m = grid_clamp(first, n_across); m < grid_clamp(last + 1.0, n_across); m++) {
         double c = lower_across + ((double)m + 0.5) * d_across, low, high;
         if (!closed_lines_clip(a, b, c - MARGIN, c + MARGIN, &low, &high))
             continue;
         low = floor((low - MARGIN - lower_along) / d_along - 0.5);
         high = ceil((high + MARGIN - lower_along) / d_along + 0.5);
-        for (size_t k = clamp_index(low, n_along + 1); k < clamp_index(high + 1.0, n_along + 1);
+        for (size_t k = grid_clamp(low, n_along + 1); k < grid_clamp(high + 1.0, n_along + 1);
              k++) {
             vec2 from = { lower_along + ((double)k - 0.5) * d_along, c };
             vec2 to = { lower_along + ((double)k + 0.5) * d_along, c };
             if (!closed_line_crosses(&turned, from, to))
                 continue;
             if (swap)
-                f->closed2[k * g->n1 + m] = 1;
+                f->faces[1].closed[k * g->n1 + m] = 1;
             else
-                f->closed1[m * (g->n1 + 1) + k] = 1;
+                f->faces[0].closed[m * (g->n1 + 1) + k] = 1;
         }
     }
 }
@@ -541,15 +508,16 @@ static bool is_side_closed(const scene *s, scene_side side)
 
 static void close_edges(const scene *s, velocity_field *f)
 {
-    size_t n1 = f->grid.n1, n2 = f->grid.n2;
+    const size_t n1 = f->grid.n1, n2 = f->grid.n2;
+    uint8_t *closed1 = f->faces[0].closed, *closed2 = f->faces[1].closed;
 
     for (size_t j = 0; j < n2; j++) {
-        f->closed1[j * (n1 + 1)] |= is_side_closed(s, SCENE_WEST);
-        f->closed1[j * (n1 + 1) + n1] |= is_side_closed(s, SCENE_EAST);
+        closed1[j * (n1 + 1)] |= is_side_closed(s, SCENE_WEST);
+        closed1[j * (n1 + 1) + n1] |= is_side_closed(s, SCENE_EAST);
     }
     for (size_t i = 0; i < n1; i++) {
-        f->closed2[i] |= is_side_closed(s, SCENE_SOUTH);
-        f->closed2[n2 * n1 + i] |= is_side_closed(s, SCENE_NORTH);
+        closed2[i] |= is_side_closed(s, SCENE_SOUTH);
+        closed2[n2 * n1 + i] |= is_side_closed(s, SCENE_NORTH);
     }
 }
 
@@ -566,21 +534,20 @@ static void close_lines(velocity_field *f, const scene *s, bool of_moving)
 /// Close the faces that lines and edges close.
 static void close_faces(velocity_field *f, const scene *s, bool is_all)
 {
-    const size_t n_faces1 = (f->grid.n1 + 1) * f->grid.n2, n_faces2 = f->grid.n1 * (f->grid.n2 + 1);
     sampler *k = f->sampler;
 
     if (is_all) {
-        memset(f->closed1, 0, n_faces1);
-        memset(f->closed2, 0, n_faces2);
+        for (int axis = 0; axis < 2; axis++)
+            memset(f->faces[axis].closed, 0, grid_faces(&f->grid, axis));
         close_lines(f, s, false);
         close_edges(s, f);
-    } else {
-        memcpy(f->closed1, k->closed[0], n_faces1);
-        memcpy(f->closed2, k->closed[1], n_faces2);
     }
-    if (is_all && k->is_made_again) {
-        memcpy(k->closed[0], f->closed1, n_faces1);
-        memcpy(k->closed[1], f->closed2, n_faces2);
+    for (int axis = 0; axis < 2; axis++) {
+        const size_t n = grid_faces(&f->grid, axis);
+        if (!is_all)
+            memcpy(f->faces[axis].closed, k->closed[axis], n);
+        else if (k->is_made_again)
+            memcpy(k->closed[axis], f->faces[axis].closed, n);
     }
     close_lines(f, s, true);
 }
@@ -595,62 +562,45 @@ static void close_off_sides(velocity_field *f)
     for (size_t j = 0; j < n2; j++)
         for (size_t i = 1; i < n1; i++)
             if (f->off[j * n1 + i - 1] != f->off[j * n1 + i] && v[0][j * (n1 + 1) + i] == 0.0)
-                f->closed1[j * (n1 + 1) + i] = 1;
+                f->faces[0].closed[j * (n1 + 1) + i] = 1;
     for (size_t j = 1; j < n2; j++)
         for (size_t i = 0; i < n1; i++)
             if (f->off[(j - 1) * n1 + i] != f->off[j * n1 + i] && v[1][j * n1 + i] == 0.0)
-                f->closed2[j * n1 + i] = 1;
-}
-
-static void stop_at_closed(const double *v, const uint8_t *closed, size_t n, double *ret_v)
-{
-    for (size_t k = 0; k < n; k++)
-        ret_v[k] = closed[k] ? 0.0 : v[k];
-}
-
-static void close_held(const uint8_t *held, size_t n, uint8_t *closed)
-{
-    for (size_t k = 0; held != NULL && k < n; k++)
-        closed[k] |= held[k];
-}
-
-static void fill_ones(double *x, size_t n)
-{
-    for (size_t k = 0; k < n; k++)
-        x[k] = 1.0;
+                f->faces[1].closed[j * n1 + i] = 1;
 }
 
 /// A field of the scene's grid, all zero. NULL: no memory.
 static velocity_field *field_alloc(const scene *s)
 {
+    const bool is_congested = s->macro.closure == SCENE_CONGESTED;
     velocity_field *f = memory_alloc(1, sizeof *f);
+    bool is_whole = true;
 
     if (f == NULL)
         return NULL;
     f->grid = scene_grid(s);
-    size_t n_faces1 = (f->grid.n1 + 1) * f->grid.n2, n_faces2 = f->grid.n1 * (f->grid.n2 + 1);
-    f->v1 = memory_alloc(n_faces1, sizeof *f->v1);
-    f->v2 = memory_alloc(n_faces2, sizeof *f->v2);
-    f->closed1 = memory_alloc(n_faces1, sizeof *f->closed1);
-    f->closed2 = memory_alloc(n_faces2, sizeof *f->closed2);
-    bool is_whole = f->v1 && f->v2 && f->closed1 && f->closed2;
+    for (int axis = 0; axis < 2; axis++) {
+        velocity_field_faces *faces = &f->faces[axis];
+        faces->v = memory_alloc(grid_faces(&f->grid, axis), sizeof *faces->v);
+        faces->closed = memory_alloc(grid_faces(&f->grid, axis), sizeof *faces->closed);
+        is_whole = is_whole && faces->v && faces->closed;
+    }
     f->sampler = is_whole ? sampler_alloc(s, f) : NULL;
     is_whole = f->sampler != NULL;
-    if (is_whole &&
-        (is_congested(s) || has_arcs(s) || !belt_range_is_constant(s->n_sections, s->belts))) {
-        f->belt1 = memory_alloc(n_faces1, sizeof *f->belt1);
-        f->belt2 = memory_alloc(n_faces2, sizeof *f->belt2);
-        is_whole = f->belt1 && f->belt2;
-    }
-    if (is_whole && is_congested(s)) {
-        f->aperture1 = memory_alloc(n_faces1, sizeof *f->aperture1);
-        f->aperture2 = memory_alloc(n_faces2, sizeof *f->aperture2);
-        f->transverse1 = memory_alloc(n_faces1, sizeof *f->transverse1);
-        f->transverse2 = memory_alloc(n_faces2, sizeof *f->transverse2);
-        f->loose1 = memory_alloc(n_faces1, sizeof *f->loose1);
-        f->loose2 = memory_alloc(n_faces2, sizeof *f->loose2);
-        is_whole = f->aperture1 && f->aperture2 && f->transverse1 && f->transverse2 && f->loose1 &&
-                   f->loose2;
+    const bool has_belts = is_whole && (is_congested || f->sampler->arcs.n > 0 ||
+                                        !belt_range_is_constant(s->n_sections, s->belts));
+    for (int axis = 0; axis < 2 && is_whole; axis++) {
+        velocity_field_faces *faces = &f->faces[axis];
+        const size_t n = grid_faces(&f->grid, axis);
+        if (has_belts)
+            faces->belt = memory_alloc(n, sizeof *faces->belt);
+        is_whole = !has_belts || faces->belt != NULL;
+        if (!is_congested)
+            continue;
+        faces->aperture = memory_alloc(n, sizeof *faces->aperture);
+        faces->transverse = memory_alloc(n, sizeof *faces->transverse);
+        faces->loose = memory_alloc(n, sizeof *faces->loose);
+        is_whole = is_whole && faces->aperture && faces->transverse && faces->loose;
     }
     return is_whole ? f : velocity_field_destroy(f);
 }
@@ -674,30 +624,30 @@ static void find_due(velocity_field *f, const scene *s, size_t n, const scene_re
 
 void velocity_field_update(velocity_field *f, const scene *s, size_t n, const scene_rect *changed)
 {
-    const size_t n1 = f->grid.n1, n2 = f->grid.n2, n_faces1 = (n1 + 1) * n2,
-                 n_faces2 = n1 * (n2 + 1);
-    const lattice faces1 = { &f->grid, n1 + 1, n2, 0.0, 0.5 };
-    const lattice faces2 = { &f->grid, n1, n2 + 1, 0.5, 0.0 };
+    const bool is_congested = s->macro.closure == SCENE_CONGESTED;
     sampler *k = f->sampler;
 
     sampler_prepare(k, s, changed == NULL);
     close_faces(f, s, changed == NULL);
     find_due(f, s, n, changed);
-    fill_faces(f, s, &faces1, 0,
-               &(face_arrays){ k->v[0], k->held[0], f->belt1, f->transverse1, f->loose1 });
-    fill_faces(f, s, &faces2, 1,
-               &(face_arrays){ k->v[1], k->held[1], f->belt2, f->transverse2, f->loose2 });
-    close_held(k->held[0], n_faces1, f->closed1);
-    close_held(k->held[1], n_faces2, f->closed2);
-    if (f->off != NULL && !is_congested(s))
-        close_off_sides(f);
-    if (is_congested(s)) {
-        fill_ones(f->aperture1, n_faces1);
-        fill_ones(f->aperture2, n_faces2);
-        aperture_apply(s, f);
+    for (int axis = 0; axis < 2; axis++) {
+        const velocity_field_faces *faces = &f->faces[axis];
+        const size_t n_faces = grid_faces(&f->grid, axis);
+        fill_faces(f, s, axis);
+        for (size_t m = 0; k->held[axis] != NULL && m < n_faces; m++)
+            faces->closed[m] |= k->held[axis][m];
+        for (size_t m = 0; is_congested && m < n_faces; m++)
+            faces->aperture[m] = 1.0;
     }
-    stop_at_closed(k->v[0], f->closed1, n_faces1, f->v1);
-    stop_at_closed(k->v[1], f->closed2, n_faces2, f->v2);
+    if (is_congested)
+        aperture_apply(s, f);
+    else if (f->off != NULL)
+        close_off_sides(f);
+    for (int axis = 0; axis < 2; axis++) {
+        const velocity_field_faces *faces = &f->faces[axis];
+        for (size_t m = 0; m < grid_faces(&f->grid, axis); m++)
+            faces->v[m] = faces->closed[m] ? 0.0 : k->v[axis][m];
+    }
 }
 
 bf_status velocity_field_create(const scene *s, velocity_field **ret_field, bf_error *err)
@@ -717,19 +667,15 @@ velocity_field *velocity_field_destroy(velocity_field *f)
 {
     if (f == NULL)
         return NULL;
-    memory_free(f->v1);
-    memory_free(f->v2);
-    memory_free(f->closed1);
-    memory_free(f->closed2);
-    memory_free(f->belt1);
-    memory_free(f->belt2);
+    for (int axis = 0; axis < 2; axis++) {
+        memory_free(f->faces[axis].v);
+        memory_free(f->faces[axis].closed);
+        memory_free(f->faces[axis].belt);
+        memory_free(f->faces[axis].aperture);
+        memory_free(f->faces[axis].transverse);
+        memory_free(f->faces[axis].loose);
+    }
     memory_free(f->off);
-    memory_free(f->aperture1);
-    memory_free(f->aperture2);
-    memory_free(f->transverse1);
-    memory_free(f->transverse2);
-    memory_free(f->loose1);
-    memory_free(f->loose2);
     sampler_destroy(f->sampler);
     memory_free(f);
     return NULL;

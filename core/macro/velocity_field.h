@@ -37,25 +37,23 @@
 #include "core/base/grid.h"
 #include "core/scene/scene.h"
 
-/// Carrying velocity and closed faces on a grid; layout of faces as in grid.h. Owned.
+/// What the faces across one axis have; layout as in grid.h.
+typedef struct velocity_field_faces {
+    double *v;       ///< velocity across them, m/s; 0 on closed ones
+    uint8_t *closed; ///< nonzero: nothing crosses this face
+    uint16_t *belt;  ///< index of the belt of this face, n_belts of the scene off every belt;
+                     ///< NULL if the speeds of all belts are constant
+    double *
+        aperture; ///< 0 closed to 1 open; this, the next two and the belt for the congested closure
+    double *transverse; ///< velocity along them, m/s
+    double *loose;      ///< of loose cargo across them, m/s: v_T in slide zones, else v
+} velocity_field_faces;
+
+/// Carrying velocity and closed faces on a grid. Owned.
 typedef struct velocity_field {
-    bf_grid grid;      ///< the cells between the faces
-    double *v1;        ///< x1 velocity on the (n1 + 1) * n2 x1-faces, m/s; 0 on closed ones
-    double *v2;        ///< x2 velocity on the n1 * (n2 + 1) x2-faces, m/s; 0 on closed ones
-    uint8_t *closed1;  ///< nonzero: nothing crosses this x1-face
-    uint8_t *closed2;  ///< same for the x2-faces
-    uint16_t *belt1;   ///< index of the belt of this x1-face, n_belts of the scene off every belt;
-                       ///< NULL if the speeds of all belts are constant
-    uint16_t *belt2;   ///< same for the x2-faces
-    uint8_t *off;      ///< nonzero: what is in this cell falls; NULL: nothing can
-    double *aperture1; ///< of the x1-faces, 0 closed to 1 open; these six and the belts for the
-                       ///< congested closure
-    double *aperture2; ///< same for the x2-faces
-    double *transverse1; ///< the x2 velocity on the x1-faces, m/s
-    double *transverse2; ///< the x1 velocity on the x2-faces, m/s
-    double
-        *loose1; ///< x1 velocity of loose cargo on the x1-faces, m/s: v_T in slide zones, else v1
-    double *loose2;                         ///< same along x2 on the x2-faces
+    bf_grid grid;                  ///< the cells between the faces
+    velocity_field_faces faces[2]; ///< the x1-faces and the x2-faces
+    uint8_t *off;                  ///< nonzero: what is in this cell falls; NULL: nothing can
     struct velocity_field_sampler *sampler; ///< scratch of velocity_field_update()
 } velocity_field;
 

@@ -170,21 +170,21 @@ static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
     def.closure = s->macro.closure;
     def.heaviside = s->macro.heaviside;
     def.heaviside_width = s->macro.heaviside_width;
-    def.v1 = f->v1;
-    def.v2 = f->v2;
-    def.closed1 = f->closed1;
-    def.closed2 = f->closed2;
+    def.v1 = f->faces[0].v;
+    def.v2 = f->faces[1].v;
+    def.closed1 = f->faces[0].closed;
+    def.closed2 = f->faces[1].closed;
     def.off = f->off;
     def.tracer_portion = tracer_portion(s, run);
     def.n_kinds = run->tells_kinds ? s->n_cargo : 0;
-    if (f->belt1 != NULL) {
+    if (f->faces[0].belt != NULL) {
         def.n_belts = s->n_sections;
         def.belts = run->moving != NULL && moving_field_belts(run->moving) != NULL
                         ? moving_field_belts(run->moving)
                         : s->belts;
         def.world = w;
-        def.belt1 = f->belt1;
-        def.belt2 = f->belt2;
+        def.belt1 = f->faces[0].belt;
+        def.belt2 = f->faces[1].belt;
     }
     def.n_threads = n_threads;
     if (s->macro.closure == SCENE_CONGESTED) {
@@ -194,12 +194,12 @@ static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
         def.jam_density = s->macro.jam_density;
         def.slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
         def.friction = s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
-        def.aperture1 = f->aperture1;
-        def.aperture2 = f->aperture2;
-        def.transverse1 = f->transverse1;
-        def.transverse2 = f->transverse2;
-        def.loose1 = f->loose1;
-        def.loose2 = f->loose2;
+        def.aperture1 = f->faces[0].aperture;
+        def.aperture2 = f->faces[1].aperture;
+        def.transverse1 = f->faces[0].transverse;
+        def.transverse2 = f->faces[1].transverse;
+        def.loose1 = f->faces[0].loose;
+        def.loose2 = f->faces[1].loose;
         for (int side = 0; side < SCENE_SIDE_COUNT; side++)
             def.one_way[side] =
                 s->edges[side] != SCENE_EDGE_OUTFLOW || scene_is_fed(s, (scene_side)side);

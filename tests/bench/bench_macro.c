@@ -77,10 +77,10 @@ static work make_work(int refinement, double length, int n_threads)
     w.def = macro_def_default();
     w.def.grid = w.field->grid;
     w.def.dt = scene_macro_step(&w.scene);
-    w.def.v1 = w.field->v1;
-    w.def.v2 = w.field->v2;
-    w.def.closed1 = w.field->closed1;
-    w.def.closed2 = w.field->closed2;
+    w.def.v1 = w.field->faces[0].v;
+    w.def.v2 = w.field->faces[1].v;
+    w.def.closed1 = w.field->faces[0].closed;
+    w.def.closed2 = w.field->faces[1].closed;
     w.def.mirror[2] = w.def.mirror[3] = true;
     w.def.n_threads = n_threads;
     return w;

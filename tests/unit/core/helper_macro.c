@@ -41,22 +41,22 @@ static macro_def def_of(const scene *s, const bf_world *w, const velocity_field 
     def.jam_density = s->macro.jam_density;
     def.slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
     def.friction = s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
-    def.v1 = f->v1;
-    def.v2 = f->v2;
-    def.closed1 = f->closed1;
-    def.closed2 = f->closed2;
+    def.v1 = f->faces[0].v;
+    def.v2 = f->faces[1].v;
+    def.closed1 = f->faces[0].closed;
+    def.closed2 = f->faces[1].closed;
     def.tracer_portion = s->n_feeds > 0 ? 1.0 : 0.0;
-    def.n_belts = f->belt1 != NULL ? s->n_sections : 0;
+    def.n_belts = f->faces[0].belt != NULL ? s->n_sections : 0;
     def.belts = s->belts;
     def.world = w;
-    def.belt1 = f->belt1;
-    def.belt2 = f->belt2;
-    def.aperture1 = f->aperture1;
-    def.aperture2 = f->aperture2;
-    def.transverse1 = f->transverse1;
-    def.transverse2 = f->transverse2;
-    def.loose1 = f->loose1;
-    def.loose2 = f->loose2;
+    def.belt1 = f->faces[0].belt;
+    def.belt2 = f->faces[1].belt;
+    def.aperture1 = f->faces[0].aperture;
+    def.aperture2 = f->faces[1].aperture;
+    def.transverse1 = f->faces[0].transverse;
+    def.transverse2 = f->faces[1].transverse;
+    def.loose1 = f->faces[0].loose;
+    def.loose2 = f->faces[1].loose;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
         def.mirror[side] = scene_mirrors_walls(s) && s->edges[side] == SCENE_EDGE_WALL;
         def.one_way[side] = s->edges[side] != SCENE_EDGE_OUTFLOW;
@@ -196,29 +196,27 @@ void helper_macro_lack_memory(const scene *s)
 
 bool helper_macro_is_same_field(const velocity_field *a, const velocity_field *b)
 {
-    const size_t n1 = (a->grid.n1 + 1) * a->grid.n2, n2 = a->grid.n1 * (a->grid.n2 + 1);
-    const struct {
-        const void *a, *b;
-        size_t n_bytes;
-    } arrays[] = {
-        { a->v1, b->v1, n1 * sizeof *a->v1 },
-        { a->v2, b->v2, n2 * sizeof *a->v2 },
-        { a->closed1, b->closed1, n1 },
-        { a->closed2, b->closed2, n2 },
-        { a->belt1, b->belt1, n1 * sizeof *a->belt1 },
-        { a->belt2, b->belt2, n2 * sizeof *a->belt2 },
-        { a->aperture1, b->aperture1, n1 * sizeof *a->aperture1 },
-        { a->aperture2, b->aperture2, n2 * sizeof *a->aperture2 },
-        { a->transverse1, b->transverse1, n1 * sizeof *a->transverse1 },
-        { a->transverse2, b->transverse2, n2 * sizeof *a->transverse2 },
-        { a->loose1, b->loose1, n1 * sizeof *a->loose1 },
-        { a->loose2, b->loose2, n2 * sizeof *a->loose2 },
-    };
     bool is_same = true;
 
-    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-        is_same = is_same && (arrays[k].a == NULL) == (arrays[k].b == NULL) &&
-                  (arrays[k].a == NULL || memcmp(arrays[k].a, arrays[k].b, arrays[k].n_bytes) == 0);
+    for (int axis = 0; axis < 2; axis++) {
+        const velocity_field_faces *x = &a->faces[axis], *y = &b->faces[axis];
+        const size_t n = grid_faces(&a->grid, axis);
+        const struct {
+            const void *x, *y;
+            size_t n_bytes;
+        } arrays[] = {
+            { x->v, y->v, n * sizeof *x->v },
+            { x->closed, y->closed, n },
+            { x->belt, y->belt, n * sizeof *x->belt },
+            { x->aperture, y->aperture, n * sizeof *x->aperture },
+            { x->transverse, y->transverse, n * sizeof *x->transverse },
+            { x->loose, y->loose, n * sizeof *x->loose },
+        };
+        for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+            is_same =
+                is_same && (arrays[k].x == NULL) == (arrays[k].y == NULL) &&
+                (arrays[k].x == NULL || memcmp(arrays[k].x, arrays[k].y, arrays[k].n_bytes) == 0);
+    }
     return is_same;
 }
 

@@ -46,7 +46,7 @@ static double width_lost(scene *s, int axis)
     helper_scene_resolve(s);
     assert_int_equal(velocity_field_create(s, &f, NULL), BF_OK);
     const bf_grid *g = &f->grid;
-    const double *aperture = axis == 0 ? f->aperture1 : f->aperture2;
+    const double *aperture = f->faces[axis].aperture;
     const size_t n_columns = g->n1 + (axis == 0);
     for (size_t j = (size_t)axis; j < g->n2; j++)
         for (size_t i = 1 - (size_t)axis; i < g->n1; i++) {
@@ -339,7 +339,7 @@ static void check_lane(scene *s, double low, double high, double width)
     for (size_t i = 102; i <= 158; i++) {
         double open = 0.0;
         for (size_t j = 0; j < g->n2; j++) {
-            const double a = f->aperture1[j * (g->n1 + 1) + i], x2 = grid_x2(g, j);
+            const double a = f->faces[0].aperture[j * (g->n1 + 1) + i], x2 = grid_x2(g, j);
             if (x2 > low - 1e-9 && x2 < high + 1e-9)
                 open += a * g->d2;
             else
@@ -465,11 +465,11 @@ static void a_face_is_closed_where_its_aperture_is_zero(void **state)
     helper_scene_resolve(&s);
     assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
     for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++) {
-        assert_int_equal(f->closed1[k] != 0, f->aperture1[k] == 0.0);
-        n_partly += f->aperture1[k] > 0.0 && f->aperture1[k] < 1.0;
+        assert_int_equal(f->faces[0].closed[k] != 0, f->faces[0].aperture[k] == 0.0);
+        n_partly += f->faces[0].aperture[k] > 0.0 && f->faces[0].aperture[k] < 1.0;
     }
     for (size_t k = 0; k < f->grid.n1 * (f->grid.n2 + 1); k++)
-        assert_true(f->aperture2[k] == (f->closed2[k] ? 0.0 : 1.0));
+        assert_true(f->faces[1].aperture[k] == (f->faces[1].closed[k] ? 0.0 : 1.0));
     // The face that the extension ends in.
     assert_int_equal(n_partly, 1);
     velocity_field_destroy(f);
@@ -495,8 +495,8 @@ static double aperture_between(const velocity_field *f, size_t cell, size_t othe
     const size_t upper = cell > other ? cell : other;
 
     if (cell % EDGE_CELLS != other % EDGE_CELLS)
-        return f->aperture1[upper / EDGE_CELLS * (EDGE_CELLS + 1) + upper % EDGE_CELLS];
-    return f->aperture2[upper];
+        return f->faces[0].aperture[upper / EDGE_CELLS * (EDGE_CELLS + 1) + upper % EDGE_CELLS];
+    return f->faces[1].aperture[upper];
 }
 
 // Whether cells are joined by faces that are open by half and more, none of them beyond the place where the outlet begins.

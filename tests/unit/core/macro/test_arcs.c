@@ -81,7 +81,8 @@ static void the_field_of_an_arc_is_free_of_divergence_and_crosses_no_border_and_
     double passing = 0.0, fastest = 0.0, worst = 0.0;
     for (size_t j = 0; j < g->n2; j++)
         for (size_t i = 0; i < g->n1; i++) {
-            const double *v1 = &w.f->v1[j * (g->n1 + 1) + i], *v2 = &w.f->v2[j * g->n1 + i];
+            const double *v1 = &w.f->faces[0].v[j * (g->n1 + 1) + i],
+                         *v2 = &w.f->faces[1].v[j * g->n1 + i];
             const bool is_on = is_on_ring((vec2){ grid_x1(g, i), grid_x2(g, j) });
             const double out = (v1[1] - v1[0]) * g->d2 + (v2[g->n1] - v2[0]) * g->d1;
             worst = fmax(worst, fabs(out));
@@ -115,7 +116,8 @@ static void no_cell_of_an_arc_is_emptied_in_a_step_wherever_its_rails_stand(void
             const double dt = scene_macro_step(&w.s);
             for (size_t j = 0; j < g->n2; j++)
                 for (size_t i = 0; i < g->n1; i++) {
-                    const double *v1 = &w.f->v1[j * (g->n1 + 1) + i], *v2 = &w.f->v2[j * g->n1 + i];
+                    const double *v1 = &w.f->faces[0].v[j * (g->n1 + 1) + i],
+                                 *v2 = &w.f->faces[1].v[j * g->n1 + i];
                     const double out = fmax(-v1[0], 0.0) + fmax(v1[1], 0.0) + fmax(-v2[0], 0.0) +
                                        fmax(v2[g->n1], 0.0);
                     largest = fmax(largest, out * dt / g->d1);

@@ -21,9 +21,10 @@ static void flood(const velocity_field *f, size_t start, uint8_t *reached, size_
     while (n > 0) {
         size_t k = stack[--n], i = k % n1, j = k / n1;
         const size_t next[4] = { k - 1, k + 1, k - n1, k + n1 };
-        const bool is_open[4] = { i > 0 && !f->closed1[j * (n1 + 1) + i],
-                                  i + 1 < n1 && !f->closed1[j * (n1 + 1) + i + 1],
-                                  j > 0 && !f->closed2[k], j + 1 < n2 && !f->closed2[k + n1] };
+        const bool is_open[4] = { i > 0 && !f->faces[0].closed[j * (n1 + 1) + i],
+                                  i + 1 < n1 && !f->faces[0].closed[j * (n1 + 1) + i + 1],
+                                  j > 0 && !f->faces[1].closed[k],
+                                  j + 1 < n2 && !f->faces[1].closed[k + n1] };
         for (int d = 0; d < 4; d++) {
             if (is_open[d] && !reached[next[d]]) {
                 reached[next[d]] = 1;
@@ -147,10 +148,10 @@ static void cells_on_the_line_lie_upstream_and_are_not_cut_off(void **state)
         size_t n1 = f->grid.n1;
         for (size_t j = 1; j < 59; j++) {
             size_t i = 40 + j;
-            assert_false(f->closed1[j * (n1 + 1) + i]);    // to the west, upstream
-            assert_true(f->closed1[j * (n1 + 1) + i + 1]); // to the east
-            assert_false(f->closed2[(j + 1) * n1 + i]);    // to the north, upstream
-            assert_true(f->closed2[j * n1 + i]);           // to the south
+            assert_false(f->faces[0].closed[j * (n1 + 1) + i]);    // to the west, upstream
+            assert_true(f->faces[0].closed[j * (n1 + 1) + i + 1]); // to the east
+            assert_false(f->faces[1].closed[(j + 1) * n1 + i]);    // to the north, upstream
+            assert_true(f->faces[1].closed[j * n1 + i]);           // to the south
         }
         velocity_field_destroy(f);
         scene_fini(&s);
@@ -166,11 +167,11 @@ static void a_line_along_faces_shuts_just_these(void **state)
     size_t n1 = f->grid.n1, n2 = f->grid.n2;
     for (size_t j = 0; j < n2; j++) {
         for (size_t i = 0; i <= n1; i++)
-            assert_int_equal(f->closed1[j * (n1 + 1) + i], i == 150 && j < 100);
+            assert_int_equal(f->faces[0].closed[j * (n1 + 1) + i], i == 150 && j < 100);
     }
     for (size_t j = 0; j <= n2; j++) {
         for (size_t i = 0; i < n1; i++)
-            assert_int_equal(f->closed2[j * n1 + i], j == 0 || j == n2);
+            assert_int_equal(f->faces[1].closed[j * n1 + i], j == 0 || j == n2);
     }
     velocity_field_destroy(f);
     scene_fini(&s);
@@ -183,7 +184,7 @@ static void the_papers_field_shuts_nothing_but_walls(void **state)
     helper_scene_example(&s, 60.0, SCENE_FIELD);
     velocity_field *f = helper_macro_field(&s);
     for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++)
-        assert_false(f->closed1[k]);
+        assert_false(f->faces[0].closed[k]);
     velocity_field_destroy(f);
     scene_fini(&s);
 }
@@ -199,12 +200,13 @@ static void open_edges_carry_and_walls_do_not(void **state)
     velocity_field *f = helper_macro_field(&s);
     size_t n1 = f->grid.n1, n2 = f->grid.n2;
     for (size_t j = 0; j < n2; j++) {
-        assert_true(f->v1[j * (n1 + 1)] == 0.3 && !f->closed1[j * (n1 + 1)]);
-        assert_true(f->v1[j * (n1 + 1) + n1] == 0.3 && !f->closed1[j * (n1 + 1) + n1]);
+        assert_true(f->faces[0].v[j * (n1 + 1)] == 0.3 && !f->faces[0].closed[j * (n1 + 1)]);
+        assert_true(f->faces[0].v[j * (n1 + 1) + n1] == 0.3 &&
+                    !f->faces[0].closed[j * (n1 + 1) + n1]);
     }
     for (size_t i = 0; i < n1; i++) {
-        assert_true(f->v2[i] == 0.0 && f->closed2[i]);
-        assert_true(f->v2[n2 * n1 + i] == 0.1 && !f->closed2[n2 * n1 + i]);
+        assert_true(f->faces[1].v[i] == 0.0 && f->faces[1].closed[i]);
+        assert_true(f->faces[1].v[n2 * n1 + i] == 0.1 && !f->faces[1].closed[n2 * n1 + i]);
     }
     velocity_field_destroy(f);
     scene_fini(&s);

@@ -639,7 +639,7 @@ static void an_unstable_step_is_refused(void **state)
     assert_null(solver);
     // Were loose cargo carried twice as fast, no more than half of that step.
     for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++)
-        f->loose1[k] *= 2.0;
+        f->faces[0].loose[k] *= 2.0;
     def.dt = 0.75 * 0.01 / 0.395;
     assert_int_equal(macro_create(&def, &solver, &err), BF_EINPUT);
     velocity_field_destroy(f);

@@ -548,14 +548,14 @@ static void the_field_is_that_of_the_belts_direction_with_the_same_closed_faces(
         const velocity_field *f = moving_field_now(m.plates);
         const size_t n1 = (m.grid.n1 + 1) * m.grid.n2;
         uint8_t *closed = memory_alloc(n1, sizeof *closed);
-        memcpy(closed, f->closed1, n1);
+        memcpy(closed, f->faces[0].closed, n1);
         advance(&m, 50);
-        assert_true(f->v1[1] == 0.5 && moving_field_belts(m.plates)[0].velocity.x == 0.5);
+        assert_true(f->faces[0].v[1] == 0.5 && moving_field_belts(m.plates)[0].velocity.x == 0.5);
         advance(&m, 101);
         assert_true(moving_field_belts(m.plates)[0].velocity.x == -0.5);
-        assert_memory_equal(f->closed1, closed, n1);
+        assert_memory_equal(f->faces[0].closed, closed, n1);
         for (size_t face = 0; face < n1; face++)
-            assert_true(f->v1[face] == back->v1[face]);
+            assert_true(f->faces[0].v[face] == back->faces[0].v[face]);
         memory_free(closed);
         velocity_field_destroy(back);
         stop(&m);
@@ -577,7 +577,7 @@ static void directions_of_belts_come_back_from_a_checkpoint(void **state)
     load(&then, &saved);
     assert_true(macro_belt_factor(m.solver, 0) == 0.0);
     assert_true(moving_field_belts(then.plates)[0].velocity.x == -0.5);
-    assert_true(moving_field_now(then.plates)->v1[1] == -0.5);
+    assert_true(moving_field_now(then.plates)->faces[0].v[1] == -0.5);
     buffer_fini(&saved);
     stop(&m);
     stop(&then);

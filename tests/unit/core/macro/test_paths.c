@@ -67,7 +67,8 @@ static void the_field_of_a_path_crosses_no_border_and_is_free_of_divergence_on_e
     const size_t column = (size_t)((centre.x - g->lower1) / g->d1);
     for (size_t j = 0; j < g->n2; j++)
         for (size_t i = 0; i < g->n1; i++) {
-            const double *v1 = &w.f->v1[j * (g->n1 + 1) + i], *v2 = &w.f->v2[j * g->n1 + i];
+            const double *v1 = &w.f->faces[0].v[j * (g->n1 + 1) + i],
+                         *v2 = &w.f->faces[1].v[j * g->n1 + i];
             const vec2 at = { grid_x1(g, i), grid_x2(g, j) };
             const double out = (v1[1] - v1[0]) * g->d2 + (v2[g->n1] - v2[0]) * g->d1;
             const bool is_on = is_on_belt(&w.s, at);
@@ -201,8 +202,10 @@ static void a_straight_path_has_the_field_of_a_straight_belt(void **state)
         fields[k] = helper_macro_field(&scenes[k]);
     }
     const bf_grid *g = &fields[0]->grid;
-    assert_memory_equal(fields[0]->v1, fields[1]->v1, (g->n1 + 1) * g->n2 * sizeof(double));
-    assert_memory_equal(fields[0]->v2, fields[1]->v2, g->n1 * (g->n2 + 1) * sizeof(double));
+    assert_memory_equal(fields[0]->faces[0].v, fields[1]->faces[0].v,
+                        (g->n1 + 1) * g->n2 * sizeof(double));
+    assert_memory_equal(fields[0]->faces[1].v, fields[1]->faces[1].v,
+                        g->n1 * (g->n2 + 1) * sizeof(double));
     assert_memory_equal(fields[0]->off, fields[1]->off, grid_cells(g));
     assert_true(scene_macro_step(&scenes[0]) == scene_macro_step(&scenes[1]));
     for (int k = 0; k < 2; k++) {

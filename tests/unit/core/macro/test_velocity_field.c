@@ -229,9 +229,9 @@ static void cargo_crosses_the_border_to_a_belt_that_runs_along_it(void **state)
             const size_t border = j * (f->grid.n1 + 1) + 10;
             const size_t before = k == 0 ? border - 1 : border + 1;
             const size_t after = k == 0 ? border + 1 : border - 1;
-            assert_true(f->v1[before] == v && f->belt1[before] == 0);
-            assert_true(f->v1[border] == v && f->belt1[border] == 0);
-            assert_true(f->v1[after] == 0.0 && f->belt1[after] == 1);
+            assert_true(f->faces[0].v[before] == v && f->faces[0].belt[before] == 0);
+            assert_true(f->faces[0].v[border] == v && f->faces[0].belt[border] == 0);
+            assert_true(f->faces[0].v[after] == 0.0 && f->faces[0].belt[after] == 1);
         }
         velocity_field_destroy(f);
         scene_fini(&s);
@@ -254,14 +254,14 @@ static void faces_know_their_belt_where_a_speed_changes(void **state)
         helper_scene_resolve(&s);
         velocity_field *f = helper_macro_field(&s);
         const size_t n1 = f->grid.n1, n2 = f->grid.n2;
-        assert_int_equal(f->belt1 != NULL && f->belt2 != NULL, changes);
+        assert_int_equal(f->faces[0].belt != NULL && f->faces[1].belt != NULL, changes);
         for (size_t k = 0; changes && k < (n1 + 1) * n2; k++) {
             const bool is_on_belt = k / (n1 + 1)<8, is_east = k % (n1 + 1)> 8;
-            assert_int_equal(f->belt1[k], !is_on_belt ? 2 : is_east ? 1 : 0);
+            assert_int_equal(f->faces[0].belt[k], !is_on_belt ? 2 : is_east ? 1 : 0);
         }
         for (size_t k = 0; changes && k < n1 * (n2 + 1); k++) {
             const bool is_on_belt = k / n1 <= 8, is_east = k % n1 >= 8;
-            assert_int_equal(f->belt2[k], !is_on_belt ? 2 : is_east ? 1 : 0);
+            assert_int_equal(f->faces[1].belt[k], !is_on_belt ? 2 : is_east ? 1 : 0);
         }
         velocity_field_destroy(f);
         scene_fini(&s);
@@ -349,8 +349,8 @@ static void check_face(const scene *s, const velocity_field *f, int axis, size_t
 
     if (f->off != NULL && along > 0 && along < n && (axis == 0 ? v.x : v.y) == 0.0)
         is_closed = is_closed || f->off[before] != f->off[cell];
-    assert_int_equal((axis == 0 ? f->closed1 : f->closed2)[k] != 0, is_closed);
-    assert_true((axis == 0 ? f->v1 : f->v2)[k] == (is_closed ? 0.0 : axis == 0 ? v.x : v.y));
+    assert_int_equal(f->faces[axis].closed[k] != 0, is_closed);
+    assert_true(f->faces[axis].v[k] == (is_closed ? 0.0 : axis == 0 ? v.x : v.y));
 }
 
 static void the_field_on_a_grid_is_the_plain_rule_at_every_face(void **state)
@@ -466,9 +466,9 @@ static void no_component_exceeds_the_speed_of_the_fastest_belt(void **state)
         double most = scene_belt_speed(&s) * (1.0 + 1e-14);
         velocity_field *f = helper_macro_field(&s);
         for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++)
-            assert_true(fabs(f->v1[k]) <= most);
+            assert_true(fabs(f->faces[0].v[k]) <= most);
         for (size_t k = 0; k < f->grid.n1 * (f->grid.n2 + 1); k++)
-            assert_true(fabs(f->v2[k]) <= most);
+            assert_true(fabs(f->faces[1].v[k]) <= most);
         velocity_field_destroy(f);
         scene_fini(&s);
     }
