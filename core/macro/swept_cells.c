@@ -9,8 +9,7 @@
 struct swept_cells {
     bf_grid grid;
     scene_edge edges[SCENE_SIDE_COUNT];
-    uint8_t *closed1;   // of the field before the plates moved
-    uint8_t *closed2;   // same
+    uint8_t *closed[2]; // of the x1- and x2-faces of the field before the plates moved
     uint32_t round;     // of the marks below
     uint32_t search;    // same
     uint32_t *swept_in; // per cell: last round in which it was swept over
@@ -30,12 +29,12 @@ bf_status swept_cells_create(const bf_grid *grid, const scene_edge *edges, swept
     if (c != NULL) {
         c->grid = *grid;
         memcpy(c->edges, edges, sizeof c->edges);
-        c->closed1 = memory_alloc((grid->n1 + 1) * grid->n2, sizeof *c->closed1);
-        c->closed2 = memory_alloc(grid->n1 * (grid->n2 + 1), sizeof *c->closed2);
+        for (int axis = 0; axis < 2; axis++)
+            c->closed[axis] = memory_alloc(grid_faces(grid, axis), sizeof *c->closed[axis]);
         c->swept_in = memory_alloc(grid_cells(grid), sizeof *c->swept_in);
         c->found_in = memory_alloc(grid_cells(grid), sizeof *c->found_in);
     }
-    if (c == NULL || c->closed1 == NULL || c->closed2 == NULL || c->swept_in == NULL ||
+    if (c == NULL || c->closed[0] == NULL || c->closed[1] == NULL || c->swept_in == NULL ||
         c->found_in == NULL) {
         swept_cells_destroy(c);
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m",
@@ -49,8 +48,8 @@ swept_cells *swept_cells_destroy(swept_cells *c)
 {
     if (c == NULL)
         return NULL;
-    memory_free(c->closed1);
-    memory_free(c->closed2);
+    memory_free(c->closed[0]);
+    memory_free(c->closed[1]);
     memory_free(c->swept_in);
     memory_free(c->found_in);
     memory_free(c);
@@ -69,63 +68,48 @@ static uint32_t next_mark(uint32_t mark, uint32_t *marks, size_t n)
 
 void swept_cells_begin(swept_cells *c, const velocity_field *f)
 {
-    const bf_grid *g = &c->grid;
-
-    memcpy(c->closed1, f->faces[0].closed, (g->n1 + 1) * g->n2);
-    memcpy(c->closed2, f->faces[1].closed, g->n1 * (g->n2 + 1));
-    c->round = next_mark(c->round, c->swept_in, grid_cells(g));
+    for (int axis = 0; axis < 2; axis++)
+        memcpy(c->closed[axis], f->faces[axis].closed, grid_faces(&c->grid, axis));
+    c->round = next_mark(c->round, c->swept_in, grid_cells(&c->grid));
 }
 
 // What is done with a cell that a line has swept over; ahead is the line's normal on the side that it moves to.
 typedef void swept_fn(void *context, size_t cell, vec2 ahead);
-
-static void visit_row(const bf_grid *g, const swept_cells_plate *plate, const closed_line *l,
-                      size_t j, size_t i_min, size_t i_max, swept_fn *visit, void *context)
-{
-    const plate_pose from = plate_pose_inverse(&plate->before);
-    const plate_pose to = plate_pose_inverse(&plate->after);
-    const vec2 shifted = vec2_sub(plate->after.shift, plate->before.shift);
-    const vec2 along = plate_pose_turn(&plate->after, vec2_sub(l->end, l->start));
-    const vec2 normal = vec2_scale(vec2_turn_left(along), 1.0 / vec2_length(along));
-
-    for (size_t i = i_min; i < i_max; i++) {
-        const vec2 centre = { grid_x1(g, i), grid_x2(g, j) };
-        if (!closed_line_crosses(l, plate_pose_move(&from, centre), plate_pose_move(&to, centre)))
-            continue;
-        const vec2 velocity =
-            plate_pose_velocity(plate_pose_pivot(&plate->after), plate->turned, shifted, centre);
-        visit(context, j * g->n1 + i,
-              vec2_dot(velocity, normal) < 0.0 ? vec2_scale(normal, -1.0) : normal);
-    }
-}
-
-// A place on an axis in cells, as an index 0 .. n.
-static size_t clamp_index(double index, size_t n)
-{
-    return (size_t)fmin(fmax(index, 0.0), (double)n);
-}
 
 // Visits the cells that a plate has swept over, line by line and in the order of their indices. A cell may come twice.
 static void visit_swept(const bf_grid *g, const swept_cells_plate *plate, swept_fn *visit,
                         void *context)
 {
     const double margin = plate->moved + SCENE_TOLERANCE;
+    const plate_pose from = plate_pose_inverse(&plate->before);
+    const plate_pose to = plate_pose_inverse(&plate->after);
+    const vec2 pivot = plate_pose_pivot(&plate->after);
+    const vec2 shifted = vec2_sub(plate->after.shift, plate->before.shift);
 
     for (size_t k = 0; k < plate->n_lines; k++) {
         const closed_line *l = &plate->lines[k];
         const vec2 a = plate_pose_move(&plate->after, l->start);
         const vec2 b = plate_pose_move(&plate->after, l->end);
+        const vec2 along = plate_pose_turn(&plate->after, vec2_sub(l->end, l->start));
+        const vec2 normal = vec2_scale(vec2_turn_left(along), 1.0 / vec2_length(along));
         const double first = (fmin(a.y, b.y) - margin - g->lower2) / g->d2 - 0.5;
         const double last = (fmax(a.y, b.y) + margin - g->lower2) / g->d2 + 0.5;
-        for (size_t j = clamp_index(floor(first), g->n2); j < clamp_index(ceil(last), g->n2); j++) {
+        for (size_t j = grid_clamp(floor(first), g->n2); j < grid_clamp(ceil(last), g->n2); j++) {
             const double y = grid_x2(g, j);
             double low, high;
             if (!closed_lines_clip(a, b, y - margin, y + margin, &low, &high))
                 continue;
             low = floor((low - margin - g->lower1) / g->d1 - 0.5);
             high = ceil((high + margin - g->lower1) / g->d1 + 0.5);
-            visit_row(g, plate, l, j, clamp_index(low, g->n1), clamp_index(high, g->n1), visit,
-                      context);
+            for (size_t i = grid_clamp(low, g->n1); i < grid_clamp(high, g->n1); i++) {
+                const vec2 centre = { grid_x1(g, i), y };
+                if (!closed_line_crosses(l, plate_pose_move(&from, centre),
+                                         plate_pose_move(&to, centre)))
+                    continue;
+                const vec2 velocity = plate_pose_velocity(pivot, plate->turned, shifted, centre);
+                visit(context, j * g->n1 + i,
+                      vec2_dot(velocity, normal) < 0.0 ? vec2_scale(normal, -1.0) : normal);
+            }
         }
     }
 }
@@ -161,18 +145,6 @@ static void order_directions(vec2 ahead, direction *ret_order)
     ret_order[3] = (direction){ -ret_order[0].di, -ret_order[0].dj };
 }
 
-// True if the face between a cell and the next one in a direction is closed, or the grid ends there.
-static bool is_closed(const bf_grid *g, const uint8_t *closed1, const uint8_t *closed2, size_t cell,
-                      direction d)
-{
-    const size_t i = cell % g->n1, j = cell / g->n1;
-
-    if (d.di != 0)
-        return (d.di < 0 ? i == 0 : i + 1 == g->n1) ||
-               closed1[j * (g->n1 + 1) + i + (d.di > 0)] != 0;
-    return (d.dj < 0 ? j == 0 : j + 1 == g->n2) || closed2[(j + (d.dj > 0)) * g->n1 + i] != 0;
-}
-
 // The side of the grid at which a cell lies in a direction; SCENE_SIDE_COUNT: none.
 static scene_side side_of(const bf_grid *g, size_t cell, direction d)
 {
@@ -183,6 +155,18 @@ static scene_side side_of(const bf_grid *g, size_t cell, direction d)
     if (d.dj != 0 && (d.dj < 0 ? j == 0 : j + 1 == g->n2))
         return d.dj < 0 ? SCENE_SOUTH : SCENE_NORTH;
     return SCENE_SIDE_COUNT;
+}
+
+// True if the face between a cell and the next one in a direction is closed, or the grid ends there.
+static bool is_closed(const bf_grid *g, const uint8_t *closed1, const uint8_t *closed2, size_t cell,
+                      direction d)
+{
+    const size_t i = cell % g->n1, j = cell / g->n1;
+
+    if (side_of(g, cell, d) != SCENE_SIDE_COUNT)
+        return true;
+    return d.di != 0 ? closed1[j * (g->n1 + 1) + i + (d.di > 0)] != 0
+                     : closed2[(j + (d.dj > 0)) * g->n1 + i] != 0;
 }
 
 // A search for room.
@@ -224,8 +208,8 @@ static size_t next_cell(const hand_on_context *x, size_t from, direction d, size
     const bf_grid *g = &c->grid;
     const bool was = is_swept(c, from);
 
-    if (is_closed(g, was ? c->closed1 : x->field->faces[0].closed,
-                  was ? c->closed2 : x->field->faces[1].closed, from, d))
+    if (is_closed(g, was ? c->closed[0] : x->field->faces[0].closed,
+                  was ? c->closed[1] : x->field->faces[1].closed, from, d))
         return from;
     const size_t to = (size_t)((ptrdiff_t)from + d.di + d.dj * (ptrdiff_t)g->n1);
     return is_behind(g, start, to, ahead) || (!was && is_swept(c, to)) ||
@@ -274,44 +258,30 @@ static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, dou
     return density;
 }
 
-// Spreads what found no room over the cells that were found. False: there is none.
-static bool spread(const hand_on_context *x, double density)
-{
-    const swept_cells *c = x->cells;
-    size_t n = 0;
-
-    for (size_t k = 0; k < c->n_queue; k++)
-        n += !is_swept(c, c->queue[k]);
-    for (size_t k = 0; k < c->n_queue; k++)
-        if (!is_swept(c, c->queue[k]))
-            macro_add(x->solver, c->queue[k], density / (double)n,
-                      macro_fractions(x->solver, c->queue[0]));
-    return n > 0;
-}
-
-// What is pushed stays before the plate: its tracers go to the nearest cell that was found.
-static void hand_on_tracers(const hand_on_context *x, size_t cell)
-{
-    const swept_cells *c = x->cells;
-
-    for (size_t k = 1; k < c->n_queue; k++)
-        if (!is_swept(c, c->queue[k])) {
-            macro_hand_on_tracers(x->solver, cell, c->queue[k]);
-            return;
-        }
-}
-
+// Hands on what is in a swept cell: to where there is room, and what is left evenly to all cells that were found. Where none was,
+// it stays. What is pushed stays before the plate: its tracers go to the nearest cell that was found.
 static void hand_on_cell(void *context, size_t cell, vec2 ahead)
 {
     const hand_on_context *x = context;
+    const swept_cells *c = x->cells;
     const double density = density_of(x, cell);
+    size_t n_found = 0, nearest = cell;
 
     if (density == 0.0)
         return;
     const double left = fill_cells(x, cell, ahead, density);
-    const bool is_done = left == 0.0 || spread(x, left);
-    macro_add(x->solver, cell, is_done ? -density : left - density, NULL);
-    hand_on_tracers(x, cell);
+    for (size_t k = c->n_queue; k-- > 0;)
+        if (!is_swept(c, c->queue[k])) {
+            nearest = c->queue[k];
+            n_found++;
+        }
+    for (size_t k = 0; left != 0.0 && k < c->n_queue; k++)
+        if (!is_swept(c, c->queue[k]))
+            macro_add(x->solver, c->queue[k], left / (double)n_found,
+                      macro_fractions(x->solver, cell));
+    macro_add(x->solver, cell, left == 0.0 || n_found > 0 ? -density : left - density, NULL);
+    if (n_found > 0)
+        macro_hand_on_tracers(x->solver, cell, nearest);
 }
 
 void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,
@@ -410,6 +380,8 @@ swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *
                                        const swept_cells_cargo *cargo, const velocity_field *f,
                                        double w, vec2 v, macro_solver *s)
 {
+    const bf_grid *g = &c->grid;
+    const double speed = vec2_length(v);
     const vec2 anywhere = { 0.0, 0.0 };
     const swept_cells_load without_room = { INFINITY, INFINITY };
     hand_on_context x = { c, f, s, cargo->full };
@@ -417,10 +389,10 @@ swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *
     swept_cells_load load = { 0.0, 0.0 };
     double left = 0.0; // what has found no room
 
-    c->round = next_mark(c->round, c->swept_in, grid_cells(&c->grid));
-    c->search = next_mark(c->search, c->found_in, grid_cells(&c->grid));
+    c->round = next_mark(c->round, c->swept_in, grid_cells(g));
+    c->search = next_mark(c->search, c->found_in, grid_cells(g));
     c->n_queue = 0;
-    visit_swept(&c->grid, plate, add_origin, &x);
+    visit_swept(g, plate, add_origin, &x);
     for (size_t k = 0; k < c->n_queue; k++) {
         left += density_of(&x, c->queue[k]);
         if (density_of(&x, c->queue[k]) > cargo->most)
@@ -429,25 +401,24 @@ swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *
     for (size_t k = 0; k < c->n_queue && left > 0.0; k++) {
         const size_t from = c->queue[k], origin = c->origin[k];
         direction order[4];
-        order_directions(c->ahead[origin], order);
-        // Adds what a cell's cargo that moves with a plate takes.
-        const bf_grid *g = &x.cells->grid;
+        // What the cell's cargo that moves with the plate takes.
         const vec2 at = { grid_x1(g, from % g->n1), grid_x2(g, from / g->n1) };
-        const vec2 from_pivot = vec2_sub(at, plate_pose_pivot(&p.plate->before));
-        const double r = vec2_length(from_pivot), lever = fmin(r, p.cargo->radius);
-        const double speed = vec2_length(p.v);
-        if (p.w != 0.0 && r > 0.0) {
-            const vec2 e = vec2_scale(vec2_turn_left(from_pivot), copysign(1.0, p.w) / r);
-            load.torque += force_against(&x, p.cargo, from, at, e, fabs(p.w) * lever) * lever;
+        const vec2 from_pivot = vec2_sub(at, plate_pose_pivot(&plate->before));
+        const double r = vec2_length(from_pivot), lever = fmin(r, cargo->radius);
+        if (w != 0.0 && r > 0.0) {
+            const vec2 e = vec2_scale(vec2_turn_left(from_pivot), copysign(1.0, w) / r);
+            load.torque += force_against(&x, cargo, from, at, e, fabs(w) * lever) * lever;
         }
         if (speed > 0.0)
-            load.force += force_against(&x, p.cargo, from, at, vec2_scale(p.v, 1.0 / speed), speed);
+            load.force += force_against(&x, cargo, from, at, vec2_scale(v, 1.0 / speed), speed);
+        // Whether there is room beyond it.
+        order_directions(c->ahead[origin], order);
         for (int m = 0; m < 4 && c->n_queue < SWEPT_CELLS_SEARCH; m++) {
             const size_t to = next_cell(&x, from, order[m], from, anywhere);
             if (leads_out(&x, from, order[m], c->ahead[origin]))
                 left = 0.0;
-            if (to == from || (is_behind(&c->grid, c->queue[origin], to, c->ahead[origin]) &&
-                               !is_wide(&x, &p, to)))
+            if (to == from ||
+                (is_behind(g, c->queue[origin], to, c->ahead[origin]) && !is_wide(&x, &p, to)))
                 continue;
             c->found_in[to] = c->search;
             c->origin[c->n_queue] = origin;
