@@ -1,4 +1,4 @@
-/// The scheme of section 4.2 exactly as printed, and the scheme muscl as core/README.md has it: direct sums, no
+/// The scheme of section 4.2 exactly as printed, and the scheme muscl as core/macro/README.md has it: direct sums, no
 /// separation, nothing left out. Slow on purpose: an oracle for core/macro and the yardstick of its speed.
 
 #pragma once

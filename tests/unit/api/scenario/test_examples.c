@@ -198,7 +198,7 @@ static void the_parcels_of_two_infeeds_come_in_turn(void **unused)
     scene_fini(&s);
 }
 
-// With them parts overlap by less than 5 % of a radius, see core/README.md.
+// With them parts overlap by less than 5 % of a radius, see core/micro/README.md.
 static void fed_examples_have_soft_parts_and_the_congested_closure(void **unused)
 {
     static const char *const names[] = { "diverter", "photo-eye", "poisson-mix", "singulator",

@@ -34,7 +34,7 @@ static const comparison_row *first_row_of(validity_subject subject)
     return row;
 }
 
-// And of the 273 lines 194 are like others, too, as core/README.md says.
+// And of the 273 lines 194 are like others, too, as core/advice/README.md says.
 static void a_scene_of_the_table_is_like_itself(void **state)
 {
     size_t n_lines = 0, n_like_others = 0;
