@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/congested/congested_priv.h"
+#include "core/macro/congested/half_rows.h"
 #include "core/macro/tracers.h"
 
 #include <math.h>

@@ -2,6 +2,7 @@
 
 #include "core/base/simd_compare.h"
 #include "core/macro/congested/congested_priv.h"
+#include "core/macro/congested/half_rows.h"
 #include "core/macro/flux.h"
 #include "core/macro/kinds_priv.h"
 

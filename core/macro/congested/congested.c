@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/congested/congested_priv.h"
+#include "core/macro/congested/half_rows.h"
 #include "core/scene/belt.h"
 #include "core/scene/belt_range.h"
 #include "core/scene/belt_slope.h"
@@ -199,9 +200,15 @@ static bool lay_out(macro_solver *s, congested *c)
     c->is_unforced = memory_alloc(2 * n, sizeof *c->is_unforced);
     c->range = memory_alloc((size_t)s->n2, sizeof *c->range);
     c->found = memory_alloc((size_t)s->n2, sizeof *c->found);
+    for (int k = 0; k < CONGESTED_MEMORY; k++)
+        c->pressed[k] = memory_alloc((size_t)s->n2, sizeof *c->pressed[k]);
+    c->disturbed = memory_alloc((size_t)s->n2, sizeof *c->disturbed);
+    c->is_unsettled = memory_alloc(2 * n, sizeof *c->is_unsettled);
     c->slots = memory_alloc(2 * (size_t)s->def.n_threads, sizeof *c->slots);
     if (c->storage == NULL || c->is_uniform == NULL || c->is_unforced == NULL || c->range == NULL ||
-        c->found == NULL || c->slots == NULL)
+        c->found == NULL || c->pressed[0] == NULL || c->pressed[1] == NULL ||
+        c->pressed[2] == NULL || c->disturbed == NULL || c->is_unsettled == NULL ||
+        c->slots == NULL)
         return false;
     float *at = c->storage;
     for (int colour = 0; colour < 2; colour++) {
@@ -341,6 +348,10 @@ congested *congested_destroy(congested *c)
     memory_free(c->is_unforced);
     memory_free(c->range);
     memory_free(c->found);
+    for (int k = 0; k < CONGESTED_MEMORY; k++)
+        memory_free(c->pressed[k]);
+    memory_free(c->disturbed);
+    memory_free(c->is_unsettled);
     memory_free(c->slots);
     memory_free(c->stage.rho);
     memory_free(c->stage.span);
@@ -372,6 +383,13 @@ static size_t array_bytes(const macro_solver *s, const congested *c)
     return (size_t)((s->n2 + 2) * c->half_stride) * sizeof(float);
 }
 
+// Nothing is known of the fluxes and thresholds of the step before.
+static void disturb(const macro_solver *s, congested *c)
+{
+    c->n_whole = CONGESTED_MEMORY;
+    memset(c->is_unsettled, true, 2 * (size_t)((s->n2 + 2) * c->half_stride));
+}
+
 void congested_reset(macro_solver *s)
 {
     congested *c = s->congested;
@@ -383,6 +401,7 @@ void congested_reset(macro_solver *s)
     for (int side = 0; side < CONGESTED_SIDES; side++)
         memset(c->law[side].flux, 0, array_bytes(s, c));
     memset(c->range, 0, (size_t)s->n2 * sizeof *c->range);
+    disturb(s, c);
     c->density_limit = too_dense * fmax(1.0, macro_measure(s).peak);
 }
 
@@ -441,5 +460,6 @@ bool congested_load(macro_solver *s, checkpoint_reader *r)
 
     for (int k = 0; k < n; k++)
         is_read = is_read && checkpoint_read(r, arrays[k], array_bytes(s, c));
+    disturb(s, c);
     return is_read;
 }

@@ -21,7 +21,8 @@
 enum {
     CONGESTED_UNIT = 16, ///< half cells that are relaxed or skipped together: a register of floats
     CONGESTED_GROUP = 8, ///< half cells that have the law `uniform` together: half a unit
-    CONGESTED_SWEEPS = 130 ///< most sweeps of a step
+    CONGESTED_SWEEPS = 130, ///< most sweeps of a step
+    CONGESTED_MEMORY = 3    ///< steps after which a flux far from all pressures has become 0
 };
 
 /// Part of its cargo that a cell may lose in a step.
@@ -105,8 +106,9 @@ typedef struct congested_kernels {
     /// Relax red cells of rows first <= row < last, black ones of rows between, or black ones of one: largest change; sets is_unforced first.
     float (*relax)(const congested *c, ptrdiff_t first, ptrdiff_t last, bool is_first);
     float (*relax_black)(const congested *c, ptrdiff_t row, bool is_first);
-    /// Fill the fluxes of the faces of a row's red cells, and of its black ones on the sides of the grid.
-    void (*make_flux)(const macro_solver *s, const congested *c, ptrdiff_t row);
+    /// Fill the fluxes of the faces of these red cells of a row, and of its black ones on the sides of the grid.
+    void (*make_flux)(const macro_solver *s, const congested *c, ptrdiff_t row,
+                      congested_range cells);
     /// Transport of a row's cells i_min <= i < i_max by v_stat: rho* = rho - dt div(rho v_stat), upwind.
     void (*transport)(const macro_solver *s, ptrdiff_t row, ptrdiff_t i_min, ptrdiff_t i_max,
                       double *ret_rho);
@@ -127,10 +129,10 @@ typedef struct congested_kernels {
     /// True if G takes more out of one of these cells than the part CONGESTED_MOST_LOST of what it holds in `next`.
     bool (*is_overdrawn)(const macro_solver *s, const congested *c, ptrdiff_t row,
                          congested_range cells);
-    /// Bring the thresholds inside the grid of a row's red cells to the slip of this step; forward solvers only.
+    /// Bring the thresholds inside the grid of a row's red cells, where they may change, to the slip of this step; forward solvers only.
     void (*make_thresholds)(const macro_solver *s, const congested *c, ptrdiff_t row);
-    /// Bring thresholds and crosswise gradients of the west and south faces of a row's cells to this step, but for those on the
-    /// sides of the grid; for solvers that are not forward.
+    /// Bring thresholds and crosswise gradients of the west and south faces of a row's cells, where they may change, to this step,
+    /// but for those on the sides of the grid; for solvers that are not forward.
     void (*make_coupling)(const macro_solver *s, const congested *c, ptrdiff_t row);
 } congested_kernels;
 
@@ -170,11 +172,16 @@ struct congested {
     float *excess[2];        ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
     congested_uniform uniform;          ///< of a forward solver
-    bool *is_uniform;  ///< per row, colour and group: all faces have the law `uniform`
-    bool *is_unforced; ///< same of registers: only a pressure beside its cells gives them one
-    congested_range *range,
-        *found;     ///< per row: the active cells of this step; those that the row itself asks for
-    double relaxed; ///< congested_relaxed()
+    bool *is_uniform;       ///< per row, colour and group: all faces have the law `uniform`
+    bool *is_unforced;      ///< same of registers: only a pressure beside its cells gives them one
+    congested_range *range; ///< per row: the active cells of this step
+    congested_range *found; ///< per row: those that the row itself asks for
+    /// Per row: cells with a pressure, and some beside them; after this step, the one before it and so on.
+    congested_range *pressed[CONGESTED_MEMORY];
+    congested_range *disturbed; ///< per row: cells beyond have no flux nor gradient along a face
+    bool *is_unsettled;         ///< of units of a row: a threshold may change without a pressure
+    int n_whole; ///< next steps for which all active cells count as disturbed: laws or pressures are new
+    double relaxed;                ///< congested_relaxed()
     ptrdiff_t first_row, last_row; ///< first row with active cells, and the one after the last
     double density_limit;          ///< density at which the run fails
     float ratio, steepness;        ///< dx1/dx2, and its square, by which pressures count along x2
@@ -185,63 +192,6 @@ struct congested {
     double *stage_storage; ///< of all rows below (muscl; else NULL)
     congested_rows *rows;  ///< of each thread (muscl; else NULL)
 };
-
-/// Row j of half rows; cell k is element k.
-static inline float *congested__row(const congested *c, float *rows, ptrdiff_t j)
-{
-    return rows + (j + 1) * c->half_stride + CONGESTED_UNIT;
-}
-
-/// The flags of a half row, is_uniform by groups or is_unforced by registers.
-static inline bool *congested__flags(const congested *c, bool *flags, ptrdiff_t row, int colour)
-{
-    return flags + (2 * row + colour) * c->half_stride;
-}
-
-/// Where the faces between row j and the rows next to it have their red cells: the face west of the black cell k of
-/// row j is the east face of the red cell k - 1 + shift, the one east of it the west face of k + shift.
-static inline ptrdiff_t congested__shift(ptrdiff_t row)
-{
-    return (row & 1) == 0 ? 1 : 0;
-}
-
-/// The faces on one side of the cells of a half row.
-typedef struct congested_side_faces {
-    const congested_law *law; ///< in whose arrays they are
-    ptrdiff_t at;             ///< element of the face of cell 0; that of cell k is at + k
-} congested_side_faces;
-
-/// The faces around the cells of a half row.
-typedef struct congested_row_faces {
-    congested_side_faces side[CONGESTED_SIDES]; ///< by congested_side
-} congested_row_faces;
-
-/// colour 0: red cells, whose faces are their own; else black ones, whose faces are those of their neighbours.
-static inline congested_row_faces congested__faces(const congested *c, ptrdiff_t row, int colour)
-{
-    const ptrdiff_t shift = congested__shift(row);
-    const ptrdiff_t at = (row + 1) * c->half_stride + CONGESTED_UNIT;
-    const congested_law *west = &c->law[CONGESTED_WEST], *east = &c->law[CONGESTED_EAST];
-    const congested_law *south = &c->law[CONGESTED_SOUTH], *north = &c->law[CONGESTED_NORTH];
-
-    if (colour == 0)
-        return (
-            congested_row_faces){ { { west, at }, { east, at }, { south, at }, { north, at } } };
-    return (congested_row_faces){ { { east, at + shift - 1 },
-                                    { west, at + shift },
-                                    { north, at - c->half_stride },
-                                    { south, at + c->half_stride } } };
-}
-
-/// The value at an x1-face i, 0 <= i <= n1, west of cell i of row j: of law[] member `of`.
-#define CONGESTED_FACE1(c, of, i, j)                                                               \
-    ((((i) + (j)) & 1) == 0 ? congested__row(c, (c)->law[CONGESTED_WEST].of, j) + ((i) >> 1)       \
-                            : congested__row(c, (c)->law[CONGESTED_EAST].of, j) + (((i)-1) >> 1))
-
-/// Same at an x2-face r, 0 <= r <= n2, south of cell i of row r.
-#define CONGESTED_FACE2(c, of, i, r)                                                               \
-    ((((i) + (r)) & 1) == 0 ? congested__row(c, (c)->law[CONGESTED_SOUTH].of, r) + ((i) >> 1)      \
-                            : congested__row(c, (c)->law[CONGESTED_NORTH].of, (r)-1) + ((i) >> 1))
 
 #ifdef CPU_BUILD
 /// Each build's table has a name of its own.

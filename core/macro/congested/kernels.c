@@ -3,6 +3,7 @@
 #include "core/base/simd_float.h"
 #include "core/base/simd_pairs.h"
 #include "core/macro/congested/congested_priv.h"
+#include "core/macro/congested/half_rows.h"
 #include "core/macro/congested/transport.h"
 
 // The law along the belt: slope 1, then `slope`, then none. It is concave, so the least of its pieces; `outer` is the
@@ -175,6 +176,19 @@ static inline bool is_unpressed(const row_pressures *p, ptrdiff_t k)
     return !simd_float_has_bits((simd_float)bits);
 }
 
+// True if the first sweep may give a pressure to a register of cells that has none in it or beside it: its density is too high, or
+// gradients along its faces from the step before drive a flux.
+static inline bool may_rise(const congested *c, ptrdiff_t row, const half_row *r, ptrdiff_t k,
+                            loop_kind kind)
+{
+    const congested_range disturbed = c->disturbed[row];
+    const bool is_driven =
+        kind != LOOP_FORWARD && (c->n_whole > 0 || (disturbed.first <= k && k < disturbed.last));
+
+    return is_driven || simd_float_has_bits(
+                            simd_float_max(simd_float_load(r->excess + k), simd_float_all(0.0F)));
+}
+
 // `kind` is that of the cells that are not uniform. Cells without a pressure, in them or beside them, that get none in the first
 // sweep of a step get none in later ones either, as long as there is none: these are skipped, with the same bits.
 static inline __attribute__((always_inline)) simd_float relax_row(const congested *c, ptrdiff_t row,
@@ -190,7 +204,7 @@ static inline __attribute__((always_inline)) simd_float relax_row(const congeste
         bool *is_unforced = unforced + k / SIMD_FLOAT_LANES;
         if (is_first)
             *is_unforced = is_unpressed(&r.p, k);
-        else if (*is_unforced && is_unpressed(&r.p, k))
+        if (*is_unforced && !(is_first ? may_rise(c, row, &r, k, kind) : !is_unpressed(&r.p, k)))
             continue;
         if (kind == LOOP_FORWARD && are_uniform(groups, k))
             largest = relax_cells(&r, k, LOOP_UNIFORM, largest);
@@ -266,10 +280,9 @@ static inline __attribute__((always_inline)) void make_side_flux(const congested
 // Where the cell at a side of the grid is black, the face there is that of a red cell beyond it.
 static inline __attribute__((always_inline)) void make_flux_row(const macro_solver *s,
                                                                 const congested *c, ptrdiff_t row,
+                                                                congested_range cells,
                                                                 loop_kind kind)
 {
-    const congested_range cells = c->range[row];
-
     for (int side = 0; side < CONGESTED_SIDES; side++)
         make_side_flux(c, row, side, cells, kind);
     if (cells.first == 0 && cells.last > 0)
@@ -283,14 +296,15 @@ static inline __attribute__((always_inline)) void make_flux_row(const macro_solv
         make_side_flux(c, s->n2, CONGESTED_SOUTH, cells, kind);
 }
 
-static void make_flux(const macro_solver *s, const congested *c, ptrdiff_t row)
+static void make_flux(const macro_solver *s, const congested *c, ptrdiff_t row,
+                      congested_range cells)
 {
     if (c->is_forward)
-        make_flux_row(s, c, row, LOOP_FORWARD);
+        make_flux_row(s, c, row, cells, LOOP_FORWARD);
     else if (c->has_drives)
-        make_flux_row(s, c, row, LOOP_DRIVES);
+        make_flux_row(s, c, row, cells, LOOP_DRIVES);
     else
-        make_flux_row(s, c, row, LOOP_OBLIQUE);
+        make_flux_row(s, c, row, cells, LOOP_OBLIQUE);
 }
 
 // Slip of cargo against the belt at x1-faces: by how much the correction holds it back.
@@ -304,30 +318,57 @@ static inline simd_float slip(congested_side_faces f, ptrdiff_t k, simd_float fu
 
 static const float huge_factor = 1e30F; // times the slowest belt's speed is more than any threshold
 
+// The first unit from cell k on, of a row's active ones, whose thresholds may change; the end of the active ones if there is none.
+static inline ptrdiff_t next_unsettled(const congested *c, ptrdiff_t row, ptrdiff_t k)
+{
+    const bool *is_unsettled = congested__flags(c, c->is_unsettled, row, 0);
+    const congested_range disturbed = c->disturbed[row];
+
+    while (k < c->range[row].last && !is_unsettled[k / CONGESTED_UNIT] &&
+           (k < disturbed.first || k >= disturbed.last))
+        k += CONGESTED_UNIT;
+    return k;
+}
+
+// Brings a register of thresholds to the slip of this step; `beyond` are the faces of the black cells beyond them. True if one changes.
+static inline bool make_threshold(const congested_row_faces *faces,
+                                  const congested_row_faces *beyond, congested_side side,
+                                  ptrdiff_t k)
+{
+    const congested_side_faces own = faces->side[side];
+    float *threshold = own.law->threshold + own.at + k;
+    const simd_float full = simd_float_load(own.law->full_slip + own.at + k);
+    const simd_float sum =
+        slip(faces->side[CONGESTED_WEST], k, full) + slip(faces->side[CONGESTED_EAST], k, full) +
+        slip(beyond->side[CONGESTED_WEST], k, full) + slip(beyond->side[CONGESTED_EAST], k, full);
+    const simd_float gain = simd_float_load(own.law->gain + own.at + k);
+    const simd_float before = simd_float_load(threshold);
+    const simd_float after = 0.5F * before + 0.5F * gain * sum;
+    // The second is negative unless full is 0: where the belt stands a threshold stays.
+    const simd_float made = simd_float_max(after, before - huge_factor * full);
+
+    simd_float_store(threshold, made);
+    return simd_float_has_bits((simd_float)(made != before));
+}
+
 static void make_thresholds(const macro_solver *s, const congested *c, ptrdiff_t row)
 {
     const congested_row_faces faces = congested__faces(c, row, 0);
+    const congested_row_faces south = congested__faces(c, row - 1, 1);
+    const congested_row_faces north = congested__faces(c, row + 1, 1);
+    bool *is_unsettled = congested__flags(c, c->is_unsettled, row, 0);
 
-    for (int side = CONGESTED_SOUTH; side <= CONGESTED_NORTH; side++) {
-        if (row == (side == CONGESTED_SOUTH ? 0 : s->n2 - 1))
-            continue; // there is nothing beyond that it could rub against
-        // The cells beyond the face are black.
-        const congested_row_faces beyond =
-            congested__faces(c, side == CONGESTED_SOUTH ? row - 1 : row + 1, 1);
-        const congested_side_faces own = faces.side[side];
-        float *threshold = own.law->threshold + own.at;
-        const float *full_slip = own.law->full_slip + own.at, *gain = own.law->gain + own.at;
-        for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_FLOAT_LANES) {
-            const simd_float full = simd_float_load(full_slip + k);
-            const simd_float sum = slip(faces.side[CONGESTED_WEST], k, full) +
-                                   slip(faces.side[CONGESTED_EAST], k, full) +
-                                   slip(beyond.side[CONGESTED_WEST], k, full) +
-                                   slip(beyond.side[CONGESTED_EAST], k, full);
-            const simd_float before = simd_float_load(threshold + k);
-            const simd_float after = 0.5F * before + 0.5F * simd_float_load(gain + k) * sum;
-            // The second is negative unless full is 0: where the belt stands a threshold stays.
-            simd_float_store(threshold + k, simd_float_max(after, before - huge_factor * full));
+    for (ptrdiff_t unit = next_unsettled(c, row, c->range[row].first); unit < c->range[row].last;
+         unit = next_unsettled(c, row, unit + CONGESTED_UNIT)) {
+        bool has_changed = false;
+        // On the sides of the grid there is nothing beyond that it could rub against.
+        for (ptrdiff_t k = unit; k < unit + CONGESTED_UNIT; k += SIMD_FLOAT_LANES) {
+            if (row > 0)
+                has_changed |= make_threshold(&faces, &south, CONGESTED_SOUTH, k);
+            if (row < s->n2 - 1)
+                has_changed |= make_threshold(&faces, &north, CONGESTED_NORTH, k);
         }
+        is_unsettled[unit / CONGESTED_UNIT] = has_changed;
     }
 }
 
@@ -386,34 +427,43 @@ static inline __attribute__((always_inline)) void couple_faces(
     *ret_threshold = chosen(full == zero, threshold, 0.5 * threshold + 0.5 * gain * slip);
 }
 
-// Stores the lanes of elements first <= k < last of those from k on.
-static inline void store_between(float *at, ptrdiff_t k, ptrdiff_t first, ptrdiff_t last, simd x)
+// Stores the lanes of elements first <= k < last of those from k on; true if one changes.
+static inline bool store_between(float *at, ptrdiff_t k, ptrdiff_t first, ptrdiff_t last, simd x)
 {
+    float before[SIMD_LANES];
+
+    memcpy(before, at + k, sizeof before);
     if (first <= k && k + SIMD_LANES <= last) {
         simd_store_floats(at + k, x);
-        return;
+    } else {
+        for (int lane = 0; lane < SIMD_LANES; lane++)
+            if (first <= k + lane && k + lane < last)
+                at[k + lane] = (float)x[lane];
     }
-    for (int lane = 0; lane < SIMD_LANES; lane++)
-        if (first <= k + lane && k + lane < last)
-            at[k + lane] = (float)x[lane];
+    return memcmp(before, at + k, sizeof before) != 0;
 }
 
-// The west (axis 0) or south faces of the cells of a half row.
-static inline __attribute__((always_inline)) void couple_half_row(const macro_solver *s,
-                                                                  const congested *c, ptrdiff_t row,
-                                                                  int colour, int axis,
-                                                                  double ratio)
+// The west (axis 0) or south faces first <= k < last of the cells of a half row, and those of the other axis around each.
+typedef struct coupling {
+    congested_side_faces own;
+    crossing_faces crossings[CROSSINGS];
+    ptrdiff_t first;
+    ptrdiff_t last;
+} coupling;
+
+static inline coupling coupling_of(const macro_solver *s, const congested *c, ptrdiff_t row,
+                                   int colour, int axis)
 {
     const ptrdiff_t odd = (row + colour) & 1; // cell k of the half row is cell 2 k + odd of the row
-    const ptrdiff_t first = axis == 0 && odd == 0 ? 1 : 0, last = (s->n1 - odd + 1) / 2;
     // The cells before the faces, in the other half row of this row or in the row below.
     const congested_row_faces here = congested__faces(c, row, colour);
     const congested_row_faces next = congested__faces(c, axis == 0 ? row : row - 1, 1 - colour);
     const ptrdiff_t shift = axis == 0 ? odd - 1 : 0;
     const congested_side lower = axis == 0 ? CONGESTED_SOUTH : CONGESTED_WEST;
     const congested_side upper = axis == 0 ? CONGESTED_NORTH : CONGESTED_EAST;
-    const congested_side own = axis == 0 ? CONGESTED_WEST : CONGESTED_SOUTH;
-    crossing_faces crossings[CROSSINGS];
+    coupling x = { .own = here.side[axis == 0 ? CONGESTED_WEST : CONGESTED_SOUTH],
+                   .first = axis == 0 && odd == 0 ? 1 : 0,
+                   .last = (s->n1 - odd + 1) / 2 };
 
     for (int n = 0; n < CROSSINGS; n++) {
         // Of two faces of a cell: those before both cells, then those behind them, or both of one cell and then of the other.
@@ -425,28 +475,54 @@ static inline __attribute__((always_inline)) void couple_half_row(const macro_so
         const float *beside = axis == 0  ? (is_upper ? p.north : p.south)
                               : is_upper ? p.east
                                          : p.west;
-        crossings[n].faces = (is_here ? here : next).side[is_upper ? upper : lower];
-        crossings[n].faces.at += by;
-        crossings[n].before = (is_upper ? p.own : beside) + by;
-        crossings[n].after = (is_upper ? beside : p.own) + by;
+        x.crossings[n].faces = (is_here ? here : next).side[is_upper ? upper : lower];
+        x.crossings[n].faces.at += by;
+        x.crossings[n].before = (is_upper ? p.own : beside) + by;
+        x.crossings[n].after = (is_upper ? beside : p.own) + by;
     }
-    const congested_side_faces faces = here.side[own];
-    for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_LANES) {
+    return x;
+}
+
+// Couples a unit of faces; true if a threshold changes.
+static inline __attribute__((always_inline)) bool couple_unit(const coupling *x, int axis,
+                                                              double ratio, ptrdiff_t unit)
+{
+    const congested_law *law = x->own.law;
+    bool has_changed = false;
+
+    for (ptrdiff_t k = unit; k < unit + CONGESTED_UNIT; k += SIMD_LANES) {
         simd crosswise, threshold;
-        couple_faces(axis, ratio, faces, crossings, k, &crosswise, &threshold);
-        store_between(faces.law->crosswise + faces.at, k, first, last, crosswise);
-        store_between(faces.law->threshold + faces.at, k, first, last, threshold);
+        couple_faces(axis, ratio, x->own, x->crossings, k, &crosswise, &threshold);
+        store_between(law->crosswise + x->own.at, k, x->first, x->last, crosswise);
+        has_changed |= store_between(law->threshold + x->own.at, k, x->first, x->last, threshold);
     }
+    return has_changed;
 }
 
 static inline __attribute__((always_inline)) void couple_row(const macro_solver *s,
                                                              const congested *c, ptrdiff_t row,
                                                              double ratio)
 {
+    const ptrdiff_t last = c->range[row].last;
+    ptrdiff_t unit = next_unsettled(c, row, c->range[row].first);
+    bool *is_unsettled = congested__flags(c, c->is_unsettled, row, 0);
+    coupling west[2], south[2]; // of both colours
+
+    if (unit >= last)
+        return;
     for (int colour = 0; colour < 2; colour++) {
-        couple_half_row(s, c, row, colour, 0, ratio);
+        west[colour] = coupling_of(s, c, row, colour, 0);
         if (row > 0)
-            couple_half_row(s, c, row, colour, 1, ratio);
+            south[colour] = coupling_of(s, c, row, colour, 1);
+    }
+    for (; unit < last; unit = next_unsettled(c, row, unit + CONGESTED_UNIT)) {
+        bool has_changed = false;
+        for (int colour = 0; colour < 2; colour++) {
+            has_changed |= couple_unit(&west[colour], 0, ratio, unit);
+            if (row > 0)
+                has_changed |= couple_unit(&south[colour], 1, ratio, unit);
+        }
+        is_unsettled[unit / CONGESTED_UNIT] = has_changed;
     }
 }
 

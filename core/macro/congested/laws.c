@@ -1,6 +1,7 @@
 // The laws of the faces (core/macro/congested.h) for the belts' present speeds.
 
 #include "core/macro/congested/congested_priv.h"
+#include "core/macro/congested/half_rows.h"
 
 #include <math.h>
 #include <string.h>
@@ -285,6 +286,7 @@ void congested_update(macro_solver *s)
 {
     congested *c = s->congested;
 
+    c->n_whole = CONGESTED_MEMORY;
     c->has_standing = c->has_moving = false;
     for (size_t k = 0; k < c->n_belts; k++) {
         const congested_belt now = belt_now(s, c, k);

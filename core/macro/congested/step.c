@@ -2,6 +2,7 @@
 
 #include "core/base/subnormals.h"
 #include "core/macro/congested/congested_priv.h"
+#include "core/macro/congested/half_rows.h"
 #include "core/macro/congested/transport.h"
 
 #include <float.h>
@@ -112,8 +113,9 @@ static congested_range pressed_cells(const macro_solver *s, const congested *c, 
 // Finds the cells of a row that may need a pressure, by `next`, which holds rho*.
 static void find_cells(const macro_solver *s, congested *c, ptrdiff_t row)
 {
-    c->found[row] =
-        hull(full_cells(s, row, active_from * c->jam_density), pressed_cells(s, c, row));
+    if (c->n_whole == CONGESTED_MEMORY)
+        c->pressed[0][row] = pressed_cells(s, c, row);
+    c->found[row] = hull(full_cells(s, row, active_from * c->jam_density), c->pressed[0][row]);
 }
 
 // The active cells of a row: those found in it and in the rows next to it.
@@ -126,6 +128,16 @@ static congested_range dilated(const macro_solver *s, const congested_range *fou
     if (row + 1 < s->n2)
         all = hull(all, found[row + 1]);
     return all;
+}
+
+// Faces of half cells first <= k < last are those of cells in the unit behind them and in the next row, too, which may be those of
+// another member.
+static void unsettle(congested *c, ptrdiff_t row, ptrdiff_t first, ptrdiff_t last)
+{
+    for (ptrdiff_t j = row; j <= row + 1; j++)
+        for (ptrdiff_t k = first; k <= last; k += CONGESTED_UNIT)
+            __atomic_store_n(congested__flags(c, c->is_unsettled, j, 0) + k / CONGESTED_UNIT, true,
+                             __ATOMIC_RELAXED);
 }
 
 // Clears the pressures, thresholds and fluxes of half cells first <= k < last, and the fluxes of black ones through the sides of
@@ -153,6 +165,7 @@ static void clear_cells(const macro_solver *s, congested *c, ptrdiff_t row, ptrd
         memset(congested__row(c, c->law[CONGESTED_NORTH].flux, -1) + first, 0, n_bytes);
     if (row == s->n2 - 1)
         memset(congested__row(c, c->law[CONGESTED_SOUTH].flux, s->n2) + first, 0, n_bytes);
+    unsettle(c, row, first, last);
 }
 
 // Makes a row's active cells those of this step. Cells that are not active any more have no pressure. While no belt moves the
@@ -263,6 +276,40 @@ static congested_range changed_cells(const macro_solver *s, const congested *c, 
     return range_of_cells(s, 2 * all.first - 1, 2 * all.last);
 }
 
+// Finds the cells of a row with a pressure after the relaxation.
+static void find_pressed(const macro_solver *s, congested *c, ptrdiff_t row)
+{
+    for (int k = CONGESTED_MEMORY - 1; k > 0; k--)
+        c->pressed[k][row] = c->pressed[k - 1][row];
+    c->pressed[0][row] = pressed_cells(s, c, row);
+}
+
+// The cells of a row that a pressure may reach. A flux depends on the pressures beside its face and, through the gradient along it, on
+// those of the step before around its ends, a threshold on the fluxes around its face: none is farther than two rows and MARGIN_CELLS.
+// A third step is for what is 0 from then on.
+static congested_range disturbed_cells(const macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    const ptrdiff_t first = row > 2 ? row - 2 : 0, last = row + 3 < s->n2 ? row + 3 : s->n2;
+    congested_range all = { 0, 0 };
+
+    if (c->n_whole > 0)
+        return changed_cells(s, c, row);
+    for (int k = 0; k < CONGESTED_MEMORY; k++)
+        for (ptrdiff_t j = first; j < last; j++)
+            all = hull(all, c->pressed[k][j]);
+    return all;
+}
+
+static void make_flux(const macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    const congested_range active = c->range[row], disturbed = c->disturbed[row];
+    const congested_range cells = { active.first > disturbed.first ? active.first : disturbed.first,
+                                    active.last < disturbed.last ? active.last : disturbed.last };
+
+    if (cells.first < cells.last)
+        c->kernels.make_flux(s, c, row, cells);
+}
+
 // A flux times a part of 1, and 0 where a float would not be exact enough.
 static float scaled(float flux, float part)
 {
@@ -306,7 +353,7 @@ static void limit_cell(const macro_solver *s, const congested *c, ptrdiff_t i, p
 static void limit_row(const macro_solver *s, const congested *c, ptrdiff_t row)
 {
     const double *rho = macro__row(s, s->next.rho, row);
-    const congested_range cells = changed_cells(s, c, row);
+    const congested_range cells = c->disturbed[row];
 
     for (ptrdiff_t i = 2 * cells.first; i < 2 * cells.last && i < s->n1; i++)
         limit_cell(s, c, i, row, rho[i]);
@@ -315,7 +362,7 @@ static void limit_row(const macro_solver *s, const congested *c, ptrdiff_t row)
 // rho = rho* - dt div G in a row, and where its cargo is then.
 static void correct_row(macro_solver *s, const congested *c, ptrdiff_t row)
 {
-    const congested_range cells = changed_cells(s, c, row);
+    const congested_range cells = c->disturbed[row];
     double *rho = macro__row(s, s->next.rho, row);
     block_span span = s->next.span[row];
 
@@ -342,7 +389,7 @@ static void limit(const step_context *x, row_span rows, int member, int n_member
 
     c->slots[member].is_limited = false;
     for (ptrdiff_t row = rows.first; row < rows.last; row++)
-        if (c->kernels.is_overdrawn(s, c, row, changed_cells(s, c, row)))
+        if (c->kernels.is_overdrawn(s, c, row, c->disturbed[row]))
             c->slots[member].is_limited = true;
     team_barrier_wait(barrier);
     for (int k = 0; k < n_members; k++)
@@ -380,8 +427,14 @@ static void step_member(void *context, int member, int n_members, team_barrier *
     const int n_sweeps = relax(c, active, member, n_members, barrier);
     if (member == 0)
         c->relaxed += n_sweeps * count_active(c);
+    for (ptrdiff_t row = all.first; row < all.last; row++)
+        find_pressed(s, c, row);
+    team_barrier_wait(barrier);
+    for (ptrdiff_t row = all.first; row < all.last; row++)
+        c->disturbed[row] = disturbed_cells(s, c, row);
+    team_barrier_wait(barrier);
     for (ptrdiff_t row = active.first; row < active.last; row++)
-        c->kernels.make_flux(s, c, row);
+        make_flux(s, c, row);
     team_barrier_wait(barrier);
     limit(x, all, member, n_members, barrier);
     for (ptrdiff_t row = all.first; row < all.last; row++)
@@ -399,4 +452,6 @@ void congested_step(macro_solver *s)
     step_context x = { s, s->congested };
 
     team_run(s->def.n_threads, step_member, &x);
+    if (s->congested->n_whole > 0 && !s->congested->has_standing)
+        s->congested->n_whole--;
 }

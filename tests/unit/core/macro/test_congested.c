@@ -3,6 +3,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/congested/congested_priv.h"
+#include "core/macro/congested/half_rows.h"
 #include "core/macro/macro.h"
 #include "core/macro/velocity_field.h"
 #include "tests/unit/core/helper_congested.h"

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/congested/congested_priv.h"
+#include "core/macro/congested/half_rows.h"
 #include "core/macro/macro.h"
 #include "tests/unit/core/helper_congested.h"
 #include "tests/unit/core/helper_macro.h"
@@ -123,6 +124,84 @@ static void a_run_resumed_in_a_jam_goes_on_with_the_same_bits(void **state)
     }
 }
 
+// A heap that queues before a slower belt until all of it is there.
+static void make_passing_queue(scene *s)
+{
+    static const vec2 fast[] = { { 0.0, 0.0 }, { 0.4, 0.0 }, { 0.4, 0.5 }, { 0.0, 0.5 } };
+    static const vec2 slow[] = { { 0.4, 0.0 }, { 0.7, 0.0 }, { 0.7, 0.5 }, { 0.4, 0.5 } };
+
+    helper_scene_belt(s, 0.7, 0.5, 0.01, NULL, 0);
+    s->macro.closure = SCENE_CONGESTED;
+    helper_scene_add_belt(s, (vec2){ 0.35, 0.1 }, fast, 4);
+    helper_scene_add_belt(s, (vec2){ 0.14, 0.04 }, slow, 4);
+    helper_scene_resolve(s);
+}
+
+static bool is_pressed(const macro_solver *solver)
+{
+    const congested *c = solver->congested;
+
+    for (int colour = 0; colour < 2; colour++)
+        for (ptrdiff_t row = 0; row < solver->n2; row++)
+            for (ptrdiff_t k = 0; 2 * k < solver->n1; k++)
+                if (congested__row(c, c->pressure[colour], row)[k] != 0.0F)
+                    return true;
+    return false;
+}
+
+static bf_buffer saved_of(const macro_solver *solver)
+{
+    bf_buffer saved = { 0 };
+
+    assert_int_equal(macro_save(solver, &saved, NULL), BF_OK);
+    return saved;
+}
+
+// A solver that begins with a state makes CONGESTED_MEMORY steps as if pressures had been everywhere.
+static void check_cells_far_from_pressures(const scene *s, macro_solver *solver, int n_steps)
+{
+    bf_buffer now = saved_of(solver);
+
+    for (int step = 0; step < n_steps; step += CONGESTED_MEMORY) {
+        macro_solver *other = helper_macro_start(s, 1);
+        assert_int_equal(macro_load(other, now.bytes, now.n, NULL), BF_OK);
+        helper_macro_advance(other, CONGESTED_MEMORY);
+        helper_macro_advance(solver, CONGESTED_MEMORY);
+        buffer_fini(&now);
+        now = saved_of(solver);
+        bf_buffer of_other = saved_of(other);
+        assert_int_equal(of_other.n, now.n);
+        assert_memory_equal(of_other.bytes, now.bytes, now.n);
+        buffer_fini(&of_other);
+        macro_destroy(other);
+    }
+    buffer_fini(&now);
+}
+
+static void what_is_left_out_far_from_pressures_changes_no_bit_of_the_state(void **state)
+{
+    static const scene_rect heap = { 0.15, 0.38, 0.1, 0.25 };
+
+    for (int kind = 0; kind < SCENES; kind++) {
+        scene s;
+        make_scene(&s, kind);
+        macro_solver *solver = helper_macro_start(&s, 1);
+        check_cells_far_from_pressures(&s, solver, STEPS);
+        macro_destroy(solver);
+        scene_fini(&s);
+    }
+    scene s;
+    make_passing_queue(&s);
+    macro_solver *solver = helper_macro_create(&s, 1);
+    helper_congested_fill(&s, heap, 0.8, solver);
+    check_cells_far_from_pressures(&s, solver, 45);
+    assert_true(is_pressed(solver));
+    check_cells_far_from_pressures(&s, solver, 45);
+    assert_false(is_pressed(solver));
+    macro_destroy(solver);
+    scene_fini(&s);
+}
+
 static bf_status load_into(const scene *s, const bf_buffer *saved)
 {
     macro_solver *solver = helper_macro_create(s, 1);
@@ -235,6 +314,7 @@ int main(void)
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(every_instruction_set_gives_the_same_bits),
         cmocka_unit_test(a_run_resumed_in_a_jam_goes_on_with_the_same_bits),
+        cmocka_unit_test(what_is_left_out_far_from_pressures_changes_no_bit_of_the_state),
         cmocka_unit_test(a_damaged_state_is_refused),
         cmocka_unit_test(a_stop_and_go_is_the_same_run_later),
         cmocka_unit_test(nothing_is_lost_in_a_closed_box_whatever_the_belts_do),
