@@ -62,9 +62,8 @@ static bf_status append_file(exchange *x, const char *id, uint64_t index, array_
     array_file file = { .item_size = 0 };
     const size_t n = body->n;
 
-    bf_status status = array_file_open(x->services, id, index, form, &file, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(array_file_open(x->services, id, index, form, &file, err));
+    bf_status status = BF_OK;
     const uint64_t size = array_file_size(&file);
     *ret_is_over = n > 0 && n + size > EXCHANGE_SEVERAL_BYTES;
     if (n == 0)

@@ -132,9 +132,7 @@ static bf_status find_entry(exchange *x, entry *e, bf_error *err)
     if (status != BF_OK || !e->is_run)
         return status;
     // From behind the last sample on: the columns alone.
-    status = services->read_curve(services->store, e->id, e->run.n_samples, 0, &curve, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(services->read_curve(services->store, e->id, e->run.n_samples, 0, &curve, err));
     e->columns = curve.columns;
     curve.columns = (bf_buffer){ 0 };
     api_curve_fini(&curve);

@@ -19,9 +19,7 @@ static bf_status answer_page(exchange *x, api_page_fn *read, const member_table 
     const char *state = exchange__text(x, "status"), *line = exchange__text(x, "line");
     api_page_query wanted = { .state = -1, .limit = page.limit };
 
-    bf_status status = access_list_owner_asked(x, wanted.owner, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(access_list_owner_asked(x, wanted.owner, err));
     memcpy(wanted.label, page.label, sizeof wanted.label);
     snprintf(wanted.before, sizeof wanted.before, "%s", page.cursor);
     snprintf(wanted.line, sizeof wanted.line, "%s", line == NULL ? "" : line);
@@ -30,7 +28,7 @@ static bf_status answer_page(exchange *x, api_page_fn *read, const member_table 
     api_page *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail_memory(err);
-    status = read(x->services->store, &wanted, list, err);
+    bf_status status = read(x->services->store, &wanted, list, err);
     if (status == BF_OK && list->has_more)
         memcpy(list->next_cursor, (const char *)list->studies + (list->n - 1) * size + id,
                sizeof list->next_cursor);

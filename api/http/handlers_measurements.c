@@ -54,12 +54,11 @@ bf_status handlers_measurements_add(exchange *x, bf_error *err)
     measurement m = { .curve = { .n = 0 } };
     api_measurement stored;
 
-    bf_status status = read_measurement(x, &m, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(read_measurement(x, &m, err));
     memcpy(m.about.owner, x->who.owner, sizeof m.about.owner);
     // Room for the answer comes first: what was stored must not be answered with a failure.
     size_t room = MEMBERS_JSON_MAX + 2 * m.curve.n * NUMBER_SIZE + CSV_JSON_MAX * m.csv.n;
+    bf_status status;
     if (buffer_reserve(&x->response->body, room) == NULL)
         status = bf_fail_memory(err);
     else

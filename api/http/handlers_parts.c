@@ -94,17 +94,13 @@ bf_status handlers_results_parts(exchange *x, bf_error *err)
     uint64_t index = 0;
     const api_run *of = &x->named->run;
 
-    bf_status status = exchange__find_snapshot(x, &index, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_snapshot(x, &index, err));
     if (exchange__wants_several(x))
         return exchange__send_several(x, index, true, err);
     if (is_sent_in_pieces(x, &of->parts))
         return send_parts(x, of->id, index, err);
-    status = reserve_parts(x, of->id, index, err);
-    if (status != BF_OK || has_parts_already(x, of->id, index))
-        return status;
-    return write_parts(x, of->id, index, err);
+    BF_TRY(reserve_parts(x, of->id, index, err));
+    return has_parts_already(x, of->id, index) ? BF_OK : write_parts(x, of->id, index, err);
 }
 
 bf_status handlers_results_parts_series(exchange *x, bf_error *err)
@@ -118,10 +114,9 @@ bf_status handlers_results_parts_series(exchange *x, bf_error *err)
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "r%" PRIu64 "-parts-%s", of->revision, x->media->word))
         return BF_OK;
-    bf_status status = x->services->list_snapshots(x->services->store, of->id, &list, err);
-    if (status != BF_OK)
-        return status;
-    status = results_series_pvd(&list, RESULTS_FILES_PARTS_VTK, &x->response->body, err);
+    BF_TRY(x->services->list_snapshots(x->services->store, of->id, &list, err));
+    const bf_status status =
+        results_series_pvd(&list, RESULTS_FILES_PARTS_VTK, &x->response->body, err);
     buffer_fini(&list.items);
     return status;
 }

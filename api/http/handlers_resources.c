@@ -69,16 +69,15 @@ static bf_status annotate(exchange *x, uint64_t revision, exchange_resource *r, 
         memcpy(to.notes, r->run.notes, sizeof to.notes);
         to.is_starred = r->run.is_starred;
     }
-    bf_status status =
-        annotations_json_read(exchange__body(x), x->request->n_body, table, &to, &x->faults, err);
-    if (status == BF_OK)
-        status = r->is_study ? services->annotate_study(services->store, r->study.id,
-                                                        r->study.revision, &to, &r->study, err)
-                             : services->annotate(services->store, r->run.id, r->run.revision, &to,
-                                                  &r->run, err);
-    if (status == BF_OK)
-        api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", revision_of(r));
-    return status;
+    BF_TRY(
+        annotations_json_read(exchange__body(x), x->request->n_body, table, &to, &x->faults, err));
+    if (r->is_study)
+        BF_TRY(services->annotate_study(services->store, r->study.id, r->study.revision, &to,
+                                        &r->study, err));
+    else
+        BF_TRY(services->annotate(services->store, r->run.id, r->run.revision, &to, &r->run, err));
+    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", revision_of(r));
+    return BF_OK;
 }
 
 static bf_status change_study(exchange *x, uint64_t revision, api_study_change how,
@@ -185,9 +184,7 @@ bf_status handlers_resources_revoke_grant(exchange *x, bf_error *err)
 
     if (!number_read_digits(x->params.values[0], 1, INT64_MAX, &id))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no grant '%s'", x->params.values[0]);
-    bf_status status =
-        x->services->revoke_grant(x->services->service, access_list_owner(x), id, err);
-    if (status == BF_OK)
-        x->response->status = 204;
-    return status;
+    BF_TRY(x->services->revoke_grant(x->services->service, access_list_owner(x), id, err));
+    x->response->status = 204;
+    return BF_OK;
 }

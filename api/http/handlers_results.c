@@ -38,12 +38,10 @@ static bf_status write_curve(exchange *x, const curve_file *file, bf_error *err)
 {
     api_curve curve = { 0 };
 
-    bf_status status =
-        x->services->read_curve(x->services->store, file->id, 0, file->n, &curve, err);
-    if (status != BF_OK)
-        return status;
-    status = x->media->format == MEDIA_CSV ? results_curve_csv(&curve, &x->response->body, err)
-                                           : results_curve_json(&curve, &x->response->body, err);
+    BF_TRY(x->services->read_curve(x->services->store, file->id, 0, file->n, &curve, err));
+    const bf_status status = x->media->format == MEDIA_CSV
+                                 ? results_curve_csv(&curve, &x->response->body, err)
+                                 : results_curve_json(&curve, &x->response->body, err);
     api_curve_fini(&curve);
     return status;
 }
@@ -93,12 +91,10 @@ bf_status handlers_results_photo_eyes(exchange *x, bf_error *err)
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "r%" PRIu64 "-eyes-%s", of->revision, x->media->word))
         return BF_OK;
-    bf_status status = results_changes_read(x->services, of->id, &changes, err);
-    if (status != BF_OK)
-        return status;
-    status = x->media->format == MEDIA_CSV
-                 ? results_changes_csv(&changes, &x->response->body, err)
-                 : results_changes_json(&changes, &x->response->body, err);
+    BF_TRY(results_changes_read(x->services, of->id, &changes, err));
+    const bf_status status = x->media->format == MEDIA_CSV
+                                 ? results_changes_csv(&changes, &x->response->body, err)
+                                 : results_changes_json(&changes, &x->response->body, err);
     results_changes_fini(&changes);
     return status;
 }

@@ -62,10 +62,8 @@ bf_status handlers__submit_run(exchange *x, api_submission *submission, const ch
     api_acceptance accepted = { .revision = 0 };
     unsigned seconds = 0;
 
-    bf_status status = handlers__read_sender(x, body, n, &submission->sender, err);
-    if (status != BF_OK)
-        return status;
-    status = x->services->submit(x->services->service, submission, &accepted, err);
+    BF_TRY(handlers__read_sender(x, body, n, &submission->sender, err));
+    const bf_status status = x->services->submit(x->services->service, submission, &accepted, err);
     if (status == BF_OK && negotiation_read_wait(exchange__header(x, "Prefer"), &seconds))
         (void)take_present(x, accepted.id, &accepted);
     return handlers__answer_submission(x, status, "/v1/runs", &accepted);
@@ -154,9 +152,7 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
     const exchange_page page = exchange__page(x);
     api_list_query list_query = read_list_query(x, &page);
 
-    bf_status status = access_list_owner_asked(x, list_query.owner, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(access_list_owner_asked(x, list_query.owner, err));
     if (page.cursor[0] != '\0' && !run_sort_read_cursor(page.cursor, &list_query))
         return exchange__refuse(x, 400, "", err,
                                 "query parameter 'cursor' is of a list in another order");
@@ -167,7 +163,7 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
     api_run_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail_memory(err);
-    status = x->services->list(x->services->service, &list_query, list, err);
+    bf_status status = x->services->list(x->services->service, &list_query, list, err);
     if (status == BF_OK && list->has_more)
         run_sort_write_cursor(list->last_id, list->last_key, list->next_cursor);
     if (status == BF_OK)

@@ -44,12 +44,11 @@ bf_status handlers_results_snapshots(exchange *x, bf_error *err)
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "r%" PRIu64 "-snapshots-%s", of->revision, x->media->word))
         return BF_OK;
-    bf_status status = x->services->list_snapshots(x->services->store, of->id, &list, err);
-    if (status != BF_OK)
-        return status;
-    status = x->media->format == MEDIA_PVD
-                 ? results_series_pvd(&list, RESULTS_FILES_SNAPSHOT_VTK, &x->response->body, err)
-                 : write_list(x, of, &list, err);
+    BF_TRY(x->services->list_snapshots(x->services->store, of->id, &list, err));
+    const bf_status status =
+        x->media->format == MEDIA_PVD
+            ? results_series_pvd(&list, RESULTS_FILES_SNAPSHOT_VTK, &x->response->body, err)
+            : write_list(x, of, &list, err);
     buffer_fini(&list.items);
     return status;
 }
@@ -60,11 +59,9 @@ static bf_status draw(exchange *x, const picture *p, const char *id, uint64_t in
 {
     grid_rows rows;
 
-    bf_status status = grid_rows_open(x->services, id, index, &rows, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(grid_rows_open(x->services, id, index, &rows, err));
     *ret_t = rows.of.snapshot.t;
-    status = picture_draw(p, grid_rows_next, &rows, levels, err);
+    const bf_status status = picture_draw(p, grid_rows_next, &rows, levels, err);
     grid_rows_fini(&rows);
     return status;
 }
@@ -81,13 +78,11 @@ static bf_status write_picture(exchange *x, const api_run *of, uint64_t index,
     if (status != BF_OK)
         return status;
     // The levels and the file, whose size is about that of the levels at most; a row of cells, and its mean.
-    status = exchange__reserve(x,
-                               2.0 * (double)(p.width * p.height) +
-                                   (double)p.grid.n1 * (sizeof(double) + sizeof(float)) +
-                                   GRID_ROWS_BYTES,
-                               err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__reserve(x,
+                             2.0 * (double)(p.width * p.height) +
+                                 (double)p.grid.n1 * (sizeof(double) + sizeof(float)) +
+                                 GRID_ROWS_BYTES,
+                             err));
     uint8_t *levels = memory_alloc(p.width, p.height);
     if (levels == NULL)
         return bf_fail_memory(err);
@@ -105,11 +100,11 @@ static bf_status write_snapshot(exchange *x, const char *id, uint64_t index, bf_
     bf_buffer bytes = { 0 };
     api_array of;
 
-    bf_status status =
-        x->services->read_array(x->services->store, id, index, API_ARRAY_DENSITY, &of, &bytes, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(x->services->read_array(x->services->store, id, index, API_ARRAY_DENSITY, &of, &bytes,
+                                   err));
     const float *rho = (const float *)(const void *)bytes.bytes;
+    bf_status status;
+
     if (x->media->format == MEDIA_NPY)
         status = results_npy(rho, of.grid.n1, of.grid.n2, body, err);
     else if (x->media->format == MEDIA_VTI)
@@ -143,9 +138,7 @@ bf_status handlers_results_snapshot(exchange *x, bf_error *err)
     uint64_t index = 0;
     const api_run *of = &x->named->run;
 
-    bf_status status = exchange__find_snapshot(x, &index, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(exchange__find_snapshot(x, &index, err));
     if (exchange__wants_several(x))
         return exchange__send_several(x, index, false, err);
     exchange__cache_immutable(x);
@@ -160,11 +153,11 @@ bf_status handlers_results_snapshot(exchange *x, bf_error *err)
         return write_picture(x, of, index, &wanted, err);
     if (is_sent_in_pieces(x, n_cells)) {
         array_file file = { .item_size = 0 };
-        status = array_file_open(x->services, of->id, index,
-                                 x->media->format == MEDIA_NPY ? ARRAY_FILE_NPY : ARRAY_FILE_VTI,
-                                 &file, err);
-        return status == BF_OK ? exchange__send_array(x, &file, err) : status;
+        BF_TRY(array_file_open(x->services, of->id, index,
+                               x->media->format == MEDIA_NPY ? ARRAY_FILE_NPY : ARRAY_FILE_VTI,
+                               &file, err));
+        return exchange__send_array(x, &file, err);
     }
-    status = exchange__reserve_whole(x, n_cells, sizeof(float), "npy or vti", err);
-    return status == BF_OK ? write_snapshot(x, of->id, index, err) : status;
+    BF_TRY(exchange__reserve_whole(x, n_cells, sizeof(float), "npy or vti", err));
+    return write_snapshot(x, of->id, index, err);
 }

@@ -11,11 +11,10 @@ bf_status handlers__submit_study(exchange *x, api_study_submission *submission, 
 {
     api_acceptance accepted = { .revision = 0 };
 
-    bf_status status =
-        handlers__read_sender(x, x->request->body, x->request->n_body, &submission->sender, err);
-    if (status != BF_OK)
-        return status;
-    status = x->services->submit_study(x->services->service, submission, &accepted, err);
+    BF_TRY(
+        handlers__read_sender(x, x->request->body, x->request->n_body, &submission->sender, err));
+    const bf_status status =
+        x->services->submit_study(x->services->service, submission, &accepted, err);
     return handlers__answer_submission(x, status, "/v1/studies", &accepted);
 }
 

@@ -35,9 +35,7 @@ bf_status stream_begin(const api_services *services, stream_format format, bool 
     BF_CHECK(n_runs >= 1 && n_runs <= API_STREAM_RUNS_MAX);
     for (size_t i = 0; i < n_runs; i++) {
         api_run record;
-        bf_status status = services->find(services->service, runs[i], &record, err);
-        if (status != BF_OK)
-            return status;
+        BF_TRY(services->find(services->service, runs[i], &record, err));
         memcpy(cursor.runs[i], runs[i], API_ID_SIZE);
         if (record.last_event > newest)
             newest = record.last_event;
@@ -190,11 +188,8 @@ static bf_status append_batch(batch *b, const api_services *services, size_t lim
         buffer_append(b->out, "retry: 3000\n\n", 13) != BF_OK)
         return bf_fail_memory(err);
     cursor->has_begun = true;
-    if (cursor->n_open > 0) {
-        bf_status status = append_events(b, services, limit_bytes, err);
-        if (status != BF_OK)
-            return status;
-    }
+    if (cursor->n_open > 0)
+        BF_TRY(append_events(b, services, limit_bytes, err));
     // These were all events that there were if some came and they ended below the limit. After the end of a run the others
     // have to be counted again, as they may have been removed.
     const bool has_read_all =

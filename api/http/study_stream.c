@@ -51,11 +51,10 @@ static bf_status append_trial(void *context, const api_trial *trial, bf_error *e
     const batch *b = context;
     const study_trial_item item = { .columns = &b->stream->columns, .trial = *trial };
 
-    bf_status status =
-        append_object(b->stream, trial->ended, "trial", &study_trial_members, &item, b->out, err);
-    if (status == BF_OK)
-        b->stream->after = trial->ended;
-    return status;
+    BF_TRY(
+        append_object(b->stream, trial->ended, "trial", &study_trial_members, &item, b->out, err));
+    b->stream->after = trial->ended;
+    return BF_OK;
 }
 
 // Trials that ended after the study was found come, too: they wake the stream again, and their places are past.

@@ -159,18 +159,16 @@ static bf_status append_source(bf_buffer *out, const char *title, const char *ur
 static bf_status append_item(bf_buffer *out, const item *of)
 {
     const scene_shape *s = &of->shape;
-    bf_status status = buffer_printf(out, "| `%s` | %s | ", of->name, of->title);
 
-    if (status == BF_OK && s->type == SCENE_CYLINDER)
-        status = buffer_printf(out, "⌀ %g × %g", 2000.0 * s->radius, 1000.0 * s->height);
-    else if (status == BF_OK)
-        status = buffer_printf(out, "%g × %g × %g", 1000.0 * s->length, 1000.0 * s->width,
-                               1000.0 * s->height);
-    if (status == BF_OK)
-        status = buffer_printf(out, " | %.4g | %s | ", of->mass,
-                               of->surface != NULL ? of->surface : "the paper's");
-    return status == BF_OK ? append_source(out, of->source_title, of->source_url, of->note)
-                           : status;
+    BF_TRY(buffer_printf(out, "| `%s` | %s | ", of->name, of->title));
+    if (s->type == SCENE_CYLINDER)
+        BF_TRY(buffer_printf(out, "⌀ %g × %g", 2000.0 * s->radius, 1000.0 * s->height));
+    else
+        BF_TRY(buffer_printf(out, "%g × %g × %g", 1000.0 * s->length, 1000.0 * s->width,
+                             1000.0 * s->height));
+    BF_TRY(buffer_printf(out, " | %.4g | %s | ", of->mass,
+                         of->surface != NULL ? of->surface : "the paper's"));
+    return append_source(out, of->source_title, of->source_url, of->note);
 }
 
 static bf_status append_friction(bf_buffer *out, const friction *of)

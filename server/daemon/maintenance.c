@@ -225,13 +225,12 @@ static bf_status read_wanted(const maintenance_token *wanted, tokens_record *tok
         return bf_fail(
             err, BF_EINPUT, "",
             "--scopes wants words of read,submit,work,admin,priority,metrics, not '%.40s'", scopes);
-    bf_status status = copy_name(wanted->name, token->name, sizeof token->name, err);
-    if (status == BF_OK)
-        status = copy_name(owner, token->owner, sizeof token->owner, err);
-    if (status == BF_OK && wanted->expires != NULL)
-        status = read_time("--expires", wanted->expires, &after_ms, err);
+    BF_TRY(copy_name(wanted->name, token->name, sizeof token->name, err));
+    BF_TRY(copy_name(owner, token->owner, sizeof token->owner, err));
+    if (wanted->expires != NULL)
+        BF_TRY(read_time("--expires", wanted->expires, &after_ms, err));
     token->expires_ms = after_ms == 0 ? 0 : clock_unix_ms() + after_ms;
-    return status;
+    return BF_OK;
 }
 
 static int print_new(const tokens_record *token, const char *text)

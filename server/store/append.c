@@ -187,26 +187,23 @@ static bf_status append_change(store__connection *writer, store__appending *cont
                                const store_item *item, bf_error *err)
 {
     static const bf_buffer none = { 0 }; // the data stand in the results
-    bf_status status = BF_OK;
     int64_t n = 0;
 
     if (!context->has_changes) {
-        status = store__find_number(writer, STORE__SQL_COUNT_CHANGES, &n, err,
-                                    INTEGER(context->row.rowid));
+        BF_TRY(store__find_number(writer, STORE__SQL_COUNT_CHANGES, &n, err,
+                                  INTEGER(context->row.rowid)));
         context->n_changes = (uint64_t)n;
-        context->has_changes = status == BF_OK;
+        context->has_changes = true;
     }
-    if (status != BF_OK || item->first < context->n_changes)
-        return status;
+    if (item->first < context->n_changes)
+        return BF_OK;
     if (item->first > context->n_changes)
         return bf_fail(err, BF_ECORRUPT, "",
                        "the changes of photo eyes and drives have a gap: number %llu "
                        "came after %llu",
                        (unsigned long long)item->first, (unsigned long long)context->n_changes);
-    status = store__exec(writer, STORE__SQL_INSERT_CHANGE, err, INTEGER(context->row.results),
-                         INTEGER(item->first), TEXT_OF(item->event.bytes, item->event.n));
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__exec(writer, STORE__SQL_INSERT_CHANGE, err, INTEGER(context->row.results),
+                       INTEGER(item->first), TEXT_OF(item->event.bytes, item->event.n)));
     context->n_changes++;
     context->n_bytes += item->event.n;
     return store__insert_event(writer, &context->row, item->type, item->first, &none, err);
@@ -299,13 +296,11 @@ static bf_status apply_append(store__connection *writer, store__operation *opera
     const store_batch *batch = o->appending->batch;
     store__row row;
 
-    bf_status status = store__find_row(writer, batch->run_id, &row, err);
-    if (status == BF_OK)
-        status = store__check_running(&row, err);
-    if (status == BF_OK)
-        status = store__apply_batch(writer, o->appending, &row, err);
-    if (status != BF_OK || brings_nothing_visible(batch))
-        return status;
+    BF_TRY(store__find_row(writer, batch->run_id, &row, err));
+    BF_TRY(store__check_running(&row, err));
+    BF_TRY(store__apply_batch(writer, o->appending, &row, err));
+    if (brings_nothing_visible(batch))
+        return BF_OK;
     memcpy(operation->changed, row.run.id, API_ID_SIZE);
     return store__save_row(writer, &row, err);
 }

@@ -115,9 +115,7 @@ bf_status store__connect(const char *path, store__access access, store__connecti
 {
     sqlite3 *db = NULL;
 
-    bf_status status = store__register_page_sums(err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__register_page_sums(err));
     int code = sqlite3_open_v2(path, &db, open_flags[access], STORE__PAGE_SUMS);
     if (code == SQLITE_OK)
         code = sqlite3_busy_timeout(db, STORE__BUSY_MS);
@@ -126,7 +124,7 @@ bf_status store__connect(const char *path, store__access access, store__connecti
     if (code == SQLITE_OK)
         code = store__add_conditions(db);
     if (code != SQLITE_OK) {
-        status = store__fail(db, code, err);
+        const bf_status status = store__fail(db, code, err);
         sqlite3_close(db);
         return status;
     }

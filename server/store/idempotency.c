@@ -85,9 +85,8 @@ static bf_status find_answer(store__connection *writer, const store *s, const st
 {
     if (key->text[0] == '\0')
         return BF_OK;
-    bf_status status = store__expire_keys(writer, now_ms - s->idempotency_ms, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__expire_keys(writer, now_ms - s->idempotency_ms, err));
+    bf_status status = BF_OK;
     store__query q = store__start(writer, STORE__SQL_FIND_KEY, TEXT(key->route), TEXT(key->text));
     if (store__next(&q, &status, err))
         status = read_answer(&q, key, accepted, err);
@@ -102,11 +101,10 @@ static bf_status trim_keys(store__connection *writer, const store__key *key, bf_
     const int64_t last = sqlite3_last_insert_rowid(writer->db);
     int64_t first = 0;
 
-    bf_status status =
-        store__find_number(writer, STORE__SQL_OLDEST_KEY, &first, err, TEXT(key->route));
+    BF_TRY(store__find_number(writer, STORE__SQL_OLDEST_KEY, &first, err, TEXT(key->route)));
     const int64_t n_beyond = last - first + 1 - KEYS_MAX;
-    if (status != BF_OK || n_beyond <= 0 || (n_beyond >= TRIM_EVERY && n_beyond % TRIM_EVERY != 0))
-        return status;
+    if (n_beyond <= 0 || (n_beyond >= TRIM_EVERY && n_beyond % TRIM_EVERY != 0))
+        return BF_OK;
     return store__exec(writer, STORE__SQL_TRIM_KEYS, err, TEXT(key->route), INTEGER(KEYS_MAX));
 }
 
@@ -136,16 +134,14 @@ static bf_status apply_accept(store__connection *writer, store__operation *opera
     accept_context *a = operation->context;
     const store__request *request = a->request;
 
-    bf_status status = find_answer(writer, a->store, &a->key, request->now_ms, &a->accepted, err);
-    if (status != BF_OK || a->accepted.is_replay)
-        return status;
-    status = store__check_room(a->store, err);
-    if (status == BF_OK)
-        status = a->insert(writer, a->context, &a->accepted, err);
+    BF_TRY(find_answer(writer, a->store, &a->key, request->now_ms, &a->accepted, err));
+    if (a->accepted.is_replay)
+        return BF_OK;
+    BF_TRY(store__check_room(a->store, err));
+    BF_TRY(a->insert(writer, a->context, &a->accepted, err));
     memcpy(a->accepted.id, request->id, API_ID_SIZE);
     memcpy(operation->changed, request->id, API_ID_SIZE);
-    return status == BF_OK ? insert_answer(writer, &a->key, request->now_ms, &a->accepted, err)
-                           : status;
+    return insert_answer(writer, &a->key, request->now_ms, &a->accepted, err);
 }
 
 bf_status store__accept(store *s, const store__request *request, store__insert_fn *insert,

@@ -38,13 +38,9 @@ static bf_status apply_add(store__connection *writer, store__operation *operatio
     const measure_context *context = operation->context;
     const api_measurement *about = &context->about;
 
-    bf_status status = check_count(writer, err);
-    if (status == BF_OK)
-        status = store__check_measurements(writer, context->store, about->owner, err);
-    if (status == BF_OK)
-        status = store__check_bytes(writer, context->store, about->owner, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(check_count(writer, err));
+    BF_TRY(store__check_measurements(writer, context->store, about->owner, err));
+    BF_TRY(store__check_bytes(writer, context->store, about->owner, err));
 #define X(kind, column, member) kind(about->member),
     return store__exec(writer, STORE__SQL_INSERT_MEASUREMENT, err, TEXT(about->id),
                        STORE__MEASUREMENT_LIST(X)
@@ -113,17 +109,15 @@ static bf_status read_samples(const store__query *q, const api_measurement *abou
     enum { T = sizeof columns / sizeof *columns, COUNTS };
     size_t n = (size_t)about->n_samples, n_bytes = n * sizeof(double);
 
-    bf_status status = store__column_bytes(q, T, &curve->t, err);
-    if (status == BF_OK)
-        status = store__column_bytes(q, COUNTS, &curve->values, err);
-    if (status == BF_OK && (curve->t.n != n_bytes || curve->values.n != n_bytes))
+    BF_TRY(store__column_bytes(q, T, &curve->t, err));
+    BF_TRY(store__column_bytes(q, COUNTS, &curve->values, err));
+    if (curve->t.n != n_bytes || curve->values.n != n_bytes)
         return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about->id);
-    if (status == BF_OK &&
-        buffer_append(&curve->columns, about->counter, strlen(about->counter)) != BF_OK)
+    if (buffer_append(&curve->columns, about->counter, strlen(about->counter)) != BF_OK)
         return bf_fail_memory(err);
     curve->n = n;
     curve->n_columns = 1;
-    return status;
+    return BF_OK;
 }
 
 // Reads the measurement, and its samples into *curve unless that is NULL.

@@ -197,14 +197,12 @@ static bf_status put_in_place(const char *directory, const char *store_copy, con
 {
     char path[STORE__PATH_SIZE + 64];
 
-    bf_status status = move_away(directory, tokens != NULL, restored, err);
+    BF_TRY(move_away(directory, tokens != NULL, restored, err));
     // The tokens first: a store with tokens is not served without them.
-    if (status == BF_OK && tokens != NULL)
-        status = file_io_publish(tokens, join(directory, "/access.db", path), err);
-    if (status == BF_OK)
-        status = file_io_publish(store_copy, join(directory, "/beltflow.db", path), err);
+    if (tokens != NULL)
+        BF_TRY(file_io_publish(tokens, join(directory, "/access.db", path), err));
     restored->has_tokens = tokens != NULL;
-    return status;
+    return file_io_publish(store_copy, join(directory, "/beltflow.db", path), err);
 }
 
 static bf_status restore(const char *directory, const char *file, store_restored *restored,

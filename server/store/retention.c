@@ -32,13 +32,11 @@ static bf_status count_bytes(store__connection *c, int64_t *ret_bytes, bf_error 
 {
     int64_t n_pages = 0, n_free = 0, page_size = 0;
 
-    bf_status status = store__read_number(c, STORE__SQL_COUNT_PAGES, &n_pages, err);
-    if (status == BF_OK)
-        status = store__read_number(c, STORE__SQL_COUNT_FREE_PAGES, &n_free, err);
-    if (status == BF_OK)
-        status = store__read_number(c, STORE__SQL_PAGE_SIZE, &page_size, err);
+    BF_TRY(store__read_number(c, STORE__SQL_COUNT_PAGES, &n_pages, err));
+    BF_TRY(store__read_number(c, STORE__SQL_COUNT_FREE_PAGES, &n_free, err));
+    BF_TRY(store__read_number(c, STORE__SQL_PAGE_SIZE, &page_size, err));
     *ret_bytes = (n_pages - n_free) * page_size;
-    return status;
+    return BF_OK;
 }
 
 // The limit that is exceeded, as a setting is called; NULL: none.

@@ -511,33 +511,27 @@ static bf_status switch_to_wal(sqlite3 *db, bf_error *err)
 static bf_status upgrade(sqlite3 *db, int version, bf_error *err)
 {
     char mark[96];
-    bf_status status = BF_OK;
 
-    for (int i = version; i < VERSION && status == BF_OK; i++)
-        status = execute(db, store__migrations[i], err);
+    for (int i = version; i < VERSION; i++)
+        BF_TRY(execute(db, store__migrations[i], err));
     snprintf(mark, sizeof mark, "PRAGMA application_id = %d; PRAGMA user_version = %d",
              APPLICATION_ID, VERSION);
-    if (status == BF_OK)
-        status = execute(db, mark, err);
-    return status;
+    return execute(db, mark, err);
 }
 
 bf_status store__migrate(store__connection *writer, const char *path, bf_error *err)
 {
     int version = 0;
 
-    bf_status status = store__identify(writer->db, path, &version, err);
-    // Both can only be said of a database without tables. Free pages can then be given back to the disk (space.c).
-    if (status == BF_OK && version == 0)
-        status = store__reserve_page_sums(writer->db, err);
-    if (status == BF_OK && version == 0)
-        status = execute(writer->db, "PRAGMA auto_vacuum = INCREMENTAL", err);
-    if (status == BF_OK)
-        status = switch_to_wal(writer->db, err);
-    if (status != BF_OK || version == VERSION)
-        return status;
-    status = store__begin_transaction(writer, err);
-    if (status == BF_OK)
-        status = store__end_transaction(writer, upgrade(writer->db, version, err), err);
-    return status;
+    BF_TRY(store__identify(writer->db, path, &version, err));
+    if (version == 0) {
+        // Both can only be said of a database without tables. Free pages can then be given back to the disk (space.c).
+        BF_TRY(store__reserve_page_sums(writer->db, err));
+        BF_TRY(execute(writer->db, "PRAGMA auto_vacuum = INCREMENTAL", err));
+    }
+    BF_TRY(switch_to_wal(writer->db, err));
+    if (version == VERSION)
+        return BF_OK;
+    BF_TRY(store__begin_transaction(writer, err));
+    return store__end_transaction(writer, upgrade(writer->db, version, err), err);
 }

@@ -82,13 +82,12 @@ bf_status store__append_snapshot(store__connection *writer, store__row *row, con
         return bf_fail(err, BF_ECORRUPT, "",
                        "the snapshots have a gap: number %llu came after %llu snapshots",
                        (unsigned long long)index, (unsigned long long)n_stored);
-    bf_status status = store__insert_chunks(writer, row->results, STORE__BLOB_SNAPSHOT, index,
-                                            item->rho_at, grid, err);
-    if (status == BF_OK)
-        status = store__insert_chunks(writer, row->results, STORE__BLOB_PARTS, index,
-                                      item->parts_at, parts, err);
-    if (status != BF_OK || item->is_open)
-        return status;
+    BF_TRY(store__insert_chunks(writer, row->results, STORE__BLOB_SNAPSHOT, index, item->rho_at,
+                                grid, err));
+    BF_TRY(store__insert_chunks(writer, row->results, STORE__BLOB_PARTS, index, item->parts_at,
+                                parts, err));
+    if (item->is_open)
+        return BF_OK;
     if (item->rho_at + item->parts_at == 0)
         *n_bytes += grid->n + parts->n;
     return complete(writer, row, item, err);

@@ -44,31 +44,28 @@ bf_status store__find_study(store__connection *c, const char *id, store_study *r
 {
     bool has_row = false;
 
-    const bf_status status =
-        store__find(c, STORE__SQL_FIND_STUDY, &record, row, &has_row, err, TEXT(id));
-    if (status == BF_OK && !has_row)
+    BF_TRY(store__find(c, STORE__SQL_FIND_STUDY, &record, row, &has_row, err, TEXT(id)));
+    if (!has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
-    return status;
+    return BF_OK;
 }
 
 // Finds a study that is not to be removed.
 static bf_status find_visible(store__connection *c, const char *id, store_study *row, bf_error *err)
 {
-    bf_status status = store__find_study(c, id, row, err);
-
-    if (status == BF_OK && row->stop_request == STORE_STOP_KILL)
+    BF_TRY(store__find_study(c, id, row, err));
+    if (row->stop_request == STORE_STOP_KILL)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
-    return status;
+    return BF_OK;
 }
 
 #define X(kind, column, member) kind(row->member),
 
 static bf_status insert_study(store__connection *writer, store_study *row, bf_error *err)
 {
-    bf_status status = store__exec(writer, STORE__SQL_INSERT_STUDY, err, STORE__STUDY_LIST(X));
-    if (status == BF_OK)
-        row->rowid = sqlite3_last_insert_rowid(writer->db);
-    return status;
+    BF_TRY(store__exec(writer, STORE__SQL_INSERT_STUDY, err, STORE__STUDY_LIST(X)));
+    row->rowid = sqlite3_last_insert_rowid(writer->db);
+    return BF_OK;
 }
 
 bf_status store__save_study(store__connection *writer, store_study *row, bf_error *err)
@@ -116,11 +113,11 @@ static bf_status check_count(store__connection *writer, store__sql sql, int64_t 
 {
     int64_t n = 0;
 
-    bf_status status = store__read_number(writer, sql, &n, err);
-    if (status == BF_OK && n >= limit)
+    BF_TRY(store__read_number(writer, sql, &n, err));
+    if (n >= limit)
         return bf_fail(err, BF_EBUSY, "", "there are %lld studies%s, the limit is %lld",
                        (long long)n, what, (long long)limit);
-    return status;
+    return BF_OK;
 }
 
 static bf_status accept(store__connection *writer, void *of, api_acceptance *accepted,
@@ -130,23 +127,17 @@ static bf_status accept(store__connection *writer, void *of, api_acceptance *acc
     const api_study_submission *submission = context->submission;
     store_study *row = &context->row;
 
-    bf_status status = store__check_bytes(writer, context->store, row->study.owner, err);
-    if (status == BF_OK)
-        status = store__check_studies(writer, context->store, row->study.owner, err);
-    if (status == BF_OK)
-        status = check_count(writer, STORE__SQL_COUNT_OPEN_STUDIES, STORE_STUDIES_OPEN_MAX,
-                             " that have not ended", err);
-    if (status == BF_OK)
-        status = check_count(writer, STORE__SQL_COUNT_STUDIES, STORE_STUDIES_MAX,
-                             ": remove some first", err);
-    if (status == BF_OK)
-        status = insert_study(writer, row, err);
-    if (status == BF_OK)
-        status = store__put_study_text(writer, row, API_STUDY_DOCUMENT, &submission->document, err);
-    if (status == BF_OK)
-        status = store__put_study_text(writer, row, API_STUDY_COLUMNS, &submission->columns, err);
+    BF_TRY(store__check_bytes(writer, context->store, row->study.owner, err));
+    BF_TRY(store__check_studies(writer, context->store, row->study.owner, err));
+    BF_TRY(check_count(writer, STORE__SQL_COUNT_OPEN_STUDIES, STORE_STUDIES_OPEN_MAX,
+                       " that have not ended", err));
+    BF_TRY(check_count(writer, STORE__SQL_COUNT_STUDIES, STORE_STUDIES_MAX, ": remove some first",
+                       err));
+    BF_TRY(insert_study(writer, row, err));
+    BF_TRY(store__put_study_text(writer, row, API_STUDY_DOCUMENT, &submission->document, err));
+    BF_TRY(store__put_study_text(writer, row, API_STUDY_COLUMNS, &submission->columns, err));
     accepted->revision = row->study.revision;
-    return status == BF_OK ? study_json_write(&row->study, &accepted->answer, err) : status;
+    return study_json_write(&row->study, &accepted->answer, err);
 }
 
 static void fill_row(const api_study_submission *submission, store_study *row)
@@ -171,9 +162,7 @@ bf_status store_submit_study(store *s, const api_study_submission *submission,
     submit_context context = { .submission = submission, .store = s };
     const api_study *about = &context.row.study;
 
-    const bf_status status = run_id_make(context.row.study.id, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(run_id_make(context.row.study.id, err));
     fill_row(submission, &context.row);
     const store__request request = { .route = "POST /v1/studies",
                                      .sender = &submission->sender,
@@ -257,14 +246,12 @@ static bf_status find_changed(store__connection *writer, store__operation *opera
     change_context *context = operation->context;
     const api_study *about = &context->row.study;
 
-    bf_status status = find_visible(writer, context->id, &context->row, err);
-    if (status == BF_OK && context->revision != API_ANY_REVISION &&
-        about->revision != context->revision)
+    BF_TRY(find_visible(writer, context->id, &context->row, err));
+    if (context->revision != API_ANY_REVISION && about->revision != context->revision)
         return bf_fail(err, BF_EINPUT, "", "the study has revision %llu, not %llu",
                        (unsigned long long)about->revision, (unsigned long long)context->revision);
-    if (status == BF_OK)
-        memcpy(operation->changed, about->id, API_ID_SIZE);
-    return status;
+    memcpy(operation->changed, about->id, API_ID_SIZE);
+    return BF_OK;
 }
 
 static bf_status apply_change(store__connection *writer, store__operation *operation, bf_error *err)
@@ -272,9 +259,7 @@ static bf_status apply_change(store__connection *writer, store__operation *opera
     change_context *context = operation->context;
     store_study *row = &context->row;
 
-    bf_status status = find_changed(writer, operation, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(find_changed(writer, operation, err));
     const api_study_state state = row->study.state;
     const bool is_stopping = row->stop_request != STORE_STOP_NONE;
     const bool is_paused = state == API_STUDY_PAUSED;
@@ -299,10 +284,9 @@ bf_status store_change_study(store *s, const char *id, uint64_t revision, api_st
 {
     change_context context = { .id = id, .revision = revision, .change = change };
 
-    bf_status status = store__write_freeing(s, apply_change, &context, err);
-    if (status == BF_OK)
-        *ret_study = context.row.study;
-    return status;
+    BF_TRY(store__write_freeing(s, apply_change, &context, err));
+    *ret_study = context.row.study;
+    return BF_OK;
 }
 
 static bf_status apply_annotate(store__connection *writer, store__operation *operation,
@@ -311,14 +295,12 @@ static bf_status apply_annotate(store__connection *writer, store__operation *ope
     change_context *context = operation->context;
     store_study *row = &context->row;
 
-    bf_status status = find_changed(writer, operation, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(find_changed(writer, operation, err));
     snprintf(row->study.name, sizeof row->study.name, "%s", context->name);
     snprintf(row->study.line, sizeof row->study.line, "%s", context->line);
-    status = store__exec(writer, STORE__SQL_ANNOTATE_STUDY, err, TEXT(row->study.name),
-                         TEXT(row->study.line), INTEGER(row->rowid));
-    return status == BF_OK ? store__save_study(writer, row, err) : status;
+    BF_TRY(store__exec(writer, STORE__SQL_ANNOTATE_STUDY, err, TEXT(row->study.name),
+                       TEXT(row->study.line), INTEGER(row->rowid)));
+    return store__save_study(writer, row, err);
 }
 
 bf_status store_annotate_study(store *s, const char *id, uint64_t revision,
@@ -329,19 +311,18 @@ bf_status store_annotate_study(store *s, const char *id, uint64_t revision,
         .id = id, .revision = revision, .name = annotations->name, .line = annotations->line
     };
 
-    bf_status status = store__write(s, apply_annotate, &context, err);
-    if (status == BF_OK)
-        *ret_study = context.row.study;
-    return status;
+    BF_TRY(store__write(s, apply_annotate, &context, err));
+    *ret_study = context.row.study;
+    return BF_OK;
 }
 
 static bf_status apply_remove(store__connection *writer, store__operation *operation, bf_error *err)
 {
     change_context *context = operation->context;
 
-    bf_status status = find_changed(writer, operation, err);
+    BF_TRY(find_changed(writer, operation, err));
     context->row.stop_request = STORE_STOP_KILL;
-    return status == BF_OK ? store__save_study(writer, &context->row, err) : status;
+    return store__save_study(writer, &context->row, err);
 }
 
 bf_status store_remove_study(store *s, const char *id, uint64_t revision, bf_error *err)

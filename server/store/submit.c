@@ -38,29 +38,24 @@ static bf_status check_quota(store__connection *writer, const char *client, size
 
     if (quota == 0 || client[0] == '\0')
         return BF_OK;
-    bf_status status =
-        store__find_number(writer, STORE__SQL_COUNT_QUEUED_OF, &n, err, TEXT(client));
-    if (status == BF_OK && (size_t)n >= quota) {
+    BF_TRY(store__find_number(writer, STORE__SQL_COUNT_QUEUED_OF, &n, err, TEXT(client)));
+    if ((size_t)n >= quota) {
         metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_CLIENT, 1);
         return bf_fail(err, BF_ELIMIT, "",
                        "%" PRId64 " runs of %s wait already, its share of the queue", n, client);
     }
-    return status;
+    return BF_OK;
 }
 
 // A long queue is counted only where it may be full: counting takes as long as the queue is.
 static bf_status enter_queue(store__connection *writer, size_t limit, bf_error *err)
 {
-    bf_status status = BF_OK;
+    int64_t n = 0;
 
     if (writer->queued_at_most >= limit) {
-        int64_t n = 0;
-        status = store__read_number(writer, STORE__SQL_COUNT_QUEUED, &n, err);
-        if (status == BF_OK)
-            writer->queued_at_most = (size_t)n;
+        BF_TRY(store__read_number(writer, STORE__SQL_COUNT_QUEUED, &n, err));
+        writer->queued_at_most = (size_t)n;
     }
-    if (status != BF_OK)
-        return status;
     if (writer->queued_at_most >= limit)
         return bf_fail(err, BF_EBUSY, "", "the queue is full: %zu runs wait, the limit is %zu",
                        writer->queued_at_most, limit);
@@ -77,18 +72,14 @@ static bf_status insert_new(store__connection *writer, const api_submission *sub
     uint64_t n_bytes = 0;
 
     row->run.state = RUN_QUEUED;
-    bf_status status =
-        store__insert_results(writer, submission->identity.n > 0 ? digest : NULL, row, err);
-    if (status == BF_OK)
-        status = store__insert_row(writer, row, err);
-    if (status == BF_OK)
-        status = store__put_run_text(writer, row, STORE__TEXT_SCENARIO, scenario->bytes,
-                                     scenario->n, &n_bytes, err);
-    if (status == BF_OK)
-        status = store__put_text(writer, row->rowid, STORE__TEXT_COLUMNS, columns->bytes,
-                                 columns->n, err);
+    BF_TRY(store__insert_results(writer, submission->identity.n > 0 ? digest : NULL, row, err));
+    BF_TRY(store__insert_row(writer, row, err));
+    BF_TRY(store__put_run_text(writer, row, STORE__TEXT_SCENARIO, scenario->bytes, scenario->n,
+                               &n_bytes, err));
+    BF_TRY(
+        store__put_text(writer, row->rowid, STORE__TEXT_COLUMNS, columns->bytes, columns->n, err));
     row->n_bytes = n_bytes;
-    return status == BF_OK ? store__emit_events(writer, row, err) : status;
+    return store__emit_events(writer, row, err);
 }
 
 static bf_status accept_new(store__connection *writer, submit_context *context,
@@ -96,13 +87,10 @@ static bf_status accept_new(store__connection *writer, submit_context *context,
 {
     store__row *row = &context->row;
 
-    bf_status status = check_quota(writer, row->client, context->store->client_quota, err);
-    if (status == BF_OK)
-        status = store__check_owner(writer, context->store, row->run.owner, retry_after_s, err);
-    if (status == BF_OK)
-        status = enter_queue(writer, context->store->queue_limit, err);
-    return status == BF_OK ? insert_new(writer, context->submission, context->digest, row, err)
-                           : status;
+    BF_TRY(check_quota(writer, row->client, context->store->client_quota, err));
+    BF_TRY(store__check_owner(writer, context->store, row->run.owner, retry_after_s, err));
+    BF_TRY(enter_queue(writer, context->store->queue_limit, err));
+    return insert_new(writer, context->submission, context->digest, row, err);
 }
 
 // The summary of a solved run becomes the new one's.
@@ -157,16 +145,14 @@ static bf_status accept(store__connection *writer, void *of, api_acceptance *acc
     const api_run *record = &context->row.run;
     bool is_solved = false;
 
-    bf_status status = store__check_bytes(writer, context->store, record->owner, err);
-    if (status == BF_OK)
-        status = store__number_version(writer, &context->row, &context->submission->identity, err);
-    if (status == BF_OK)
-        status = accept_solved(writer, context->submission, context->digest, &context->row,
-                               &is_solved, err);
-    if (status == BF_OK && !is_solved)
-        status = accept_new(writer, context, &accepted->retry_after_s, err);
+    BF_TRY(store__check_bytes(writer, context->store, record->owner, err));
+    BF_TRY(store__number_version(writer, &context->row, &context->submission->identity, err));
+    BF_TRY(accept_solved(writer, context->submission, context->digest, &context->row, &is_solved,
+                         err));
+    if (!is_solved)
+        BF_TRY(accept_new(writer, context, &accepted->retry_after_s, err));
     accepted->revision = record->revision;
-    return status == BF_OK ? run_json_write(record, &accepted->answer, err) : status;
+    return run_json_write(record, &accepted->answer, err);
 }
 
 // The results of a trial have no snapshots, so they are not those of a run by itself.
@@ -208,9 +194,7 @@ bf_status store_submit(store *s, const api_submission *submission, api_acceptanc
     submit_context context = { .submission = submission, .store = s };
     const api_run *record = &context.row.run;
 
-    bf_status status = run_id_make(context.row.run.id, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(run_id_make(context.row.run.id, err));
     fill_row(submission, &context.row);
     digest_work(submission, false, context.digest);
     const store__request request = { .route = "POST /v1/runs",
@@ -227,16 +211,13 @@ bf_status store__submit_trial(store__connection *writer, const api_submission *s
     store__row row = { .rowid = 0 };
     bool is_solved = false;
 
-    bf_status status = run_id_make(row.run.id, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(run_id_make(row.run.id, err));
     fill_row(submission, &row);
     memcpy(row.run.study, study_id, API_ID_SIZE);
     digest_work(submission, true, digest);
-    status = accept_solved(writer, submission, digest, &row, &is_solved, err);
-    if (status == BF_OK && !is_solved)
-        status = insert_new(writer, submission, digest, &row, err);
-    if (status == BF_OK)
-        memcpy(ret_run, row.run.id, API_ID_SIZE);
-    return status;
+    BF_TRY(accept_solved(writer, submission, digest, &row, &is_solved, err));
+    if (!is_solved)
+        BF_TRY(insert_new(writer, submission, digest, &row, err));
+    memcpy(ret_run, row.run.id, API_ID_SIZE);
+    return BF_OK;
 }

@@ -73,19 +73,15 @@ static bf_status insert(store__connection *c, tokens_record *token, const char *
 
     store__hash_token(text, hash);
     (void)api_access_write_scopes(token->scopes, scopes);
-    bf_status status =
-        token->resource[0] == '\0' ? BF_OK : check_grants(c, token->owner, token->created_ms, err);
-    if (status == BF_OK)
-        status = make_room(c, token->created_ms, err);
-    if (status != BF_OK)
-        return status;
+    if (token->resource[0] != '\0')
+        BF_TRY(check_grants(c, token->owner, token->created_ms, err));
+    BF_TRY(make_room(c, token->created_ms, err));
 #define X(kind, column, member) , kind(token->member)
-    status = store__exec(c, STORE__SQL_INSERT_TOKEN, err, BLOB(hash, sizeof hash),
-                         TEXT(scopes) STORE__TOKEN_FIXED(X));
+    BF_TRY(store__exec(c, STORE__SQL_INSERT_TOKEN, err, BLOB(hash, sizeof hash),
+                       TEXT(scopes) STORE__TOKEN_FIXED(X)));
 #undef X
-    if (status == BF_OK)
-        token->id = (uint64_t)sqlite3_last_insert_rowid(c->db);
-    return status;
+    token->id = (uint64_t)sqlite3_last_insert_rowid(c->db);
+    return BF_OK;
 }
 
 bf_status tokens_add(const char *directory, tokens_record *token, char *ret_text, bf_error *err)

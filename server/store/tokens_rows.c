@@ -42,13 +42,11 @@ static bf_status add_resource(store__connection *c, bf_error *err)
 {
     int64_t n = 0;
 
+    BF_TRY(store__read_number(c, STORE__SQL_HAS_TOKEN_RESOURCE, &n, err));
+    if (n > 0)
+        return BF_OK;
+    BF_TRY(store__run_plain(c, STORE__SQL_BEGIN_WRITE, err));
     bf_status status = store__read_number(c, STORE__SQL_HAS_TOKEN_RESOURCE, &n, err);
-    if (status != BF_OK || n > 0)
-        return status;
-    status = store__run_plain(c, STORE__SQL_BEGIN_WRITE, err);
-    if (status != BF_OK)
-        return status;
-    status = store__read_number(c, STORE__SQL_HAS_TOKEN_RESOURCE, &n, err);
     if (status == BF_OK && n == 0)
         status = store__run_plain(c, STORE__SQL_ADD_TOKEN_RESOURCE, err);
     return store__end_transaction(c, status, err);

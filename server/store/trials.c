@@ -55,15 +55,13 @@ static bf_status insert_trial(store__connection *writer, store_study *row, store
 static bf_status begin_trial(store__connection *writer, store_study *row, store_trial_begin *begin,
                              bf_error *err)
 {
-    bf_status status = BF_OK;
-
     if (begin->trial.number != row->study.n_trials)
         return bf_fail(err, BF_ECORRUPT, "", "a study's trials have a gap");
     begin->trial.run[0] = '\0';
     if (begin->submission != NULL)
-        status =
-            store__submit_trial(writer, begin->submission, row->study.id, begin->trial.run, err);
-    return status == BF_OK ? insert_trial(writer, row, begin, err) : status;
+        BF_TRY(
+            store__submit_trial(writer, begin->submission, row->study.id, begin->trial.run, err));
+    return insert_trial(writer, row, begin, err);
 }
 
 /// A step, and the study that it is of.
@@ -77,15 +75,14 @@ static bf_status write_trials(store__connection *writer, step_context *context, 
 {
     const store_study_step *step = context->step;
     store_study *row = &context->row;
-    bf_status status = BF_OK;
 
-    for (size_t k = 0; k < step->n_ends && status == BF_OK; k++)
-        status = end_trial(writer, row, &step->ends[k], err);
-    if (step->n_begins > 0 && status == BF_OK)
-        status = store__check_room(context->store, err);
-    for (size_t k = 0; k < step->n_begins && status == BF_OK; k++)
-        status = begin_trial(writer, row, &step->begins[k], err);
-    return status;
+    for (size_t k = 0; k < step->n_ends; k++)
+        BF_TRY(end_trial(writer, row, &step->ends[k], err));
+    if (step->n_begins > 0)
+        BF_TRY(store__check_room(context->store, err));
+    for (size_t k = 0; k < step->n_begins; k++)
+        BF_TRY(begin_trial(writer, row, &step->begins[k], err));
+    return BF_OK;
 }
 
 static bf_status apply_step(store__connection *writer, store__operation *operation, bf_error *err)
@@ -94,25 +91,23 @@ static bf_status apply_step(store__connection *writer, store__operation *operati
     const store_study_step *step = context->step;
     store_study *row = &context->row;
 
-    bf_status status = store__find_study(writer, step->id, row, err);
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__find_study(writer, step->id, row, err));
     const bool is_running =
         row->study.state == API_STUDY_RUNNING && row->stop_request == STORE_STOP_NONE;
     if (api_study_state_is_end(row->study.state) || (step->n_begins > 0 && !is_running))
         return bf_fail(err, BF_ECONFLICT, "", "the study is %s",
                        api_study_state_word(row->study.state));
-    status = write_trials(writer, context, err);
-    if (status == BF_OK && step->best != NULL)
-        status = store__put_study_text(writer, row, API_STUDY_BEST, step->best, err);
-    if (status == BF_OK && step->state < API_STUDY_STATES) {
+    BF_TRY(write_trials(writer, context, err));
+    if (step->best != NULL)
+        BF_TRY(store__put_study_text(writer, row, API_STUDY_BEST, step->best, err));
+    if (step->state < API_STUDY_STATES) {
         row->study.error = step->error;
-        status = store__move_study(row, step->state, err);
+        BF_TRY(store__move_study(row, step->state, err));
     }
-    if (status == BF_OK && step->cpu_s > 0.0)
-        status = store__charge_owner(writer, row->study.owner, step->cpu_s, err);
+    if (step->cpu_s > 0.0)
+        BF_TRY(store__charge_owner(writer, row->study.owner, step->cpu_s, err));
     memcpy(operation->changed, row->study.id, API_ID_SIZE);
-    return status == BF_OK ? store__save_study(writer, row, err) : status;
+    return store__save_study(writer, row, err);
 }
 
 bf_status store_step_study(store *s, const store_study_step *step, api_study *ret_study,
@@ -121,10 +116,9 @@ bf_status store_step_study(store *s, const store_study_step *step, api_study *re
     step_context context = { .store = s, .step = step };
 
     // Ends need no room of their own, begins have checked for theirs.
-    bf_status status = store__write_freeing(s, apply_step, &context, err);
-    if (status == BF_OK)
-        *ret_study = context.row.study;
-    return status;
+    BF_TRY(store__write_freeing(s, apply_step, &context, err));
+    *ret_study = context.row.study;
+    return BF_OK;
 }
 
 static bool read_doubles(const store__query *q, int column, double *ret_values, size_t size,
@@ -206,20 +200,17 @@ static bf_status apply_forget(store__connection *writer, store__operation *opera
     store_study row;
     store__row left;
 
-    bf_status status = store__find_study(writer, context->id, &row, err);
-    if (status == BF_OK)
-        status = store__find(writer, STORE__SQL_NEXT_RUN_OF_STUDY, &store__run_record, &left,
-                             &has_run, err, TEXT(context->id));
-    if (status != BF_OK)
-        return status;
+    BF_TRY(store__find_study(writer, context->id, &row, err));
+    BF_TRY(store__find(writer, STORE__SQL_NEXT_RUN_OF_STUDY, &store__run_record, &left, &has_run,
+                       err, TEXT(context->id)));
     if (has_run ||
         (row.stop_request != STORE_STOP_KILL && !api_study_state_is_end(row.study.state)))
         return bf_fail(err, BF_ECONFLICT, "", "the study is at work or has runs");
     memcpy(operation->changed, row.study.id, API_ID_SIZE);
-    status = store__exec(writer, STORE__SQL_DELETE_TRIALS, err, INTEGER(row.rowid),
-                         INTEGER(TRIALS_A_STEP));
-    if (status != BF_OK || sqlite3_changes(writer->db) == TRIALS_A_STEP)
-        return status;
+    BF_TRY(store__exec(writer, STORE__SQL_DELETE_TRIALS, err, INTEGER(row.rowid),
+                       INTEGER(TRIALS_A_STEP)));
+    if (sqlite3_changes(writer->db) == TRIALS_A_STEP)
+        return BF_OK;
     context->is_over = true;
     return store__exec(writer, STORE__SQL_DELETE_STUDY, err, INTEGER(row.rowid));
 }
@@ -227,9 +218,8 @@ static bf_status apply_forget(store__connection *writer, store__operation *opera
 bf_status store_forget_study(store *s, const char *id, bf_error *err)
 {
     forget_context context = { .id = id };
-    bf_status status = BF_OK;
 
-    while (status == BF_OK && !context.is_over)
-        status = store__write_freeing(s, apply_forget, &context, err);
-    return status;
+    while (!context.is_over)
+        BF_TRY(store__write_freeing(s, apply_forget, &context, err));
+    return BF_OK;
 }
