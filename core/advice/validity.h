@@ -48,6 +48,9 @@ typedef enum validity_figure {
     VALIDITY_NEXT_BELT, ///< belt behind a plate whose opening is full, up to a belt of another velocity, diameters (layout.h)
     VALIDITY_FUNNEL_ANGLE, ///< least angle of several plates whose opening is full, degrees
     VALIDITY_SLIDING,      ///< mu of parts on plates at less than 50 degrees whose opening is full
+    VALIDITY_RUBBING,      ///< mu of parts on parts whose opening is nearly full
+    VALIDITY_PULL,         ///< v^2/(2 mu g) where the opening is nearly full, diameters
+    VALIDITY_LANE_QUEUE,   ///< belt upstream of a full lane that feeds may fill, diameters
     VALIDITY_BESIDE,       ///< feeds that leave some of their belt free where cargo queues
     VALIDITY_BRIDGES, ///< queues before the narrowest opening that stop for good within 1,000 parts, % (bridges.h)
     VALIDITY_SWEPT,   ///< the narrowest that plates come to where they move, diameters

@@ -27,6 +27,9 @@
 /// From this share of what a full opening passes on, cargo queues before it.
 #define FULL 0.95
 
+/// From this share on parts that are rough, or come on a fast belt, fill an opening.
+#define NEARLY_FULL 0.7
+
 /// From this share on parts that arrive by chance queue now and then.
 #define QUEUES 0.5
 
@@ -183,6 +186,25 @@ static void note_queue(measures *f, const layout *of)
          "/obstacles/%zu", of->opening.index);
 }
 
+/// Part diameters within which the belts bring a part to the speed of the fastest; NAN: never.
+static double diameters_to_speed(const measures *f)
+{
+    const double speed = scene_belt_speed(f->s), gravity = f->s->micro.gravity,
+                 friction = belt_slope_least_drive(f->s->n_belts, f->s->belts,
+                                                   &f->s->micro.contact[SCENE_CONVEYOR_CARGO]);
+
+    return friction * gravity > 0.0 ? 0.5 * speed * speed / (friction * gravity * f->diameter)
+                                    : NAN;
+}
+
+/// What matters from NEARLY_FULL on.
+static void note_nearly_full(measures *f)
+{
+    note(f, VALIDITY_RUBBING, f->s->micro.contact[SCENE_CARGO_CARGO].friction,
+         "/contacts/cargo_cargo/friction");
+    note(f, VALIDITY_PULL, diameters_to_speed(f), "/belts");
+}
+
 /// What matters where feeds keep the opening full.
 static void note_full(measures *f, const layout *of)
 {
@@ -195,10 +217,11 @@ static void note_full(measures *f, const layout *of)
         note(f, VALIDITY_SLIDING, f->s->micro.contact[SCENE_HANDLING_CARGO].friction,
              "/contacts/handling_cargo/friction");
     for (size_t k = 0; k < f->s->n_feeds; k++) {
-        const scene_feed *feed = &f->s->feeds[k];
-        note(f, VALIDITY_QUEUE,
-             length_before(f->s, feed, &f->s->obstacles[of->opening.index]) / f->diameter,
-             "/feeds/%zu", k);
+        const scene_obstacle *plate = &f->s->obstacles[of->opening.index];
+        const double before = length_before(f->s, &f->s->feeds[k], plate) / f->diameter;
+        note(f, VALIDITY_QUEUE, before, "/feeds/%zu", k);
+        if (of->least_bends > 0.0)
+            note(f, VALIDITY_LANE_QUEUE, before, "/feeds/%zu", k);
     }
 }
 
@@ -229,6 +252,8 @@ static void note_heap(measures *f, const layout *of)
         return;
     const double load = f->rate / full_rate(f, of);
     note(f, VALIDITY_LOAD, 100.0 * load, "/feeds");
+    if (load >= NEARLY_FULL)
+        note_nearly_full(f);
     if (load >= FULL)
         note_full(f, of);
 }
@@ -684,12 +709,7 @@ static void note_figures(measures *f)
     note(f, VALIDITY_WALL, of->wall_angle.value, "/edges/%s", sides[of->wall_angle.index]);
     note_heap(f, of);
     note_speeds(f);
-    const double speed = scene_belt_speed(f->s), gravity = f->s->micro.gravity,
-                 friction = belt_slope_least_drive(f->s->n_belts, f->s->belts,
-                                                   &f->s->micro.contact[SCENE_CONVEYOR_CARGO]);
-    note(f, VALIDITY_ACCELERATION,
-         friction * gravity > 0.0 ? 0.5 * speed * speed / (friction * gravity * f->diameter) : NAN,
-         "/belts");
+    note(f, VALIDITY_ACCELERATION, diameters_to_speed(f), "/belts");
     note_cargo(f);
     note_frictions(f);
     note_constants(f);

@@ -55,6 +55,18 @@
     "A queue that slides along a shallow deflector of little friction pushes through faster than " \
     "its belt, one of high friction more slowly: the density model let 16 % too few to 11 % too "  \
     "many through."
+#define SMOOTH                                                                                     \
+    "Parts that do not rub press out of a short queue less: the density model let up to 13 % too " \
+    "many of them through."
+#define ROUGH                                                                                      \
+    "Very rough parts get out more easily than the density model says: it let 5 to 10 % too few "  \
+    "through, and up to 28 % on a fast belt."
+#define PULLED                                                                                     \
+    "A fast belt pulls parts out of a steep opening, the rougher they are the more so: the "       \
+    "density model let up to 16 % too few through."
+#define LANE_QUEUE                                                                                 \
+    "A short queue presses less into a lane: of parts that queued on 2 to 6 diameters the "        \
+    "density model let 6 to 18 % too many through."
 #define PUSHED                                                                                     \
     "Streams along two shallow deflectors push each other through faster than their belt: the "    \
     "density model let 7 to 12 % too few through."
@@ -176,6 +188,26 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                            "",
                            NULL,
                            { ANY, { 0.1, 0.4, SLIDES, SLIDES }, ANY } },
+    [VALIDITY_RUBBING] = { NULL,
+                           "The opening is nearly full, and the friction of parts on parts is",
+                           "",
+                           "",
+                           NULL,
+                           { ANY, { 0.05, 0.6, SMOOTH, ROUGH }, ANY } },
+    [VALIDITY_PULL] = { "diameters",
+                        "The opening is nearly full, and the fastest belt brings a part to its "
+                        "speed "
+                        "within",
+                        " part diameters",
+                        " diameters",
+                        NULL,
+                        { ANY, UP_TO(1.0, PULLED), ANY } },
+    [VALIDITY_LANE_QUEUE] = { "diameters",
+                              "A lane is full, and cargo may queue before it on",
+                              " part diameters of belt",
+                              " diameters",
+                              NULL,
+                              { ANY, { 8.0, INFINITY, LANE_QUEUE, NULL }, ANY } },
     [VALIDITY_BESIDE] = { NULL,
                           "Cargo may queue, and the number of feeds that leave some of "
                           "their belt free is",
@@ -529,6 +561,9 @@ const char *const validity_words[] = {
     [VALIDITY_NEXT_BELT] = "next_belt",
     [VALIDITY_FUNNEL_ANGLE] = "funnel_angle",
     [VALIDITY_SLIDING] = "sliding",
+    [VALIDITY_RUBBING] = "rubbing",
+    [VALIDITY_PULL] = "pull",
+    [VALIDITY_LANE_QUEUE] = "lane_queue",
     [VALIDITY_BESIDE] = "beside",
     [VALIDITY_BRIDGES] = "bridges",
     [VALIDITY_SWEPT] = "swept_opening",

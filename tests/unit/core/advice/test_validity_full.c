@@ -1,6 +1,7 @@
 // What lies outside the comparison of the models where feeds keep an opening full, with the values computed by hand.
 
 #include "core/advice/validity.h"
+#include "core/base/memory.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_cmocka.h"
 
@@ -110,6 +111,55 @@ static void another_belt_behind_a_full_opening_was_not_compared(void **state)
     scene_fini(&s);
 }
 
+// From 0.7 of the 133 parts/s on that pass when it is full.
+static void friction_of_parts_was_compared_in_a_range_where_an_opening_is_nearly_full(void **state)
+{
+    scene s;
+
+    make_full(&s, 60.0);
+    double *friction = &s.micro.contact[SCENE_CARGO_CARGO].friction;
+    s.feeds[0].rate = 100.0;
+    assert_true(isnan(value_outside(&s, VALIDITY_RUBBING)));
+    *friction = 0.0;
+    assert_near(value_outside(&s, VALIDITY_RUBBING), 0.0, 0.0);
+    *friction = 0.8;
+    assert_near(value_outside(&s, VALIDITY_RUBBING), 0.8, 0.0);
+    s.feeds[0].rate = 80.0;
+    assert_true(isnan(value_outside(&s, VALIDITY_RUBBING)));
+    scene_fini(&s);
+}
+
+// v^2/(2 mu g) on a belt of friction 0.2 at 0.395 m/s is 1.66 diameters of 24 mm.
+static void fast_belts_were_not_compared_where_an_opening_is_nearly_full(void **state)
+{
+    scene s;
+
+    make_full(&s, 60.0);
+    assert_true(isnan(value_outside(&s, VALIDITY_PULL)));
+    s.micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.2;
+    assert_near(value_outside(&s, VALIDITY_PULL), 0.395 * 0.395 / (0.4 * 9.81 * 0.024), 1e-9);
+    s.feeds[0].rate = 80.0;
+    assert_true(isnan(value_outside(&s, VALIDITY_PULL)));
+    scene_fini(&s);
+}
+
+// A plate at 60 degrees that goes on along the belt, with its foot 21.6 and 5 diameters of 24 mm behind the feed.
+static void short_queues_before_full_lanes_were_not_compared(void **state)
+{
+    scene s;
+
+    make_full(&s, 60.0);
+    const vec2 foot = s.obstacles[0].path[0], tip = s.obstacles[0].path[1];
+    const vec2 lane[] = { foot, tip, { tip.x + 0.1, tip.y } };
+    memory_free(s.obstacles[0].path);
+    s.n_obstacles = 0;
+    helper_scene_add_obstacle(&s, lane, 3, SCENE_SEALED);
+    assert_true(isnan(value_outside(&s, VALIDITY_LANE_QUEUE)));
+    s.feeds[0].line[0].x = s.feeds[0].line[1].x = foot.x - 0.12;
+    assert_near(value_outside(&s, VALIDITY_LANE_QUEUE), 5.0, 1e-6);
+    scene_fini(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -117,6 +167,9 @@ int main(void)
         cmocka_unit_test(shallow_funnels_were_not_compared_where_they_are_full),
         cmocka_unit_test(feeds_on_a_part_of_the_belt_were_not_compared_where_cargo_queues),
         cmocka_unit_test(another_belt_behind_a_full_opening_was_not_compared),
+        cmocka_unit_test(friction_of_parts_was_compared_in_a_range_where_an_opening_is_nearly_full),
+        cmocka_unit_test(fast_belts_were_not_compared_where_an_opening_is_nearly_full),
+        cmocka_unit_test(short_queues_before_full_lanes_were_not_compared),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
