@@ -108,11 +108,14 @@ static void note_syntax(json_in *in, const char *json, size_t n, const json_erro
     enum json_error_code code = json_error_code(error);
     size_t position = error->position < 0 ? 0 : (size_t)error->position;
 
-    if (code == json_error_duplicate_key || code == json_error_numeric_overflow)
+    if (code == json_error_duplicate_key || code == json_error_numeric_overflow ||
+        code == json_error_null_character)
         json_scan(json, position < n ? position : n, &place, at.pointer.text,
                   sizeof at.pointer.text);
+    // Jansson's own words name a flag of its functions.
     json_in_fault(&at, "line %d, column %d: %s%s", error->line, error->column,
-                  at.pointer.text[0] == '\0' ? "not JSON: " : "", error->text);
+                  at.pointer.text[0] == '\0' ? "not JSON: " : "",
+                  code == json_error_null_character ? "\\u0000 is not allowed" : error->text);
 }
 
 struct json_t *json_in_parse(json_in *in, const char *json, size_t n)

@@ -51,6 +51,7 @@ static const bad_document not_json[] = {
     { "/duration_s", "{'duration_s': -Infinity}", "NaN and Infinity" },
     { "/duration_s", "{'duration_s': 1e999}", "line 1" },
     { "/domain/x_m/1", "{'domain': {'x_m': [0, -1e400]}}", NULL },
+    { "/name", "{'name': 'a\\u0000b'}", "line 1, column 19: \\u0000 is not allowed" },
     { "/duration_s", "{'duration_s': 1, 'duration_s': 2}", "duplicate" },
     { "/macro/cell_m", "{'macro': {'cell_m': 1,\n\n 'cell_m': 2}}", "line 3" },
     { "/belts/1/id", "{'belts': [{'id': 'a'}, {'id': 'b', 'id': 'c'}]}", NULL },
