@@ -8,18 +8,24 @@
 #include <stdio.h>
 #include <string.h>
 
+// Behind its place in the document, or the command where it has none.
+static void print_error(const char *command, const bf_error *err)
+{
+    fprintf(stderr, "%s: %s\n", err->pointer[0] != '\0' ? err->pointer : command, err->text);
+}
+
 cmd_exit cmd_fail(const char *command, const bf_error *err)
 {
     bool is_input = err->code == BF_EINPUT || err->code == BF_ELIMIT;
 
-    fprintf(stderr, "%s: %s\n", err->pointer[0] != '\0' ? err->pointer : command, err->text);
+    print_error(command, err);
     return is_input ? CMD_BAD_INPUT : CMD_FAILED;
 }
 
 cmd_exit cmd_print_faults(const char *command, const bf_faults *faults)
 {
     for (size_t i = 0; i < faults_kept(faults); i++)
-        fprintf(stderr, "%s: %s\n", faults->items[i].pointer, faults->items[i].text);
+        print_error(command, &faults->items[i]);
     if (faults->n > faults_kept(faults))
         fprintf(stderr, "%s: %zu further faults are not shown\n", command,
                 faults->n - faults_kept(faults));

@@ -110,6 +110,7 @@ test("check says yes, or names the places and leaves with 2", async () => {
   assert.match(bad.stderr, /^\/a: .+$/m);
   const text = await beltflow(["check", "-"], { input: "{" });
   assert.equal(text.status, 2);
+  assert.match(text.stderr, /^beltflow check: line 1, column 1: not JSON: /);
 });
 
 test("check warns of results that are to be doubted, and says yes", async () => {
