@@ -90,8 +90,10 @@ http_connection *http__connection_open(http *h, int fd, const struct sockaddr *p
     c->server = h;
     c->fd = fd;
     c->has_key = http_client_of_connection(peer, &h->proxies, c->key);
-    c->framing.body_limit = h->options.body_limit;
-    if (!http__recv_begin(c)) {
+    c->received = (http_recv){ .framing = { .body_limit = h->options.body_limit },
+                               .refuse = http__request_refuse_framing,
+                               .context = c };
+    if (!http_recv_begin(fd, &c->received)) {
         memory_free(c);
         return NULL;
     }
@@ -127,7 +129,7 @@ void http__connection_close(http_connection *c)
         return;
     http *h = c->server;
 
-    http__recv_end(c);
+    http_recv_end(c->fd);
     lock_acquire(&h->lock);
     unlink_connection(h, c);
     h->n_connections--;

@@ -2,29 +2,15 @@
 
 #include "api/http/exchange.h"
 #include "api/http/query.h"
+#include "server/http/mhd/framing.h"
 
-#include <ctype.h>
 #include <string.h>
 #include <strings.h>
-
-bool http_guard_is_token(char c)
-{
-    unsigned char u = (unsigned char)c;
-
-    return u < 0x80 && (isalnum(u) || (u != '\0' && strchr("!#$%&'*+-.^_`|~", u) != NULL));
-}
-
-bool http_guard_is_control(char c)
-{
-    unsigned char u = (unsigned char)c;
-
-    return (u < 0x20 && u != '\t') || u == 0x7f;
-}
 
 static bool is_token(const char *text, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        if (!http_guard_is_token(text[i]))
+        if (!http_framing_is_token(text[i]))
             return false;
     }
     return n > 0;
@@ -33,7 +19,7 @@ static bool is_token(const char *text, size_t n)
 static bool has_control_byte(const char *text, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        if (http_guard_is_control(text[i]))
+        if (http_framing_is_control(text[i]))
             return true;
     }
     return false;

@@ -27,12 +27,6 @@ typedef struct http_guard {
 void http_guard_header(http_guard *g, const char *name, size_t n_name, const char *value,
                        size_t n_value);
 
-/// True for the bytes that a token has (RFC 9110, 5.6.2).
-bool http_guard_is_token(char c);
-
-/// True for control bytes but the tab.
-bool http_guard_is_control(char c);
-
 /// The header ends at end: is all of it accounted for?
 void http_guard_end(http_guard *g, const char *end);
 

@@ -20,11 +20,11 @@
 #include "server/base/lock.h"
 #include "server/base/metrics.h"
 #include "server/http/client.h"
-#include "server/http/content_lengths.h"
-#include "server/http/framing.h"
 #include "server/http/http.h"
 #include "server/http/limit.h"
 #include "server/http/listen.h"
+#include "server/http/mhd/content_lengths.h"
+#include "server/http/mhd/recv.h"
 #include "server/http/page.h"
 #include "server/http/pull.h"
 #include "server/http/trace.h"
@@ -52,7 +52,7 @@ typedef struct http_connection {
     int fd;                            ///< MHD's socket; valid while in the list
     bool has_key;                      ///< it counts among those of a client:
     uint8_t key[HTTP_CLIENT_KEY_SIZE]; ///< of this one
-    http_framing framing;              ///< of what is received, by the thread that receives it
+    http_recv received;                ///< what it receives
     http_request *request;   ///< its header is complete, and it has not ended; by that thread
     unsigned n_begun;        ///< headers that MHD read; by that thread
     int64_t deadline_ms;     ///< shut down then (clock_monotonic_ms()); -1: never
@@ -151,12 +151,6 @@ struct http {
     int64_t linger_until[HTTP_LINGER_MAX]; ///< closed then
 };
 
-// recv.c
-
-/// From now on what the connection receives is followed. False: its descriptor is too high.
-bool http__recv_begin(http_connection *c);
-void http__recv_end(const http_connection *c);
-
 // connection.c
 
 /// A new connection (NULL: no memory, or too many descriptors), in the list, with the deadline for its first header;
@@ -202,10 +196,10 @@ bool http__request_advance(http_request *r, const char *method, const char *vers
 /// To be called then, on its thread: answers the request, and ends what is sent on its connection.
 void http__request_refuse_length(void);
 
-/// The framing of what the connection receives is at fault (c->framing.refusal). True if that is the request
+/// The framing of what the http_connection receives is at fault. True if that is the request
 /// whose body is being received: then it is answered, and the connection must not be read any more. Else
 /// the refusal waits for its header.
-bool http__request_refuse_framing(http_connection *c);
+bool http__request_refuse_framing(void *connection);
 
 /// Charge the client of a request for the CPU time of this thread since begun_ns (clock_thread_cpu_ns()).
 void http__request_charge(http_request *r, int64_t begun_ns);

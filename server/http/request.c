@@ -126,7 +126,7 @@ void http__request_refuse_length(void)
 // True if the framing of this request's body is at fault, as far as it was received.
 static bool is_misframed(http_request *r)
 {
-    const http_framing *f = &r->connection->framing;
+    const http_framing *f = &r->connection->received.framing;
 
     if (f->refusal == 0 || f->n_messages != r->connection->n_begun)
         return false;
@@ -134,8 +134,9 @@ static bool is_misframed(http_request *r)
     return true;
 }
 
-bool http__request_refuse_framing(http_connection *c)
+bool http__request_refuse_framing(void *connection)
 {
+    const http_connection *c = connection;
     http_request *r = c->request;
 
     if (r == NULL || r->stage != HTTP_STAGE_BODY || !is_misframed(r))

@@ -3,7 +3,7 @@
 #include "tests/fuzz/fuzz.h"
 
 #include "core/base/buffer.h"
-#include "server/http/framing.h"
+#include "server/http/mhd/framing.h"
 
 #include <string.h>
 

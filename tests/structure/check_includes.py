@@ -39,7 +39,8 @@ ARROWS = {
 # What each folder of the server may include from beside what all of them may: core and api.
 for folder, known in {
     "server/base": set(),
-    "server/http": {"server/base"},
+    "server/http": {"server/base", "server/http/mhd"},
+    "server/http/mhd": {"server/base"},
     "server/store": {"server/base"},
     "server/run": {"server/base", "server/store"},
     "server/pull": {"server/base", "server/run"},

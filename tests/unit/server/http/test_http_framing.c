@@ -1,6 +1,6 @@
 // The framing of requests (RFC 9112, 6 and 7.1): the pure function that follows it, and what the server makes of it.
 
-#include "server/http/framing.h"
+#include "server/http/mhd/framing.h"
 
 #include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"

@@ -1,10 +1,22 @@
-#include "server/http/framing.h"
-
-#include "server/http/guard.h"
+#include "server/http/mhd/framing.h"
 
 #include <ctype.h>
 #include <string.h>
 #include <strings.h>
+
+bool http_framing_is_token(char c)
+{
+    unsigned char u = (unsigned char)c;
+
+    return u < 0x80 && (isalnum(u) || (u != '\0' && strchr("!#$%&'*+-.^_`|~", u) != NULL));
+}
+
+bool http_framing_is_control(char c)
+{
+    unsigned char u = (unsigned char)c;
+
+    return (u < 0x20 && u != '\t') || u == 0x7f;
+}
 
 static void refuse(http_framing *f, int status, const char *fault)
 {
@@ -187,7 +199,7 @@ static void follow_chunk(http_framing *f, char c)
     case HTTP_FRAMING_CHUNK_EXTENSION:
         if (c == '\r')
             f->stage = HTTP_FRAMING_CHUNK_LF;
-        else if (http_guard_is_control(c))
+        else if (http_framing_is_control(c))
             refuse(f, 400, "a chunk's extension has a control byte");
         break;
     case HTTP_FRAMING_CHUNK_LF:
@@ -221,7 +233,7 @@ static void follow_trailer(http_framing *f, char c)
             f->stage = HTTP_FRAMING_LAST_LF;
         else if (c == ':' && f->n_name > 0)
             f->stage = HTTP_FRAMING_TRAILER_VALUE;
-        else if (http_guard_is_token(c))
+        else if (http_framing_is_token(c))
             f->n_name++;
         else
             refuse(f, 400, "a trailer's name is not a token");
@@ -229,7 +241,7 @@ static void follow_trailer(http_framing *f, char c)
     case HTTP_FRAMING_TRAILER_VALUE:
         if (c == '\r')
             f->stage = HTTP_FRAMING_TRAILER_LF;
-        else if (http_guard_is_control(c))
+        else if (http_framing_is_control(c))
             refuse(f, 400, "a trailer's value has a control byte");
         break;
     case HTTP_FRAMING_TRAILER_LF:

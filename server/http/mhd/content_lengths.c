@@ -1,4 +1,4 @@
-#include "server/http/content_lengths.h"
+#include "server/http/mhd/content_lengths.h"
 
 #include "core/base/digest.h"
 

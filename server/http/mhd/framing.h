@@ -68,6 +68,12 @@ typedef struct http_framing {
     const char *fault;                 ///< why
 } http_framing;
 
+/// True for the bytes that a token has (RFC 9110, 5.6.2).
+bool http_framing_is_token(char c);
+
+/// True for control bytes but the tab.
+bool http_framing_is_control(char c);
+
 /// Follow the next n bytes of the connection, which stand at bytes + f->n_held: what was held back goes before them.
 /// Returns how many bytes stand at `bytes` afterwards. Once refusal is set, nothing more is looked at.
 size_t http_framing_follow(http_framing *f, char *bytes, size_t n);
