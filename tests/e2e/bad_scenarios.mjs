@@ -385,7 +385,7 @@ export const badTexts = [
   ["a key given twice", '{"scenario": {"duration_s": 1, "duration_s": 2}}', "/scenario/duration_s"],
   ["a broken escape", '{"scenario": {"name": "\\q"}}'],
   ["half a surrogate pair", '{"scenario": {"name": "\\ud800"}}'],
-  ["a NUL in a text", '{"scenario": {"name": "a\\u0000b"}}'],
+  ["a NUL in a text", '{"scenario": {"name": "a\\u0000b"}}', "/scenario/name"],
   ["bytes that are not UTF-8", Buffer.from([0x7b, 0x22, 0xff, 0xfe, 0x22, 0x3a, 0x31, 0x7d])],
   ["a NUL byte", Buffer.from('{"scenario": {}}\0')],
   ["100,000 nested arrays", "[".repeat(100_000), "/0".repeat(32)],
