@@ -50,10 +50,10 @@
     "13 % too few passed."
 #define BESIDE                                                                                     \
     "Beside such a feed cargo queues, or none comes: where it was full the density model let "     \
-    "13 % too few to 19 % too many through, and none where parts still passed a closed corner."
+    "12 % too few to 19 % too many through, and none where parts still passed a closed corner."
 #define SLIDES                                                                                     \
     "A queue that slides along a shallow deflector of little friction pushes through faster than " \
-    "its belt, one of high friction more slowly: the density model let 16 % too few to 11 % too "  \
+    "its belt, one of high friction more slowly: the density model let 14 % too few to 11 % too "  \
     "many through."
 #define SMOOTH                                                                                     \
     "Parts that do not rub press out of a short queue less: the density model let up to 13 % too " \
@@ -72,7 +72,7 @@
     "density model let 7 to 12 % too few through."
 #define NEXT_BELT                                                                                  \
     "Parts are pulled out of the opening by a faster belt, or pushed into what a slower one "      \
-    "holds: the density model let 17 % too few to 21 % too many through."
+    "holds: the density model let 16 % too few to 21 % too many through."
 #define QUEUE                                                                                      \
     "The rate of a full outlet depends on how much cargo waits: it rises by 5 to 18 % when "       \
     "moving parts queue "                                                                          \
