@@ -189,13 +189,6 @@ static void join_bodies(measuring *m, double to_wall, double to_piece)
 
 // ---- openings: the distances of bodies
 
-static bool is_in_domain(const measuring *m, vec2 at)
-{
-    const scene_rect *d = &m->s->domain;
-
-    return at.x >= d->x_min && at.x <= d->x_max && at.y >= d->y_min && at.y <= d->y_max;
-}
-
 /// True if two segments cross; with touching also if an end of one lies on the other's line.
 static bool segments_cross(vec2 a, vec2 b, vec2 c, vec2 d, bool touching)
 {
@@ -276,7 +269,8 @@ static bool is_passage(measuring *m, vec2 a, vec2 b, bool are_guides)
         const vec2 belt = belt_under(m, at);
         const double speed = vec2_length(belt);
         m->steps += m->steps_of_lookup;
-        if (!is_in_domain(m, at) || speed == 0.0 || is_behind_plate(m, at, belt))
+        if (!surroundings_is_inside(&m->s->domain, at) || speed == 0.0 ||
+            is_behind_plate(m, at, belt))
             continue;
         if (!are_guides ||
             (fabs(vec2_cross(to, belt)) > SURROUNDINGS_GUIDE_SINE * speed * vec2_length(to) &&
@@ -456,7 +450,8 @@ static double way_to_next_belt(const measuring *m, vec2 tip, vec2 belt)
         double low = (k - 1) * step, high = k * step;
         const vec2 at = vec2_add(from, vec2_scale(ahead, high));
         const size_t next = surroundings_belt_at(&m->around, at);
-        if (!is_in_domain(m, at) || next == m->around.n_belts || m->around.belts[next].arc.is_given)
+        if (!surroundings_is_inside(&m->s->domain, at) || next == m->around.n_belts ||
+            m->around.belts[next].arc.is_given)
             return INFINITY;
         if (is_same_velocity(m->around.belts[next].velocity, own))
             continue;

@@ -90,13 +90,13 @@ static double round_fraction(const scene *s)
     return (double)n_round / (double)of;
 }
 
-static double fastest_of(const scene *s)
+static double largest_belt_speed(const scene *s)
 {
-    double fastest = 0.0;
+    double largest = 0.0;
 
     for (size_t k = 0; k < s->n_sections; k++)
-        fastest = fmax(fastest, belt_largest_speed(&s->belts[k]));
-    return fastest;
+        largest = fmax(largest, belt_largest_speed(&s->belts[k]));
+    return largest;
 }
 
 static void set_macro(const scene *s, const prediction_load *load, prediction_work *work)
@@ -160,7 +160,7 @@ static bf_status set_micro(const scene *s, const prediction_load *load, predicti
         work->kind >= PREDICTION_SPATIAL_VERLET ? round_fraction(s) * load->parts * per_s : 0.0;
     amounts[PREDICTION_PAIR_STEPS] = load->pairs * per_s * times;
     amounts[PREDICTION_LISTED_PAIRS] =
-        load->pairs * fastest_of(s) / sqrt(scene_mean_footprint(s) / M_PI);
+        load->pairs * largest_belt_speed(s) / sqrt(scene_mean_footprint(s) / M_PI);
     return BF_OK;
 }
 

@@ -30,8 +30,7 @@ static bool look_at(void *context, size_t j, size_t first, size_t last)
         f->is_left_out = f->steps > STEPS_MAX;
         if (f->is_left_out)
             return false;
-        f->is_crossed = at.x >= f->domain->x_min && at.x <= f->domain->x_max &&
-                        at.y >= f->domain->y_min && at.y <= f->domain->y_max &&
+        f->is_crossed = surroundings_is_inside(f->domain, at) &&
                         vec2_length(surroundings_velocity_under(&f->around, at)) > 0.0;
     }
     return !f->is_crossed;

@@ -139,11 +139,6 @@ static bool has_plate_across(const scene *s, vec2 from, vec2 to)
     return false;
 }
 
-static bool is_inside(const scene_rect *d, vec2 at)
-{
-    return at.x >= d->x_min && at.x <= d->x_max && at.y >= d->y_min && at.y <= d->y_max;
-}
-
 /// True if cargo can queue beside the line of a feed, on the belt that it is on.
 static bool leaves_belt_free(const measures *f, const scene_feed *feed)
 {
@@ -153,7 +148,7 @@ static bool leaves_belt_free(const measures *f, const scene_feed *feed)
 
     for (int k = 0; k < 2 && vec2_length(line) > 0.0; k++) {
         const vec2 to = vec2_add(feed->line[k], vec2_scale(line, k == 0 ? -beyond : beyond));
-        if (is_inside(&f->s->domain, to) &&
+        if (surroundings_is_inside(&f->s->domain, to) &&
             surroundings_belt_at(&around, to) == surroundings_belt_at(&around, feed->line[k]) &&
             !has_plate_across(f->s, feed->line[k], to))
             return true;

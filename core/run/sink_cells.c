@@ -12,10 +12,10 @@
 #define BESIDE  (2.0 * SCENE_TOLERANCE)
 
 // Where sinks are looked up for a cell, from its centre.
-static const vec2 places[SINK_CELLS_SIDES] = { [SINK_CELLS_EAST] = { BESIDE, 0.0 },
-                                               [SINK_CELLS_WEST] = { -BESIDE, 0.0 },
-                                               [SINK_CELLS_NORTH] = { 0.0, BESIDE },
-                                               [SINK_CELLS_SOUTH] = { 0.0, -BESIDE } };
+static const vec2 offsets[SINK_CELLS_SIDES] = { [SINK_CELLS_EAST] = { BESIDE, 0.0 },
+                                                [SINK_CELLS_WEST] = { -BESIDE, 0.0 },
+                                                [SINK_CELLS_NORTH] = { 0.0, BESIDE },
+                                                [SINK_CELLS_SOUTH] = { 0.0, -BESIDE } };
 
 static sink_cells_side side_of(vec2 from_line)
 {
@@ -27,7 +27,7 @@ static sink_cells_side side_of(vec2 from_line)
 // The first of n rows or columns whose centre is not below x.
 static size_t first_from(double lower, double d, size_t n, double x)
 {
-    return (size_t)fmin(fmax(ceil((x - lower) / d - 0.5), 0.0), (double)n);
+    return grid_clamp(ceil((x - lower) / d - 0.5), n);
 }
 
 static bool mark_line(void *context, const closed_line *l)
@@ -127,8 +127,8 @@ bf_status sink_cells_visit(const sink_cells *cells, const scene_sink *sink, sink
     for (v.side = SINK_CELLS_CENTRE; v.side < SINK_CELLS_SIDES && v.goes_on && status == BF_OK;
          v.side++) {
         bf_grid moved = cells->grid;
-        moved.lower1 += places[v.side].x;
-        moved.lower2 += places[v.side].y;
+        moved.lower1 += offsets[v.side].x;
+        moved.lower2 += offsets[v.side].y;
         if (cells->has[v.side])
             status = sink_visit_cells(sink, &moved, visit_side, &v);
     }

@@ -1,7 +1,7 @@
 /// Which cells of the density a sink takes from.
 ///
 /// A cell is a sink's if its centre is in the sink's outline. A divider at which sinks end may lie on the centres of a row of cells, and
-/// closes the faces on one side of them (core/macro/closed_lines.h): such cells are the sink's on their other side.
+/// closes the faces on one side of them (core/macro/closed_lines.h): such cells are those of the sink on the side of their open faces.
 
 #pragma once
 

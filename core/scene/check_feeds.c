@@ -7,6 +7,7 @@
 #include "core/scene/plate_range.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene_priv.h"
+#include "core/scene/surroundings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -140,12 +141,6 @@ static void check_demand(const scene *s, const scene_feed *f, const char *feed, 
     }
 }
 
-static bool is_inside(const scene *s, vec2 at)
-{
-    return at.x >= s->domain.x_min && at.x <= s->domain.x_max && at.y >= s->domain.y_min &&
-           at.y <= s->domain.y_max;
-}
-
 static void check_line(const scene *s, size_t k, bf_faults *faults)
 {
     const scene_feed *f = &s->feeds[k];
@@ -154,7 +149,8 @@ static void check_line(const scene *s, size_t k, bf_faults *faults)
 
     if (!f->is_edge) {
         if (scene__check_points(f->line, 2, pointer, false, faults) &&
-            !(is_inside(s, f->line[0]) && is_inside(s, f->line[1])))
+            !(surroundings_is_inside(&s->domain, f->line[0]) &&
+              surroundings_is_inside(&s->domain, f->line[1])))
             faults_add(faults, pointer, "must lie in the domain");
     } else if ((unsigned)f->edge >= SCENE_SIDE_COUNT) {
         faults_add(faults, point_at(k, "/edge", room, sizeof room), "is not a side");

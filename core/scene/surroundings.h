@@ -138,6 +138,13 @@ void surroundings_piece_corners(const surroundings_piece *piece, vec2 ret_corner
 /// The line of a side of the domain.
 surroundings_line surroundings_side(const surroundings *around, scene_side side);
 
+/// True if a point lies in the domain or on its border.
+static inline bool surroundings_is_inside(const scene_rect *domain, vec2 at)
+{
+    return at.x >= domain->x_min && at.x <= domain->x_max && at.y >= domain->y_min &&
+           at.y <= domain->y_max;
+}
+
 /// How far a point lies beyond a side of the domain, m; negative inside.
 static inline double surroundings_excess(const surroundings *around, scene_side side, vec2 at)
 {
