@@ -68,21 +68,6 @@ static bool is_uniform(const face_source *from, size_t at, const uniform_faces *
     return v == uniform->v && (v == 0.0 || from->belt == NULL || from->belt[at] == uniform->belt);
 }
 
-// Copies face `face` of a row; at is its index in the definition's arrays. Returns true if it is closed.
-static bool fill_face(macro_solver *s, macro_faces *faces, const face_source *from, ptrdiff_t row,
-                      ptrdiff_t face, size_t at)
-{
-    bool is_closed = from->closed != NULL && from->closed[at] != 0;
-    double v = is_closed ? 0.0 : velocity_of(from, at);
-
-    macro__row(s, faces->v, row)[face] = v;
-    if (faces->belt != NULL) {
-        macro__row(s, faces->v_full, row)[face] = v;
-        macro__belts(s, faces, row)[face] = from->belt[at];
-    }
-    return is_closed;
-}
-
 // Copies the faces of block b of a row and puts it into the sets it belongs to.
 static void fill_block(macro_solver *s, macro_faces *faces, const face_source *from,
                        const uniform_faces *uniform, ptrdiff_t row, ptrdiff_t b)
@@ -95,7 +80,13 @@ static void fill_block(macro_solver *s, macro_faces *faces, const face_source *f
         if (face < from->first || face >= from->first + from->n_faces)
             continue;
         size_t at = base + (size_t)(face - from->first);
-        bool is_closed = fill_face(s, faces, from, row, face, at);
+        const bool is_closed = from->closed != NULL && from->closed[at] != 0;
+        const double v = is_closed ? 0.0 : velocity_of(from, at);
+        macro__row(s, faces->v, row)[face] = v;
+        if (faces->belt != NULL) {
+            macro__row(s, faces->v_full, row)[face] = v;
+            macro__belts(s, faces, row)[face] = from->belt[at];
+        }
         mask |= (unsigned)is_closed << k;
         n_uniform += !is_closed && is_uniform(from, at, uniform);
         n_faces++;
@@ -166,21 +157,17 @@ static void find_sources(const macro_solver *s, const macro_def *def, face_sourc
     const bool changes = s->speeds != NULL;
     const bool is_congested = def->closure == SCENE_CONGESTED;
 
-    ret_sources[0] = (face_source){ .v = def->v1,
-                                    .aperture = is_congested ? def->aperture1 : NULL,
-                                    .closed = def->closed1,
-                                    .belt = changes ? def->belt1 : NULL,
-                                    .row_stride = def->grid.n1 + 1,
-                                    .first = -1,
-                                    .n_faces = s->n1 + 1,
-                                    .n_rows = s->n2 };
-    ret_sources[1] = (face_source){ .v = def->v2,
-                                    .aperture = is_congested ? def->aperture2 : NULL,
-                                    .closed = def->closed2,
-                                    .belt = changes ? def->belt2 : NULL,
-                                    .row_stride = def->grid.n1,
-                                    .n_faces = s->n1,
-                                    .n_rows = s->n2 + 1 };
+    for (int axis = 0; axis < 2; axis++) {
+        const velocity_field_faces *faces = &def->faces[axis];
+        ret_sources[axis] = (face_source){ .v = faces->v,
+                                           .aperture = is_congested ? faces->aperture : NULL,
+                                           .closed = faces->closed,
+                                           .belt = changes ? faces->belt : NULL,
+                                           .row_stride = def->grid.n1 + (axis == 0),
+                                           .first = axis == 0 ? -1 : 0,
+                                           .n_faces = s->n1 + (axis == 0),
+                                           .n_rows = s->n2 + (axis == 1) };
+    }
 }
 
 // Fills both sets of faces from a definition's arrays.
@@ -193,8 +180,8 @@ static void fill_all(macro_solver *s, const macro_def *def)
     fill_faces(s, &s->faces1, &sources[0], &uniform1);
     fill_faces(s, &s->faces2, &sources[1], &uniform2);
     if (s->open1 != NULL) {
-        fill_open(s, def->closed1, s->n1 + 1, 1, s->open1);
-        fill_open(s, def->closed2, s->n1, s->n1, s->open2);
+        fill_open(s, def->faces[0].closed, s->n1 + 1, 1, s->open1);
+        fill_open(s, def->faces[1].closed, s->n1, s->n1, s->open2);
     }
 }
 
@@ -227,22 +214,13 @@ static ptrdiff_t clamp_face(const macro_solver *s, ptrdiff_t b)
     return face < -1 ? -1 : face > s->n1 ? s->n1 : face;
 }
 
-static void update_faces(const macro_solver *s, const macro_faces *faces, ptrdiff_t row,
-                         ptrdiff_t first, ptrdiff_t last)
-{
-    const double *v_full = macro__row(s, faces->v_full, row);
-    const uint16_t *belt = macro__belts(s, faces, row);
-    double *v = macro__row(s, faces->v, row);
-
-    for (ptrdiff_t i = first; i < last; i++)
-        v[i] = v_full[i] * s->factors[belt[i]];
-}
-
-// uniform is the present velocity of the blocks that are not mixed; NULL: it is always 0.
+// Brings the faces of a row to the present factors; uniform is the velocity of the blocks that are not mixed, NULL: it is always 0.
 static void update_row(const macro_solver *s, const macro_faces *faces, ptrdiff_t row,
                        const double *uniform)
 {
     const uint64_t *mixed = macro__set(s, faces->mixed, row);
+    const double *v_full = macro__row(s, faces->v_full, row);
+    const uint16_t *belt = macro__belts(s, faces, row);
     double *v = macro__row(s, faces->v, row);
     ptrdiff_t b = -1, done = -1;
     block_span run;
@@ -253,7 +231,8 @@ static void update_row(const macro_solver *s, const macro_faces *faces, ptrdiff_
         const ptrdiff_t first = clamp_face(s, run.first), last = clamp_face(s, run.last);
         for (ptrdiff_t i = done; uniform != NULL && i < first; i++)
             v[i] = *uniform;
-        update_faces(s, faces, row, first, last);
+        for (ptrdiff_t i = first; i < last; i++)
+            v[i] = v_full[i] * s->factors[belt[i]];
         done = last;
     }
 }
@@ -298,18 +277,7 @@ void macro_set_field(macro_solver *s, const velocity_field *field, const scene_b
     macro_def def = s->def;
 
     def.belts = belts;
-    def.v1 = field->faces[0].v;
-    def.v2 = field->faces[1].v;
-    def.closed1 = field->faces[0].closed;
-    def.closed2 = field->faces[1].closed;
-    def.belt1 = field->faces[0].belt;
-    def.belt2 = field->faces[1].belt;
-    def.aperture1 = field->faces[0].aperture;
-    def.aperture2 = field->faces[1].aperture;
-    def.transverse1 = field->faces[0].transverse;
-    def.transverse2 = field->faces[1].transverse;
-    def.loose1 = field->faces[0].loose;
-    def.loose2 = field->faces[1].loose;
+    memcpy(def.faces, field->faces, sizeof def.faces);
     s->n_fields++;
     fill_all(s, &def);
     if (s->speeds != NULL)

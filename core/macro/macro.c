@@ -80,28 +80,16 @@ static double face_velocity(const double *v, const uint16_t *belt, const largest
     return v == NULL ? 0.0 : v[k] * (f->n_belts > 0 && belt != NULL ? f->of[belt[k]] : 1.0);
 }
 
-static double largest_speed(const double *v, const uint16_t *belt, const largest_factors *f,
-                            size_t n)
-{
-    double largest = 0.0;
-
-    for (size_t k = 0; k < n; k++) {
-        const double speed = fabs(face_velocity(v, belt, f, k));
-        largest = speed > largest ? speed : largest;
-    }
-    return largest;
-}
-
 // How fast cargo goes out over face k at most, by both its velocities; sign 1: toward rising x.
 static double face_outflow(const macro_def *def, int axis, const largest_factors *f, size_t k,
                            double sign)
 {
-    const double *v = axis == 0 ? def->v1 : def->v2;
-    const double *loose = axis == 0 ? def->loose1 : def->loose2;
-    const uint16_t *belt = axis == 0 ? def->belt1 : def->belt2;
-    const double slide = sign * face_velocity(v, belt, f, k);
+    const velocity_field_faces *faces = &def->faces[axis];
+    const double slide = sign * face_velocity(faces->v, faces->belt, f, k);
 
-    return loose == NULL ? slide : fmax(slide, sign * face_velocity(loose, belt, f, k));
+    return faces->loose == NULL
+               ? slide
+               : fmax(slide, sign * face_velocity(faces->loose, faces->belt, f, k));
 }
 
 // The largest rate, 1/s, at which a cell is emptied by the scheme of the congested closure.
@@ -137,15 +125,18 @@ static double stable_step(const macro_def *def)
 {
     const bf_grid *g = &def->grid;
     const largest_factors f = find_largest_factors(def);
-    const double dispersion = def->dispersion * f.of_all;
+    double rate[2];
 
     if (def->closure == SCENE_CONGESTED)
         return 1.0 / largest_outflow(def, &f);
-    const double rate1 =
-        (dispersion + largest_speed(def->v1, def->belt1, &f, (g->n1 + 1) * g->n2)) / g->d1;
-    const double rate2 =
-        (dispersion + largest_speed(def->v2, def->belt2, &f, g->n1 * (g->n2 + 1))) / g->d2;
-    return 1.0 / (def->scheme == SCENE_SCHEME_MUSCL ? rate1 + rate2 : fmax(rate1, rate2));
+    for (int axis = 0; axis < 2; axis++) {
+        const velocity_field_faces *faces = &def->faces[axis];
+        double largest = 0.0;
+        for (size_t k = 0; k < grid_faces(g, axis); k++)
+            largest = fmax(largest, fabs(face_velocity(faces->v, faces->belt, &f, k)));
+        rate[axis] = (def->dispersion * f.of_all + largest) / (axis == 0 ? g->d1 : g->d2);
+    }
+    return 1.0 / (def->scheme == SCENE_SCHEME_MUSCL ? rate[0] + rate[1] : fmax(rate[0], rate[1]));
 }
 
 static ptrdiff_t round_up(ptrdiff_t n)
@@ -156,10 +147,8 @@ static ptrdiff_t round_up(ptrdiff_t n)
 static void lay_out(macro_solver *s, const macro_def *def)
 {
     s->def = *def;
-    s->def.v1 = s->def.v2 = NULL;
-    s->def.closed1 = s->def.closed2 = NULL;
+    memset(s->def.faces, 0, sizeof s->def.faces);
     s->def.belts = NULL;
-    s->def.belt1 = s->def.belt2 = NULL;
     if (def->world != NULL && !def->world->belts.are_constant)
         s->speeds = &def->world->belts;
     mollifier_init(&s->along, def->mollifier, def->grid.d1);

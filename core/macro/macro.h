@@ -46,28 +46,19 @@ typedef struct macro_def {
     double mollifier;          ///< sigma, 1/m2, > 0 (default 10000)
     scene_heaviside heaviside; ///< H (default SCENE_HEAVISIDE_SHARP)
     double heaviside_width;    ///< xi of SCENE_HEAVISIDE_SMOOTH, > 0 (default 0.05)
-    const double *v1;          ///< carrying velocity on the x1-faces, m/s (default NULL: zero)
-    const double *v2;          ///< same on the x2-faces (default NULL: zero)
-    const uint8_t *closed1;    ///< nonzero: nothing crosses this x1-face (default NULL: none)
-    const uint8_t *closed2;    ///< same for the x2-faces (default NULL: none)
+    /// Borrowed; apertures, transverse and loose velocities are SCENE_CONGESTED's (default NULL: velocity 0, nothing closed,
+    /// loose cargo as fast as other).
+    velocity_field_faces faces[2];
     scene_closure
-        closure;        ///< (default SCENE_DISPERSIVE); the next nine are SCENE_CONGESTED's, which
-                        ///< needs belts, belt1 and belt2, and square cells (congested.h)
+        closure;        ///< (default SCENE_DISPERSIVE); the next four are SCENE_CONGESTED's, which
+                        ///< needs belts, also of the faces, and square cells (congested.h)
     double jam_density; ///< rho_j, in (0, 1] (default 0.93)
     double slip_rate;   ///< lambda of the belt's friction, s/m, > 0 (default 10)
     double friction;    ///< mu of cargo on slopes that name none, > 0 (default 1)
-    const double *aperture1;   ///< open fraction of the x1-faces; v1 is that of an open face
-    const double *aperture2;   ///< same for the x2-faces
-    const double *transverse1; ///< x2 velocity on the x1-faces, m/s
-    const double *transverse2; ///< x1 velocity on the x2-faces, m/s
-    const double *loose1;      ///< that of loose cargo on the x1-faces, m/s (default NULL: v1)
-    const double *loose2;      ///< same on the x2-faces (default NULL: v2)
-    bool one_way[4]; ///< west, east, south, north: packed cargo is not moved back over this edge
-    size_t n_belts;  ///< (default 0: v1, v2 and I are constant in time)
-    const scene_belt *belts; ///< with checked speed schedules, which scale v1, v2 and I
+    bool one_way[4];    ///< west, east, south, north: packed cargo is not moved back over this edge
+    size_t n_belts;     ///< (default 0: v and I are constant in time)
+    const scene_belt *belts; ///< with checked speed schedules, which scale v and I
     const bf_world *world; ///< of these belts, borrowed; NULL: their speeds are constant (default)
-    const uint16_t *belt1; ///< with belts: index of that under each x1-face, n_belts: none
-    const uint16_t *belt2; ///< same for the x2-faces
     const uint8_t *off; ///< nonzero: what is in this cell after a step falls (default NULL: none)
     double
         tracer_portion; ///< that a tracer stands for, in densities of a cell; 0: none (tracers.h; default 0)

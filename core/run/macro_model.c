@@ -21,6 +21,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 typedef struct macro_run {
     macro_solver *solver;
@@ -170,10 +171,7 @@ static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
     def.closure = s->macro.closure;
     def.heaviside = s->macro.heaviside;
     def.heaviside_width = s->macro.heaviside_width;
-    def.v1 = f->faces[0].v;
-    def.v2 = f->faces[1].v;
-    def.closed1 = f->faces[0].closed;
-    def.closed2 = f->faces[1].closed;
+    memcpy(def.faces, f->faces, sizeof def.faces);
     def.off = f->off;
     def.tracer_portion = tracer_portion(s, run);
     def.n_kinds = run->tells_kinds ? s->n_cargo : 0;
@@ -183,8 +181,6 @@ static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
                         ? moving_field_belts(run->moving)
                         : s->belts;
         def.world = w;
-        def.belt1 = f->faces[0].belt;
-        def.belt2 = f->faces[1].belt;
     }
     def.n_threads = n_threads;
     if (s->macro.closure == SCENE_CONGESTED) {
@@ -194,12 +190,6 @@ static macro_def def_of(const scene *s, const bf_world *w, const macro_run *run,
         def.jam_density = s->macro.jam_density;
         def.slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
         def.friction = s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
-        def.aperture1 = f->faces[0].aperture;
-        def.aperture2 = f->faces[1].aperture;
-        def.transverse1 = f->faces[0].transverse;
-        def.transverse2 = f->faces[1].transverse;
-        def.loose1 = f->faces[0].loose;
-        def.loose2 = f->faces[1].loose;
         for (int side = 0; side < SCENE_SIDE_COUNT; side++)
             def.one_way[side] =
                 s->edges[side] != SCENE_EDGE_OUTFLOW || scene_is_fed(s, (scene_side)side);

@@ -19,6 +19,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 enum {
@@ -77,10 +78,7 @@ static work make_work(int refinement, double length, int n_threads)
     w.def = macro_def_default();
     w.def.grid = w.field->grid;
     w.def.dt = scene_macro_step(&w.scene);
-    w.def.v1 = w.field->faces[0].v;
-    w.def.v2 = w.field->faces[1].v;
-    w.def.closed1 = w.field->faces[0].closed;
-    w.def.closed2 = w.field->faces[1].closed;
+    memcpy(w.def.faces, w.field->faces, sizeof w.def.faces);
     w.def.mirror[2] = w.def.mirror[3] = true;
     w.def.n_threads = n_threads;
     return w;

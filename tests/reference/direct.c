@@ -78,12 +78,12 @@ direct *direct_create(const macro_def *def)
     d->c2 = calloc(taps, sizeof(double));
     d->i1 = calloc(corners, sizeof(double));
     d->i2 = calloc(corners, sizeof(double));
-    d->v1 = copy_of(def->v1, faces1, sizeof(double));
-    d->v2 = copy_of(def->v2, faces2, sizeof(double));
-    d->closed1 = copy_of(def->closed1, faces1, 1);
-    d->closed2 = copy_of(def->closed2, faces2, 1);
-    d->belt1 = copy_of(def->belt1, faces1, sizeof(uint16_t));
-    d->belt2 = copy_of(def->belt2, faces2, sizeof(uint16_t));
+    d->v1 = copy_of(def->faces[0].v, faces1, sizeof(double));
+    d->v2 = copy_of(def->faces[1].v, faces2, sizeof(double));
+    d->closed1 = copy_of(def->faces[0].closed, faces1, 1);
+    d->closed2 = copy_of(def->faces[1].closed, faces2, 1);
+    d->belt1 = copy_of(def->faces[0].belt, faces1, sizeof(uint16_t));
+    d->belt2 = copy_of(def->faces[1].belt, faces2, sizeof(uint16_t));
     if (d->rho == NULL || d->other == NULL || d->begin == NULL || d->c1 == NULL || d->c2 == NULL ||
         d->i1 == NULL || d->i2 == NULL || d->v1 == NULL || d->v2 == NULL || d->closed1 == NULL ||
         d->closed2 == NULL || d->belt1 == NULL || d->belt2 == NULL)

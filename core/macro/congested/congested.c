@@ -62,23 +62,20 @@ static bool copy_row(void *to, const void *from, size_t n_bytes)
 static void copy_faces(const macro_solver *s, const macro_def *def)
 {
     const congested *c = s->congested;
-    const double *aperture[2] = { def->aperture1, def->aperture2 };
-    const double *transverse[2] = { def->transverse1, def->transverse2 };
-    const uint16_t *belt[2] = { def->belt1, def->belt2 };
 
     for (int axis = 0; axis < 2; axis++) {
+        const velocity_field_faces *from = &def->faces[axis];
         const size_t n = (size_t)(s->n1 + (axis == 0));
         for (size_t j = 0; j < (size_t)(s->n2 + axis); j++) {
             const size_t at = j * n;
             bool *is_stale = &c->is_stale[axis][j];
-            *is_stale |= copy_row(c->aperture[axis] + at, aperture[axis] + at, n * sizeof(double));
+            *is_stale |= copy_row(c->aperture[axis] + at, from->aperture + at, n * sizeof(double));
             *is_stale |=
-                copy_row(c->transverse[axis] + at, transverse[axis] + at, n * sizeof(double));
-            *is_stale |= copy_row(c->belt[axis] + at, belt[axis] + at, n * sizeof(uint16_t));
+                copy_row(c->transverse[axis] + at, from->transverse + at, n * sizeof(double));
+            *is_stale |= copy_row(c->belt[axis] + at, from->belt + at, n * sizeof(uint16_t));
         }
+        copy_velocities(s, axis, from->v, from->loose);
     }
-    copy_velocities(s, 0, def->v1, def->loose1);
-    copy_velocities(s, 1, def->v2, def->loose2);
 }
 
 // How fast each belt moves across one that it runs onto: it has the cell before a face, and the other one the face opposite. Not
@@ -90,10 +87,11 @@ static void find_onto(const macro_def *def, congested *c)
     for (size_t j = 0; j < g->n2; j++)
         for (size_t i = 0; i < g->n1; i++) {
             const size_t west = j * (g->n1 + 1) + i, south = j * g->n1 + i;
-            const size_t around[4] = { def->belt1[west], def->belt1[west + 1], def->belt2[south],
-                                       def->belt2[south + g->n1] };
-            const double in[4] = { def->v1[west], -def->v1[west + 1], def->v2[south],
-                                   -def->v2[south + g->n1] };
+            const size_t around[4] = { def->faces[0].belt[west], def->faces[0].belt[west + 1],
+                                       def->faces[1].belt[south],
+                                       def->faces[1].belt[south + g->n1] };
+            const double in[4] = { def->faces[0].v[west], -def->faces[0].v[west + 1],
+                                   def->faces[1].v[south], -def->faces[1].v[south + g->n1] };
             const vec2 before[4] = {
                 { -g->d1, 0.0 }, { g->d1, 0.0 }, { 0.0, -g->d2 }, { 0.0, g->d2 }
             };

@@ -41,22 +41,11 @@ static macro_def def_of(const scene *s, const bf_world *w, const velocity_field 
     def.jam_density = s->macro.jam_density;
     def.slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
     def.friction = s->micro.contact[SCENE_CONVEYOR_CARGO].friction;
-    def.v1 = f->faces[0].v;
-    def.v2 = f->faces[1].v;
-    def.closed1 = f->faces[0].closed;
-    def.closed2 = f->faces[1].closed;
+    memcpy(def.faces, f->faces, sizeof def.faces);
     def.tracer_portion = s->n_feeds > 0 ? 1.0 : 0.0;
     def.n_belts = f->faces[0].belt != NULL ? s->n_sections : 0;
     def.belts = s->belts;
     def.world = w;
-    def.belt1 = f->faces[0].belt;
-    def.belt2 = f->faces[1].belt;
-    def.aperture1 = f->faces[0].aperture;
-    def.aperture2 = f->faces[1].aperture;
-    def.transverse1 = f->faces[0].transverse;
-    def.transverse2 = f->faces[1].transverse;
-    def.loose1 = f->faces[0].loose;
-    def.loose2 = f->faces[1].loose;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
         def.mirror[side] = scene_mirrors_walls(s) && s->edges[side] == SCENE_EDGE_WALL;
         def.one_way[side] = s->edges[side] != SCENE_EDGE_OUTFLOW;

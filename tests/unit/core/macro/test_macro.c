@@ -29,10 +29,10 @@ static world *make_world(void)
     assert_non_null(w);
     w->def = macro_def_default();
     w->def.grid = (bf_grid){ .n1 = N1, .n2 = N2, .d1 = edge, .d2 = edge };
-    w->def.v1 = w->v1;
-    w->def.v2 = w->v2;
-    w->def.closed1 = w->closed1;
-    w->def.closed2 = w->closed2;
+    w->def.faces[0].v = w->v1;
+    w->def.faces[1].v = w->v2;
+    w->def.faces[0].closed = w->closed1;
+    w->def.faces[1].closed = w->closed2;
     for (int k = 0; k < FACES1; k++)
         w->v1[k] = belt;
     for (int k = 0; k < N1; k++)
@@ -230,7 +230,7 @@ static double advection_error(size_t n)
     size_t n_steps = (size_t)lround(t_end / def.dt);
     for (size_t k = 0; k <= n; k++)
         v1[k] = belt;
-    def.v1 = v1;
+    def.faces[0].v = v1;
     for (size_t i = 0; i < n; i++)
         rho[i] = 0.8 * exp(-200.0 * pow(grid_x1(&def.grid, i) - 0.35, 2));
     assert_int_equal(macro_create(&def, &s, NULL), BF_OK);

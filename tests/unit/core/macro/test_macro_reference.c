@@ -81,10 +81,10 @@ static fixture *random_fixture(unsigned seed, scene_scheme scheme, scene_heavisi
     s->def.scheme = scheme;
     s->def.heaviside = heaviside;
     s->def.dt = 1e-3;
-    s->def.v1 = s->v1;
-    s->def.v2 = s->v2;
-    s->def.closed1 = s->closed1;
-    s->def.closed2 = s->closed2;
+    s->def.faces[0].v = s->v1;
+    s->def.faces[1].v = s->v2;
+    s->def.faces[0].closed = s->closed1;
+    s->def.faces[1].closed = s->closed2;
     s->def.n_threads = 1 + rand() % 3;
     for (int side = 0; side < 4; side++)
         s->def.mirror[side] = rand() % 2 == 0;
@@ -119,8 +119,8 @@ static void let_belts_change(fixture *s)
     s->def.n_belts = 2;
     s->def.belts = s->belts;
     s->def.world = helper_world(2, s->belts, 0, NULL);
-    s->def.belt1 = s->belt1;
-    s->def.belt2 = s->belt2;
+    s->def.faces[0].belt = s->belt1;
+    s->def.faces[1].belt = s->belt2;
 }
 
 static void compare_with_direct_sum(fixture *s)

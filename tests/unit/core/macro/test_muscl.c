@@ -26,8 +26,8 @@ static world make_world(size_t n1, size_t n2, double cell)
     w.v2 = calloc(n1 * (n2 + 1), sizeof *w.v2);
     w.rho = calloc(n1 * n2, sizeof *w.rho);
     assert_true(w.v1 != NULL && w.v2 != NULL && w.rho != NULL);
-    w.def.v1 = w.v1;
-    w.def.v2 = w.v2;
+    w.def.faces[0].v = w.v1;
+    w.def.faces[1].v = w.v2;
     // Reaches over one cell, as without dispersion it is not needed.
     w.def.mollifier = 16.0 / (cell * cell);
     return w;
@@ -280,10 +280,10 @@ static void a_transposed_scene_gives_the_transposed_density(void **state)
     for (size_t j = 0; j < N; j++)
         for (size_t i = 0; i < N; i++)
             t.rho[i * N + j] = w.rho[j * N + i] = uniform(0.0, 0.2);
-    w.def.closed1 = closed1;
-    w.def.closed2 = closed2;
-    t.def.closed1 = turned1;
-    t.def.closed2 = turned2;
+    w.def.faces[0].closed = closed1;
+    w.def.faces[1].closed = closed2;
+    t.def.faces[0].closed = turned1;
+    t.def.faces[1].closed = turned2;
     macro_solver *s = start(&w), *turned = start(&t);
     helper_macro_advance(s, 20);
     helper_macro_advance(turned, 20);
@@ -333,7 +333,7 @@ static void nothing_is_seen_through_a_closed_face(void **state)
     carry_along_x1(&w, 0.4);
     for (size_t j = 0; j < N2; j++)
         closed1[j * (N1 + 1) + 12] = 1;
-    w.def.closed1 = closed1;
+    w.def.faces[0].closed = closed1;
     for (size_t j = 0; j < N2; j++)
         for (size_t i = 0; i < 12; i++)
             w.rho[j * N1 + i] = 0.1 + 0.05 * (double)i;

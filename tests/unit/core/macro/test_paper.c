@@ -143,8 +143,8 @@ static void a_part_slides_along_an_obstacle_at_belt_speed_times_cosine(void **st
         assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
         double *rho = calloc(grid_cells(&f->grid), sizeof *rho);
         def.grid = f->grid;
-        def.v1 = f->faces[0].v;
-        def.v2 = f->faces[1].v;
+        def.faces[0].v = f->faces[0].v;
+        def.faces[1].v = f->faces[1].v;
         assert_int_equal(macro_create(&def, &solver, NULL), BF_OK);
         assert_int_equal(
             density_from_parts(&f->grid, scene_packing_density(&s), 10000.0, &pose, 1, rho, NULL),
