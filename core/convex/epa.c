@@ -4,6 +4,7 @@
 #include "core/convex/convex_priv.h"
 
 #include <float.h>
+#include <string.h>
 
 enum { POINTS_MAX = 256, FACES_MAX = 1024, NO_FACE = -1 };
 
@@ -136,19 +137,14 @@ static int nearest_side(const polytope *p)
 /// Directions in which a simplex that is flat may find a point outside it.
 static int list_directions(const polytope *p, vec3 *ret_directions)
 {
+    static const vec3 along_axes[6] = {
+        { 1.0, 0.0, 0.0 },  { -1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 },
+        { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 1.0 },  { 0.0, 0.0, -1.0 },
+    };
     vec3 a = p->point[0].at;
 
     if (p->n_points == 1) {
-        for (int k = 0; k < 6; k++)
-            ret_directions[k] = (vec3){ k == 0   ? 1.0
-                                        : k == 1 ? -1.0
-                                                 : 0.0,
-                                        k == 2   ? 1.0
-                                        : k == 3 ? -1.0
-                                                 : 0.0,
-                                        k == 4   ? 1.0
-                                        : k == 5 ? -1.0
-                                                 : 0.0 };
+        memcpy(ret_directions, along_axes, sizeof along_axes);
         return 6;
     }
     vec3 along = vec3_sub(p->point[1].at, a);

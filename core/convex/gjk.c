@@ -15,12 +15,6 @@ enum { ROUNDS_MAX = 128 };
 /// Relative to the same: a distance and the gap along its normal differ by less.
 #define AGREEMENT 1e-9
 
-/// How a search ended.
-typedef enum outcome {
-    APART,
-    TOGETHER,
-} outcome;
-
 gjk_pair gjk_pair_of(const hull *a, vec3 x_a, const mat3 *r_a, const hull *b, vec3 x_b,
                      const mat3 *r_b)
 {
@@ -152,11 +146,11 @@ static bool has_point(const gjk__simplex *s, const minkowski__point *p)
     return false;
 }
 
-/// Search from direction *axis. If the hulls are apart *axis is set to the direction of the last
+/// Search from direction *axis. True if the hulls touch or overlap. If they are apart *axis is set to the direction of the last
 /// iteration, and *ret_gap to their distance along it; with `hurried` the search ends at any separating
 /// direction instead of the one of the largest gap.
-static outcome search(const gjk_pair *pair, bool hurried, vec3 *axis, gjk__simplex *ret_simplex,
-                      double *ret_gap)
+static bool search(const gjk_pair *pair, bool hurried, vec3 *axis, gjk__simplex *ret_simplex,
+                   double *ret_gap)
 {
     double size = minkowski__size(pair), nearest = DBL_MAX;
     gjk__simplex s = { .n = 0 };
@@ -182,12 +176,12 @@ static outcome search(const gjk_pair *pair, bool hurried, vec3 *axis, gjk__simpl
         nearest = distance;
         if (s.n == 4 || distance <= ROUNDING * size) {
             *ret_simplex = s;
-            return TOGETHER;
+            return true;
         }
         *axis = vec3_scale(v, -1.0);
     }
     *ret_simplex = s;
-    return APART;
+    return false;
 }
 
 double gjk_find_gap(const gjk_pair *pair, vec3 *axis)
@@ -196,7 +190,7 @@ double gjk_find_gap(const gjk_pair *pair, vec3 *axis)
     vec3 start = *axis;
     double gap;
 
-    if (search(pair, true, &start, &simplex, &gap) == TOGETHER || gap <= 0.0)
+    if (search(pair, true, &start, &simplex, &gap) || gap <= 0.0)
         return 0.0;
     *axis = start;
     return gap;
@@ -208,7 +202,7 @@ gjk_result gjk_measure(const gjk_pair *pair, vec3 axis)
     gjk_result touch;
     double gap;
 
-    if (search(pair, false, &axis, &simplex, &gap) == TOGETHER) {
+    if (search(pair, false, &axis, &simplex, &gap)) {
         touch = epa__penetrate(pair, &simplex, axis);
         gap = -vec3_dot(minkowski__support(pair, touch.normal).at, touch.normal);
     } else {

@@ -162,19 +162,16 @@ static bool is_between(const hull *h, size_t k, double tolerance)
 
 static void drop_straight(hull *h, double tolerance)
 {
-    bool is_kept[HULL_VERTICES_MAX];
+    double kept[HULL_VERTICES_MAX][3];
 
     for (size_t k = h->n_vertices; k-- > 0;) {
+        size_t n_kept = 0;
+        if (!is_between(h, k, tolerance))
+            continue;
         for (size_t m = 0; m < h->n_vertices; m++)
-            is_kept[m] = m != k || !is_between(h, k, tolerance);
-        if (!is_kept[k]) {
-            double kept[HULL_VERTICES_MAX][3];
-            size_t n_kept = 0;
-            for (size_t m = 0; m < h->n_vertices; m++)
-                if (is_kept[m])
-                    memcpy(kept[n_kept++], (double[]){ h->x[m], h->y[m], h->z[m] }, sizeof kept[0]);
-            hull_set_points((const double(*)[3])kept, n_kept, h);
-        }
+            if (m != k)
+                memcpy(kept[n_kept++], (double[]){ h->x[m], h->y[m], h->z[m] }, sizeof kept[0]);
+        hull_set_points((const double(*)[3])kept, n_kept, h);
     }
 }
 
