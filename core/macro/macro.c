@@ -258,47 +258,36 @@ static bf_status init_state(const macro_solver *s, macro_state *state)
                : BF_ENOMEM;
 }
 
-static bf_status init_factors(macro_solver *s, const macro_def *def)
-{
-    s->factors = memory_alloc(def->n_belts + 1, sizeof *s->factors);
-    s->factors_next = memory_alloc(def->n_belts + 1, sizeof *s->factors_next);
-    if (s->factors == NULL || s->factors_next == NULL)
-        return BF_ENOMEM;
-    for (size_t k = 0; k <= def->n_belts; k++)
-        s->factors[k] = 1.0;
-    return BF_OK;
-}
-
 static bf_status init_arrays(macro_solver *s, const macro_def *def)
 {
+    const size_t n_cells = grid_cells(&def->grid);
+
     s->zero_row = memory_alloc((size_t)s->stride, sizeof *s->zero_row);
     s->cost = memory_alloc((size_t)s->n2, sizeof *s->cost);
     s->bands = memory_alloc((size_t)s->n_bands, sizeof *s->bands);
-    if (s->zero_row == NULL || s->cost == NULL || s->bands == NULL ||
-        init_state(s, &s->now) != BF_OK || init_state(s, &s->next) != BF_OK ||
-        init_factors(s, def) != BF_OK || macro__faces_init(s, def) != BF_OK)
+    s->factors = memory_alloc(def->n_belts + 1, sizeof *s->factors);
+    s->factors_next = memory_alloc(def->n_belts + 1, sizeof *s->factors_next);
+    if (s->zero_row == NULL || s->cost == NULL || s->bands == NULL || s->factors == NULL ||
+        s->factors_next == NULL || init_state(s, &s->now) != BF_OK ||
+        init_state(s, &s->next) != BF_OK || macro__faces_init(s, def) != BF_OK)
         return BF_ENOMEM;
-    if (def->tracer_portion > 0.0 && tracers_create(s, &s->tracers) != BF_OK)
+    for (size_t k = 0; k <= def->n_belts; k++)
+        s->factors[k] = 1.0;
+    if (def->off != NULL) {
+        s->off = memory_alloc(n_cells, sizeof *s->off);
+        s->fallen = memory_alloc(n_cells, sizeof *s->fallen);
+        if (s->off == NULL || s->fallen == NULL)
+            return BF_ENOMEM;
+        memcpy(s->off, def->off, n_cells);
+    }
+    if ((def->tracer_portion > 0.0 && tracers_create(s, &s->tracers) != BF_OK) ||
+        (def->n_kinds > 0 && kinds_create(s, def->n_kinds, &s->kinds) != BF_OK))
         return BF_ENOMEM;
     if (def->closure == SCENE_CONGESTED)
         return congested_create(s, def, &s->congested);
     for (int k = 0; k < s->n_bands; k++)
         if (band_init(s, &s->bands[k]) != BF_OK)
             return BF_ENOMEM;
-    return BF_OK;
-}
-
-static bf_status copy_off(macro_solver *s, const macro_def *def)
-{
-    const size_t n_cells = grid_cells(&def->grid);
-
-    if (def->off == NULL)
-        return BF_OK;
-    s->off = memory_alloc(n_cells, sizeof *s->off);
-    s->fallen = memory_alloc(n_cells, sizeof *s->fallen);
-    if (s->off == NULL || s->fallen == NULL)
-        return BF_ENOMEM;
-    memcpy(s->off, def->off, n_cells);
     return BF_OK;
 }
 
@@ -314,8 +303,7 @@ bf_status macro_create(const macro_def *def, macro_solver **ret_solver, bf_error
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
     lay_out(s, def);
-    if (init_arrays(s, def) != BF_OK || copy_off(s, def) != BF_OK ||
-        (def->n_kinds > 0 && kinds_create(s, def->n_kinds, &s->kinds) != BF_OK)) {
+    if (init_arrays(s, def) != BF_OK) {
         macro_destroy(s);
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for a grid of %zu x %zu cells",
                        def->grid.n1, def->grid.n2);

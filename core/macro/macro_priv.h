@@ -193,9 +193,6 @@ bool macro__faces_update(macro_solver *s);
 /// Fill the cells of a row outside the grid: zeros or the mirrored density.
 void macro__fill_margins(const macro_solver *s, double *row);
 
-/// Set margins, span and sets of row j of `now` from its densities.
-void macro__measure_row(macro_solver *s, ptrdiff_t j);
-
 #if defined(CPU_BUILD) && defined(MACRO_IS_NARROW)
 /// For the files that are compiled once per instruction set, and for narrow and wide grids: each build's
 /// functions have names of their own.

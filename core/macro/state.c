@@ -29,44 +29,36 @@ static double active_from(const macro_solver *s)
     return s->def.heaviside == SCENE_HEAVISIDE_SHARP ? 1.0 : 0.0;
 }
 
-void macro__measure_row(macro_solver *s, ptrdiff_t j)
-{
-    double *row = macro__row(s, s->now.rho, j);
-    uint64_t *active = macro__set(s, s->now.active, j);
-    uint64_t *active_first = macro__set(s, s->now.active_first, j);
-    const double threshold = active_from(s);
-    block_span span = { 0, 0 };
-
-    for (ptrdiff_t i = 0; i < s->n1; i++) {
-        if (row[i] == 0.0)
-            continue;
-        if (span.last == 0)
-            span.first = i / BLOCK_CELLS;
-        span.last = i / BLOCK_CELLS + 1;
-        if (row[i] >= threshold)
-            block_set_add(active, i / BLOCK_CELLS);
-        if (row[i] >= threshold && i % BLOCK_CELLS == 0)
-            block_set_add(active_first, i / BLOCK_CELLS);
-    }
-    macro__fill_margins(s, row);
-    s->now.span[j] = span;
-    s->cost[j] = 1.0 + (double)s->n_blocks;
-}
-
 // Takes densities, layout of grid.h, as the present state.
 static void take_density(macro_solver *s, const char *rho)
 {
     const size_t row_bytes = (size_t)s->n1 * sizeof(double);
     const size_t all_bytes = (size_t)(s->n2 * s->stride) * sizeof(double);
     const size_t set_bytes = (size_t)s->n2 * s->n_words * sizeof(uint64_t);
+    const double threshold = active_from(s);
 
     memset(s->now.rho, 0, all_bytes);
     memset(s->next.rho, 0, all_bytes);
     memset(s->now.active, 0, set_bytes);
     memset(s->now.active_first, 0, set_bytes);
     for (ptrdiff_t j = 0; j < s->n2; j++) {
-        memcpy(macro__row(s, s->now.rho, j), rho + (size_t)j * row_bytes, row_bytes);
-        macro__measure_row(s, j);
+        double *row = macro__row(s, s->now.rho, j);
+        block_span span = { 0, 0 };
+        memcpy(row, rho + (size_t)j * row_bytes, row_bytes);
+        for (ptrdiff_t i = 0; i < s->n1; i++) {
+            if (row[i] == 0.0)
+                continue;
+            if (span.last == 0)
+                span.first = i / BLOCK_CELLS;
+            span.last = i / BLOCK_CELLS + 1;
+            if (row[i] >= threshold)
+                block_set_add(macro__set(s, s->now.active, j), i / BLOCK_CELLS);
+            if (row[i] >= threshold && i % BLOCK_CELLS == 0)
+                block_set_add(macro__set(s, s->now.active_first, j), i / BLOCK_CELLS);
+        }
+        macro__fill_margins(s, row);
+        s->now.span[j] = span;
+        s->cost[j] = 1.0 + (double)s->n_blocks;
     }
 }
 
