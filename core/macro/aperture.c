@@ -251,20 +251,6 @@ static ptrdiff_t closed_face(const face_axis *x, const plate_end *e, ptrdiff_t s
     return nearest;
 }
 
-static void cover_face(const face_axis *x, ptrdiff_t face, ptrdiff_t strip, double covered,
-                       bool is_end)
-{
-    const size_t at = index_of(x, face, strip);
-    double *aperture = x->field->faces[x->axis].aperture;
-    uint8_t *closed = x->field->faces[x->axis].closed;
-    const double open = 1.0 - fmin(fmax(covered, 0.0), 1.0);
-
-    if (!is_end && closed[at] != 0)
-        return;
-    aperture[at] = fmin(aperture[at], open);
-    closed[at] = aperture[at] == 0.0;
-}
-
 // What is covered of the strip with a plate's end, of which the extension covers a part; lengths in strips.
 static double covered_at_tip(double tip, double strip, double length, double extension,
                              bool goes_on)
@@ -284,6 +270,7 @@ static double covered_at_tip(double tip, double strip, double length, double ext
 // extension crosses the links between centres, so that no face is left open between those of both axes.
 static void cover_strips(const face_axis *x, const plate_end *e)
 {
+    const velocity_field_faces *faces = &x->field->faces[x->axis];
     const double tip = (beside_of(x, e->tip) - x->lower_beside) / x->edge_beside;
     const double length = beside_of(x, e->extension) / x->edge_beside;
     const double low = fmin(tip, tip + length), high = fmax(tip, tip + length);
@@ -308,8 +295,12 @@ static void cover_strips(const face_axis *x, const plate_end *e)
             !e->is_bend && is_tip && goes_on && (strip + 0.5 - tip) * length <= 1e-6;
         if (e->is_bend && (strip + 0.5 - tip) * length < -1e-6) // on the other side of the guide
             continue;
-        const ptrdiff_t face = is_plates ? closed_face(x, e, m) : nearest_face(x, normal);
-        cover_face(x, face, m, covered, is_tip && goes_on);
+        const size_t at =
+            index_of(x, is_plates ? closed_face(x, e, m) : nearest_face(x, normal), m);
+        if (faces->closed[at] != 0 && !(is_tip && goes_on))
+            continue;
+        faces->aperture[at] = fmin(faces->aperture[at], 1.0 - fmin(covered, 1.0));
+        faces->closed[at] = faces->aperture[at] == 0.0;
     }
 }
 

@@ -24,16 +24,6 @@ static vec2 place_of(const bf_grid *g, size_t i, size_t j, double part1, double 
                    g->lower2 + ((double)j + part2) * g->d2 };
 }
 
-/// The q that counts for psi: between both borders, and that of a border which is nearer than a cell.
-static double border_lane(const arc_grid *a, double q)
-{
-    const double low = belt_lane_low(a->belt), high = belt_lane_high(a->belt);
-
-    if (q < low + a->edge)
-        return low;
-    return q > high - a->edge ? high : q;
-}
-
 /// q of the nearest guide on the arc to a place, and how far that is, m; NAN: the nearest piece of a plate is none.
 static double guide_lane(const arc_grid *a, vec2 at, double *ret_distance)
 {
@@ -81,14 +71,6 @@ static bool is_beyond(const arc_grid *a, vec2 cell)
            belt_lanes_span(a->belt, cell, a->edge);
 }
 
-/// The corner's own q, between both borders.
-static double own_lane(const arc_grid *a, size_t i, size_t j)
-{
-    const double q = belt_lane_at(a->belt, place_of(&a->f->grid, i, j, 0.0, 0.0));
-
-    return fmin(fmax(q, belt_lane_low(a->belt)), belt_lane_high(a->belt));
-}
-
 /// q of the border or guide beside a corner; NAN: there is none.
 static double line_lane(const arc_grid *a, size_t i, size_t j)
 {
@@ -104,7 +86,10 @@ static double line_lane(const arc_grid *a, size_t i, size_t j)
     if (!meets_closed(a->f, i, j))
         return (double)NAN;
     const double q = guide_lane(a, place_of(g, i, j, 0.0, 0.0), &distance);
-    return isnan(q) ? q : border_lane(a, q);
+    // A guide nearer than a cell to a border counts as that; NAN stays.
+    if (q < low + a->edge)
+        return low;
+    return q > high - a->edge ? high : q;
 }
 
 /// A range of corners along an axis: those from low to high, m, and two more on either side.
@@ -228,6 +213,7 @@ static void find_corners(double first, double last, double lower, double edge, s
 static bool find_lines(arc_corners *c, const arc_grid *a, const scene_rect *within)
 {
     const bf_grid *g = &a->f->grid;
+    const double low = belt_lane_low(a->belt), high = belt_lane_high(a->belt);
     size_t columns[2], rows[2];
     bool has_changed = false;
 
@@ -238,7 +224,8 @@ static bool find_lines(arc_corners *c, const arc_grid *a, const scene_rect *with
             const size_t at = n * c->n1 + m, i = c->i_first + m, j = c->j_first + n;
             const double q = line_lane(a, i, j);
             const bool is_line = !isnan(q);
-            const double own = is_line ? q : own_lane(a, i, j);
+            const double at_corner = belt_lane_at(a->belt, place_of(g, i, j, 0.0, 0.0));
+            const double own = is_line ? q : fmin(fmax(at_corner, low), high);
             has_changed = has_changed || c->line[at] != is_line || c->own[at] != own;
             c->line[at] = is_line;
             c->own[at] = own;

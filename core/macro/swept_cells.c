@@ -325,26 +325,21 @@ static vec2 middle_of(const swept_cells_plate *plate)
     return plate_pose_move(&plate->before, vec2_scale(sum, 0.5 / (double)plate->n_lines));
 }
 
-// The way around a plate's free end: away from the pivot of one that turns, away from the middle of another, across its way.
-static vec2 outwards(const pushed *p, vec2 at)
-{
-    const vec2 from_middle = vec2_sub(at, p->middle);
-
-    if (p->w != 0.0)
-        return vec2_sub(at, plate_pose_pivot(&p->plate->before));
-    return vec2_sub(from_middle,
-                    vec2_scale(p->v, vec2_dot(from_middle, p->v) / vec2_dot(p->v, p->v)));
-}
-
 // True if a part fits between a cell, itself included, and what is closed beyond it, out from the plate.
 static bool is_wide(const hand_on_context *x, const pushed *p, size_t cell)
 {
     const bf_grid *g = &x->cells->grid;
     const double width = 2.0 * p->cargo->around.bridge;
-    const vec2 out = outwards(p, (vec2){ grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) });
+    const vec2 at = { grid_x1(g, cell % g->n1), grid_x2(g, cell / g->n1) };
+    const vec2 from_middle = vec2_sub(at, p->middle);
     direction order[4];
 
-    order_directions(out, order);
+    // Around the plate's free end: away from the pivot of one that turns, away from the middle of another, across its way.
+    order_directions(p->w != 0.0
+                         ? vec2_sub(at, plate_pose_pivot(&p->plate->before))
+                         : vec2_sub(from_middle, vec2_scale(p->v, vec2_dot(from_middle, p->v) /
+                                                                      vec2_dot(p->v, p->v))),
+                     order);
     const double edge = order[0].di != 0 ? g->d1 : g->d2;
     const ptrdiff_t next = order[0].di + order[0].dj * (ptrdiff_t)g->n1;
     double free = edge;
