@@ -113,11 +113,6 @@ static bool set_fractions(size_t n, const double *masses, double *ret_fractions)
     return sum > 0.0;
 }
 
-static double density_of(const macro_solver *s, size_t cell)
-{
-    return macro_row(s, cell / (size_t)s->n1)[cell % (size_t)s->n1];
-}
-
 const double *macro_fractions(const macro_solver *s, size_t cell)
 {
     return s->kinds != NULL ? s->kinds->fractions + cell * s->kinds->n : NULL;
@@ -131,7 +126,7 @@ void macro_set_fractions(macro_solver *s, size_t cell, const double *fractions)
 void kinds_mix(macro_solver *s, size_t cell, double density, const double *fractions)
 {
     const size_t n = s->kinds->n;
-    const double here = density_of(s, cell);
+    const double here = macro_density(s, cell);
     double *of = s->kinds->fractions + cell * n, masses[SCENE_KINDS_MAX];
 
     for (size_t k = 0; k < n; k++)
@@ -142,7 +137,7 @@ void kinds_mix(macro_solver *s, size_t cell, double density, const double *fract
 void macro_take_kind(macro_solver *s, size_t cell, size_t kind, double density)
 {
     const size_t n = s->kinds->n;
-    const double here = density_of(s, cell);
+    const double here = macro_density(s, cell);
     double *of = s->kinds->fractions + cell * n, masses[SCENE_KINDS_MAX];
     const double taken = fmin(density, here * of[kind]);
 

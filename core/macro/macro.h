@@ -169,6 +169,9 @@ BF_MUST_CHECK bf_status macro_check(const macro_solver *s, bf_error *err);
 /// Borrowed view of row j's n1 densities, valid until the next non-const call on s.
 const double *macro_row(const macro_solver *s, size_t j);
 
+/// The density of a cell, layout of grid.h.
+double macro_density(const macro_solver *s, size_t cell);
+
 /// Copy the n1 * n2 densities out, layout of grid.h.
 void macro_copy_density_float(const macro_solver *s, float *rho);
 

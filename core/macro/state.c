@@ -124,6 +124,11 @@ const double *macro_row(const macro_solver *s, size_t j)
     return macro__row(s, s->now.rho, (ptrdiff_t)j);
 }
 
+double macro_density(const macro_solver *s, size_t cell)
+{
+    return macro_row(s, cell / s->def.grid.n1)[cell % s->def.grid.n1];
+}
+
 void macro_copy_density_float(const macro_solver *s, float *rho)
 {
     const size_t n1 = s->def.grid.n1;

@@ -218,13 +218,6 @@ static size_t next_cell(const hand_on_context *x, size_t from, direction d, size
                : to;
 }
 
-static double density_of(const hand_on_context *x, size_t cell)
-{
-    const size_t n1 = x->cells->grid.n1;
-
-    return macro_row(x->solver, cell / n1)[cell % n1];
-}
-
 // Searches from a swept cell and fills what is found; returns what is left of its density.
 static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, double density)
 {
@@ -247,7 +240,7 @@ static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, dou
             c->queue[c->n_queue++] = to;
             if (is_swept(c, to))
                 continue;
-            const double taken = fmin(density, fmax(0.0, x->full - density_of(x, to)));
+            const double taken = fmin(density, fmax(0.0, x->full - macro_density(x->solver, to)));
             if (taken > 0.0)
                 macro_add(x->solver, to, taken, macro_fractions(x->solver, start));
             density -= taken;
@@ -264,7 +257,7 @@ static void hand_on_cell(void *context, size_t cell, vec2 ahead)
 {
     const hand_on_context *x = context;
     const swept_cells *c = x->cells;
-    const double density = density_of(x, cell);
+    const double density = macro_density(x->solver, cell);
     size_t n_found = 0, nearest = cell;
 
     if (density == 0.0)
@@ -298,7 +291,7 @@ static void add_origin(void *context, size_t cell, vec2 ahead)
     const hand_on_context *x = context;
     swept_cells *c = x->cells;
 
-    if (density_of(x, cell) == 0.0 || c->found_in[cell] == c->search ||
+    if (macro_density(x->solver, cell) == 0.0 || c->found_in[cell] == c->search ||
         c->n_queue == SWEPT_CELLS_SEARCH)
         return;
     c->found_in[cell] = c->search;
@@ -366,9 +359,9 @@ static double force_against(const hand_on_context *x, const swept_cells_cargo *c
     const double slides = vec2_length(slip), against = fmax(vec2_dot(slip, e), 0.0);
     const double rubs = against == 0.0
                             ? 0.0
-                            : cargo->weight * friction_ratio * density_of(x, cell) *
+                            : cargo->weight * friction_ratio * macro_density(x->solver, cell) *
                                   tanh(cargo->conveyor->tanh_linear * slides) * (against / slides);
-    return fmax(rubs - cargo->mass * density_of(x, cell) * vec2_dot(pull, e), 0.0);
+    return fmax(rubs - cargo->mass * macro_density(x->solver, cell) * vec2_dot(pull, e), 0.0);
 }
 
 swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *plate,
@@ -389,8 +382,8 @@ swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *
     c->n_queue = 0;
     visit_swept(g, plate, add_origin, &x);
     for (size_t k = 0; k < c->n_queue; k++) {
-        left += density_of(&x, c->queue[k]);
-        if (density_of(&x, c->queue[k]) > cargo->most)
+        left += macro_density(s, c->queue[k]);
+        if (macro_density(s, c->queue[k]) > cargo->most)
             return without_room;
     }
     for (size_t k = 0; k < c->n_queue && left > 0.0; k++) {
@@ -418,7 +411,7 @@ swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *
             c->found_in[to] = c->search;
             c->origin[c->n_queue] = origin;
             c->queue[c->n_queue++] = to;
-            left -= fmax(0.0, cargo->full - density_of(&x, to));
+            left -= fmax(0.0, cargo->full - macro_density(s, to));
         }
     }
     return left > 0.0 ? without_room : load;

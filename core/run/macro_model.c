@@ -317,7 +317,7 @@ static double density_of_cell(const void *context, size_t cell)
 {
     const macro_run *run = context;
 
-    return macro_row(run->solver, cell / run->grid.n1)[cell % run->grid.n1];
+    return macro_density(run->solver, cell);
 }
 
 static double factor_of_belt(const void *context, size_t belt)

@@ -170,11 +170,6 @@ macro_sinks *macro_sinks_destroy(macro_sinks *m)
     return NULL;
 }
 
-static double density_of(const macro_sinks *m, size_t cell)
-{
-    return macro_row(m->solver, cell / m->grid.n1)[cell % m->grid.n1];
-}
-
 // The fraction of what is in a cell that a sink may take.
 static double eligible(const macro_sinks *m, const sink_cell *at)
 {
@@ -192,7 +187,7 @@ static double eligible(const macro_sinks *m, const sink_cell *at)
 static double take_from(macro_sinks *m, const sink_cell *at, double fraction)
 {
     const double *fractions = macro_fractions(m->solver, at->cell);
-    const double of_all = fraction * eligible(m, at), density = density_of(m, at->cell);
+    const double of_all = fraction * eligible(m, at), density = macro_density(m->solver, at->cell);
     double of_kinds[SCENE_KINDS_MAX];
 
     m->kept[at->cell] *= 1.0 - of_all;
@@ -204,7 +199,7 @@ static double take_from(macro_sinks *m, const sink_cell *at, double fraction)
     for (size_t k = 0; k < m->scene->n_cargo; k++)
         if ((at->kinds >> k & 1U) != 0)
             macro_take_kind(m->solver, at->cell, k, fraction * of_kinds[k] * density);
-    return density - density_of(m, at->cell);
+    return density - macro_density(m->solver, at->cell);
 }
 
 void macro_sinks_take(macro_sinks *m)
@@ -217,7 +212,7 @@ void macro_sinks_take(macro_sinks *m)
         double inside = 0.0, fraction = 1.0;
         for (size_t k = 0; k < m->n_cells[sink]; k++) {
             const sink_cell *at = &m->cells[sink][k];
-            inside += m->parts * density_of(m, at->cell) * eligible(m, at);
+            inside += m->parts * macro_density(m->solver, at->cell) * eligible(m, at);
         }
         if (rate != INFINITY) {
             state->credit = fmin(state->credit + rate * dt, fmax(whole_part, rate * dt));
