@@ -186,6 +186,22 @@ test("a study is paused, resumed, cancelled and deleted", async (t) => {
   assert.equal((await d.get(`/v1/studies/${id}`)).status, 404);
 });
 
+test("a range goes up, also of a speed against an axis, and one that does not is refused at its end", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/studies/new?example=merge");
+  await page.locator("[name=parameter]").selectOption("side belt speed");
+  // 30 % around -0.4 m/s.
+  const [from, to] = ["from", "to"].map((name) => page.locator(`[name=${name}]`));
+  assert.deepEqual([await from.inputValue(), await to.inputValue()], ["-0.52", "-0.28"]);
+  await to.fill("-0.52");
+  await page.getByRole("button", { name: "Start the study" }).click();
+  await page.getByRole("status").getByText("To: must be greater than From").waitFor();
+  assert.deepEqual((await d.get("/v1/studies")).json.studies, []);
+  await to.fill("-0.5");
+  await page.getByText("At most 18 runs").waitFor(); // 6 speeds, 3 runs of each
+});
+
 test("a method can be chosen before the scenario is read", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);

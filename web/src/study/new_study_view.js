@@ -318,6 +318,7 @@ export class NewStudyView {
   }
 
   async submit() {
+    clearTimeout(this.timer); // a prediction that comes later would take a refusal's place
     if (this.hasBadNumbers()) return;
     if (this.method === "calibrate" && this.counts.length === 0) {
       this.noteCounts("A fit needs counts: add a file of them.");

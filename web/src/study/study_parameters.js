@@ -5,7 +5,7 @@ import { parameterAt } from "../scenario/parameters.js";
 import { angleOf, plateOf, tidy, withPlate } from "../scenario/plate.js";
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
-const around = (value) => [tidy(value * 0.7, 2), tidy(value * 1.3, 2)];
+const around = (value) => [0.7, 1.3].map((share) => tidy(value * share, 2)).sort((a, b) => a - b);
 
 // A plate that stands at the wall stays there: it is made so long that its foot does not leave it at any of the angles and tips.
 function writePlate(scenario, k, { from, to }, valuesOf) {

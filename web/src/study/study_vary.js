@@ -81,7 +81,10 @@ class Row {
 
   faults() {
     const { values, ...numbers } = this.boxes;
-    const read = [...Object.entries(numbers).map(([name, box]) => [name === "steps" ? "Values" : name === "from" ? "From" : "To", box, readNumber(box.value).fault]),
+    const [from, to] = this.values();
+    const isReversed = !this.isListed && from >= to;
+    const read = [...Object.entries(numbers).map(([name, box]) => [name === "steps" ? "Values" : name === "from" ? "From" : "To", box,
+      readNumber(box.value).fault || (name === "to" && isReversed ? "must be greater than From" : "")]),
       ["Values", values, readNumbers(values.value).fault]];
     for (const [, box, fault] of read) box.setAttribute("aria-invalid", String(fault !== ""));
     return read.filter(([, box, fault]) => fault !== "" && !box.closest("[hidden]")).map(([label, , fault]) => `${label}: ${fault}`);
