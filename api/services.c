@@ -15,7 +15,7 @@ size_t api_count_columns(const bf_buffer *columns)
     return n;
 }
 
-bool api_take_column(const char **columns, char *ret_name)
+bool api_next_column(const char **columns, char *ret_name)
 {
     size_t n = strcspn(*columns, ",");
 

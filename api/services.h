@@ -163,14 +163,14 @@ typedef struct api_services {
     /// was removed meanwhile; BF_ECORRUPT: damaged.
     bf_status (*read_slice)(api_store *store, api_slices *slices, uint64_t at, size_t limit_bytes,
                             bf_buffer *out, bf_error *err);
-    /// Give events of the runs with id > after, rising, to take: all there are, or as many as reach
+    /// Give events of the runs with id > after, rising, to on_event(): all there are, or as many as reach
     /// limit_bytes of data.
     bf_status (*read_events)(api_store *store, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                             uint64_t after, size_t limit_bytes, api_event_fn *take,
-                             void *take_context, bf_error *err);
-    /// Give the events of a run's photo eyes and actions, rising, to take.
-    bf_status (*read_changes)(api_store *store, const char *id, api_event_fn *take,
-                              void *take_context, bf_error *err);
+                             uint64_t after, size_t limit_bytes, api_event_fn *on_event,
+                             void *context, bf_error *err);
+    /// Give the events of a run's photo eyes and actions, rising, to on_event().
+    bf_status (*read_changes)(api_store *store, const char *id, api_event_fn *on_event,
+                              void *context, bf_error *err);
     /// Store a measurement, with the kind, label, counter, times and number of samples of *measurement: durable when
     /// this returns. It has a curve of one column, or, if it is none, an empty one and a text. BF_ECONFLICT:
     /// API_MEASUREMENTS_MAX are stored.
@@ -207,9 +207,9 @@ typedef struct api_services {
     /// Append a stored text to *out. BF_ECONFLICT: there is nothing best yet.
     bf_status (*read_study)(api_store *store, const char *id, api_study_text which, bf_buffer *out,
                             bf_error *err);
-    /// Give the trials of a study to take.
+    /// Give the trials of a study to on_trial().
     bf_status (*read_trials)(api_store *store, const char *id, const api_trial_query *query,
-                             api_trial_fn *take, void *take_context, bf_error *err);
+                             api_trial_fn *on_trial, void *context, bf_error *err);
     /// What workers on other machines ask; NULL: the daemon solves runs itself.
     const api_leases *leases;
     /// How fast the machine solves, which predictions need. False: not known yet.
@@ -228,7 +228,7 @@ size_t api_count_columns(const bf_buffer *columns);
 
 /// Take the next name off the columns at *columns and move past it. False: none is left (ret_name
 /// untouched). ret_name has COLUMN_NAME_SIZE bytes; a longer name is a bug.
-bool api_take_column(const char **columns, char *ret_name);
+bool api_next_column(const char **columns, char *ret_name);
 
 /// Free what the curve owns and zero it. NULL is fine.
 void api_curve_fini(api_curve *curve);

@@ -150,7 +150,7 @@ static bool find_column(const entry *e, const char *wanted, size_t *ret_index)
     const char *names = columns_of(e);
     char name[COLUMN_NAME_SIZE];
 
-    for (size_t index = 0; api_take_column(&names, name); index++) {
+    for (size_t index = 0; api_next_column(&names, name); index++) {
         if (strcmp(name, wanted) == 0) {
             if (ret_index != NULL)
                 *ret_index = index;
@@ -186,7 +186,7 @@ static bf_status choose_column(exchange *x, comparison *c, bf_error *err)
         snprintf(c->column, sizeof c->column, "%s", wanted);
         return BF_OK;
     }
-    while (api_take_column(&names, c->column)) {
+    while (api_next_column(&names, c->column)) {
         lack = find_lack(c, c->column);
         if (lack == NULL)
             return BF_OK;

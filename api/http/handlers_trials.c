@@ -121,7 +121,7 @@ bf_status handlers_trials_events(exchange *x, bf_error *err)
 
 // ---- a trial as a run of its own
 
-static bf_status take_trial(void *context, const api_trial *trial, bf_error *err)
+static bf_status on_trial(void *context, const api_trial *trial, bf_error *err)
 {
     (void)err;
     *(api_trial *)context = *trial;
@@ -138,8 +138,7 @@ static bf_status find_trial(exchange *x, api_trial *ret_trial, bf_error *err)
         return bf_fail(err, BF_ENOTFOUND, "", "the study has no trial '%s'; it has %" PRIu64,
                        number, of->n_trials);
     *ret_trial = (api_trial){ .number = wanted.from };
-    return x->services->read_trials(x->services->store, of->id, &wanted, take_trial, ret_trial,
-                                    err);
+    return x->services->read_trials(x->services->store, of->id, &wanted, on_trial, ret_trial, err);
 }
 
 static bf_status read_scenario(exchange *x, const api_trial *trial, bf_buffer *out, bf_error *err)

@@ -318,7 +318,7 @@ typedef struct entity_tag {
 } entity_tag;
 
 // Takes the next member off the list. False: there is none, or none that can be read.
-static bool take_tag(const char **list, entity_tag *ret_tag)
+static bool next_tag(const char **list, entity_tag *ret_tag)
 {
     const char *p = *list + strspn(*list, ", \t");
     entity_tag tag = { .is_any = *p == '*' };
@@ -367,7 +367,7 @@ bool negotiation_match_etag(const char *if_none_match, const char *tag, const ch
 
     for (int c = 0; c < CODING_COUNT; c++)
         qualities[c] = negotiation_coding_quality(accept_encoding, (coding)c);
-    while (take_tag(&if_none_match, &member)) {
+    while (next_tag(&if_none_match, &member)) {
         if (member.is_any) {
             negotiation_coding_tag(tag, CODING_IDENTITY, ret_tag);
             return true;
@@ -383,7 +383,7 @@ bool negotiation_allows_change(const char *if_match, const char *tag)
     char form[CODING_TAG_SIZE];
     entity_tag member;
 
-    while (take_tag(&if_match, &member)) {
+    while (next_tag(&if_match, &member)) {
         if (member.is_any || (!member.is_weak && is_form_of(&member, tag, NULL, form)))
             return true;
     }

@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-// One batch, shared with take_event().
+// One batch, shared with on_event().
 typedef struct batch {
     stream_cursor *cursor;
     bf_buffer *out;
@@ -54,7 +54,7 @@ static bf_status append_close(stream_format format, bf_buffer *out)
 
 // An inline snapshot is left open and stops the reading: its grid is read after read_events() has
 // returned, as a read within a read would hold two readers of the store.
-static bf_status take_event(void *context, const api_event *event, bf_error *err)
+static bf_status on_event(void *context, const api_event *event, bf_error *err)
 {
     batch *b = context;
     stream_cursor *cursor = b->cursor;
@@ -144,7 +144,7 @@ static bf_status append_events(batch *b, const api_services *services, size_t li
         size_t left = limit_bytes - (b->out->n - start);
         bf_status status =
             services->read_events(services->store, (const char(*)[API_ID_SIZE])cursor->runs,
-                                  cursor->n_runs, cursor->after, left, take_event, b, err);
+                                  cursor->n_runs, cursor->after, left, on_event, b, err);
         has_stopped = b->is_pending;
         if (has_stopped)
             status = append_grid(b, services, err);

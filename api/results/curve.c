@@ -77,7 +77,7 @@ static void write_columns(json_out *w, const member *m, const void *item)
     (void)m;
     json_out_object(w);
     for (size_t c = 0; c < samples->n_columns; c++) {
-        bool has_name = api_take_column(&names, name);
+        bool has_name = api_next_column(&names, name);
         BF_CHECK(has_name);
         json_out_key(w, name);
         json_out_numbers(w, samples->values + c, samples->n, samples->n_columns);

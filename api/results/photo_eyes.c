@@ -92,7 +92,7 @@ static bool read_stop(json_t *json, results_stop *ret_stop)
     return stop.state < BELT_STOPS_CAUSE_COUNT;
 }
 
-static bf_status take_event(void *context, const api_event *event, bf_error *err)
+static bf_status on_event(void *context, const api_event *event, bf_error *err)
 {
     results_changes *changes = context;
     json_t *json = json_loadb(event->data, event->n, 0, NULL);
@@ -118,7 +118,7 @@ static bf_status take_event(void *context, const api_event *event, bf_error *err
 bf_status results_changes_read(const api_services *services, const char *id,
                                results_changes *changes, bf_error *err)
 {
-    const bf_status status = services->read_changes(services->store, id, take_event, changes, err);
+    const bf_status status = services->read_changes(services->store, id, on_event, changes, err);
 
     if (status != BF_OK)
         results_changes_fini(changes);

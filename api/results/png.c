@@ -48,7 +48,7 @@ static void pass_over(png_struct *png, const char *text)
     (void)text;
 }
 
-static void take(png_struct *png, uint8_t *bytes, size_t n)
+static void append(png_struct *png, uint8_t *bytes, size_t n)
 {
     if (buffer_append(png_get_io_ptr(png), bytes, n) != BF_OK)
         png_error(png, "out of memory");
@@ -63,7 +63,7 @@ static void write_all(const drawing *d)
 {
     const picture *p = d->picture;
 
-    png_set_write_fn(d->png, d->out, take, flush);
+    png_set_write_fn(d->png, d->out, append, flush);
     png_set_IHDR(d->png, d->info, (png_uint_32)p->width, (png_uint_32)p->height, PALETTE_BITS,
                  PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);

@@ -72,7 +72,7 @@ static void take_density(trace *to, const frame_snapshot *f)
         to->moments[to->n++] = m;
 }
 
-static bf_status take_frame(void *context, const frame *f, bf_error *err)
+static bf_status on_frame(void *context, const frame *f, bf_error *err)
 {
     trace *to = context;
 
@@ -168,7 +168,7 @@ bf_status prediction_load_of(const scene *s, prediction_load *ret_load, bf_error
                 .packing = scene_packing_density(s),
                 .step_work = step_work,
                 .work_max = work_max };
-    const run_sink sink = { &t, take_frame, find_requested };
+    const run_sink sink = { &t, on_frame, find_requested };
     run *r = NULL;
 
     bf_status status = run_create(&coarse, RUN_MACRO, 1, &r, err);

@@ -96,7 +96,7 @@ typedef struct stopwatch {
     double begin_s, end_s; // by the clock; begin_s NAN: not yet
 } stopwatch;
 
-static bf_status take_frame(void *context, const frame *f, bf_error *err)
+static bf_status on_frame(void *context, const frame *f, bf_error *err)
 {
     stopwatch *w = context;
 
@@ -110,7 +110,7 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
 
 static bf_status solve(const scene *s, run_model model, stopwatch *watch, bf_error *err)
 {
-    const run_sink sink = { .context = watch, .take = take_frame };
+    const run_sink sink = { .context = watch, .on_frame = on_frame };
     run *r = NULL;
 
     bf_status status = run_create(s, model, 1, &r, err);

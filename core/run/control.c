@@ -69,7 +69,7 @@ static bf_status emit_change(control *c, uint64_t step, const frame_change *chan
     f.change.index = c->n_changes++;
     f.change.t = (double)step * c->dt;
     snprintf(f.change.id, sizeof f.change.id, "%s", id);
-    return sink->take(sink->context, &f, err);
+    return sink->on_frame(sink->context, &f, err);
 }
 
 static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, figures *to,
@@ -199,7 +199,7 @@ bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, con
 {
     run_departures departures = { .n = 0 };
     merges_eye seen[SCENE_EYES_MAX];
-    bf_status status = c->scene->n_sinks > 0 ? c->backend->take(solver, err) : BF_OK;
+    bf_status status = c->scene->n_sinks > 0 ? c->backend->remove_at_sinks(solver, err) : BF_OK;
 
     if (status == BF_OK && c->backend->depart != NULL && c->scene->n_feeds > 0)
         status = c->backend->depart(solver, &departures, err);

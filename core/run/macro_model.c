@@ -401,7 +401,7 @@ static bool is_exhausted_run(const void *solver)
     return feed_density_is_exhausted(run->feeds);
 }
 
-static bf_status take(void *solver, bf_error *err)
+static bf_status remove_at_sinks(void *solver, bf_error *err)
 {
     macro_run *run = solver;
 
@@ -606,7 +606,7 @@ const run_backend run__macro = {
     .tell_cargo = tell_cargo,
     .tell_ages = tell_ages,
     .tell_exits = tell_exits,
-    .take = take,
+    .remove_at_sinks = remove_at_sinks,
     .look = look_run,
     .hold = hold,
     .admit = admit_run,

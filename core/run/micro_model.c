@@ -410,7 +410,7 @@ static void taken(const void *solver, double *ret_parts)
     memcpy(ret_parts, run->sinks.taken, run->scene->n_sinks * sizeof *ret_parts);
 }
 
-static bf_status take(void *solver, bf_error *err)
+static bf_status remove_at_sinks(void *solver, bf_error *err)
 {
     micro_run *run = solver;
 
@@ -574,7 +574,7 @@ const run_backend run__micro = {
     .save = save_run,
     .load = load_run,
     .digest = digest_run,
-    .take = take,
+    .remove_at_sinks = remove_at_sinks,
     .depart = depart,
     .tell_cargo = tell_cargo,
     .look = look_at_beam,

@@ -222,7 +222,7 @@ static bf_status emit_begin(run *r, const run_sink *sink, bf_error *err)
                                  .grid = r->plan.grid,
                                  .definition = r->definition } };
 
-    return sink->take(sink->context, &f, err);
+    return sink->on_frame(sink->context, &f, err);
 }
 
 static bf_status emit_curve(run *r, const run_sink *sink, bf_error *err)
@@ -237,7 +237,7 @@ static bf_status emit_curve(run *r, const run_sink *sink, bf_error *err)
     if (r->n_waiting == 0)
         return BF_OK;
     r->n_waiting = 0;
-    return sink->take(sink->context, &f, err);
+    return sink->on_frame(sink->context, &f, err);
 }
 
 static bf_status emit_progress(run *r, const run_sink *sink, bf_error *err)
@@ -246,7 +246,7 @@ static bf_status emit_progress(run *r, const run_sink *sink, bf_error *err)
                       .progress = {
                           .step = r->step, .n_steps = r->plan.n_steps, .t = time_now(r) } };
 
-    return sink->take(sink->context, &f, err);
+    return sink->on_frame(sink->context, &f, err);
 }
 
 // Of models that say it apart from their cargo.
@@ -265,7 +265,7 @@ static bf_status emit_figures(run *r, const run_sink *sink, bf_error *err)
                                    .n = figure_values(r->scene),
                                    .values = r->figure_values } };
 
-    return sink->take(sink->context, &f, err);
+    return sink->on_frame(sink->context, &f, err);
 }
 
 static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
@@ -291,7 +291,7 @@ static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
     const frame f = { .type = FRAME_CHECKPOINT,
                       .bytes = {
                           .step = r->step, .n = r->checkpoint.n, .bytes = r->checkpoint.bytes } };
-    return sink->take(sink->context, &f, err);
+    return sink->on_frame(sink->context, &f, err);
 }
 
 static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_error *err)
@@ -314,7 +314,7 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
 
     if (r->backend->fill_end != NULL)
         r->backend->fill_end(r->solver, &f.end);
-    return sink->take(sink->context, &f, err);
+    return sink->on_frame(sink->context, &f, err);
 }
 
 // In the order of columns.h.
@@ -407,7 +407,7 @@ static bf_status emit_parts(run *r, uint64_t n_rows, const run_sink *sink, bf_er
                                  .n_parts = n_rows,
                                  .n_values = r->plan.n_values,
                                  .rows = r->parts } };
-    return sink->take(sink->context, &f, err);
+    return sink->on_frame(sink->context, &f, err);
 }
 
 static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
@@ -429,7 +429,7 @@ static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
                                     .n1 = (uint32_t)r->plan.grid.n1,
                                     .n2 = (uint32_t)r->plan.grid.n2,
                                     .rho = r->rho } };
-    status = sink->take(sink->context, &f, err);
+    status = sink->on_frame(sink->context, &f, err);
     if (status == BF_OK)
         status = emit_parts(r, load.n_rows, sink, err);
     move_on(r, &r->snapshots, r->snapshots.n + 1);

@@ -40,8 +40,8 @@ typedef enum run_request {
 /// Where frames go and requests come from.
 typedef struct run_sink {
     void *context; ///< given to both functions
-    /// Take a frame; pointers in it are valid during the call. A failure ends the run with it.
-    bf_status (*take)(void *context, const frame *f, bf_error *err);
+    /// Called with each frame; pointers in it are valid during the call. A failure ends the run with it.
+    bf_status (*on_frame)(void *context, const frame *f, bf_error *err);
     /// Called every few milliseconds of work or more often, so it should be cheap. Returns
     /// run_request flags. NULL: no requests.
     unsigned (*requested)(void *context);
@@ -79,7 +79,7 @@ BF_MUST_CHECK bf_status run_resume(const scene *s, run_model model, int n_thread
                                    const void *bytes, size_t n, run **ret_run, bf_error *err);
 
 /// Step to the end. Emits begin first, and end last unless it fails. Failures of the solver and of
-/// sink->take are returned; emitting FRAME_ERROR for them is the caller's part.
+/// sink->on_frame are returned; emitting FRAME_ERROR for them is the caller's part.
 BF_MUST_CHECK bf_status run_execute(run *r, const run_sink *sink, bf_error *err);
 
 /// What a run had to do so far beside its steps; zeros of the microscopic model.

@@ -112,8 +112,8 @@ typedef struct run_backend {
     void (*tell_ages)(const void *solver, figures *to);
 
     // At a tick, in this order (control.h). The time is that of the steps made.
-    /// Let the sinks take what is theirs. Only for scenes with sinks. BF_ENOMEM.
-    bf_status (*take)(void *solver, bf_error *err);
+    /// Remove what the sinks are due. Only for scenes with sinks. BF_ENOMEM.
+    bf_status (*remove_at_sinks)(void *solver, bf_error *err);
     /// Take the parts that left the domain or fell since the last tick. NULL: the model has no parts. BF_ENOMEM.
     bf_status (*depart)(void *solver, run_departures *ret_departures, bf_error *err);
     /// Tell the figures what left in the last step, in parts that need not be whole. NULL: depart() says it.

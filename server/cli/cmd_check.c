@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static error_t take_option(int key, char *argument, struct argp_state *state)
+static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     return cmd_take_subject(key, argument, state, state->input);
 }
@@ -39,7 +39,7 @@ int cmd_check(int argc, char **argv)
     };
     static const struct argp parser = {
         .options = options,
-        .parser = take_option,
+        .parser = parse_option,
         .args_doc = "SCENARIO.json",
         .doc =
             "Check a scenario ('-' reads standard input) without solving it.\v"

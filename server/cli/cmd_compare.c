@@ -29,7 +29,7 @@ typedef struct compare_result {
 
 enum { KEY_COLUMN = 'c', KEY_JSON = 'j' };
 
-static error_t take_option(int key, char *argument, struct argp_state *state)
+static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     compare_arguments *a = state->input;
 
@@ -261,7 +261,7 @@ int cmd_compare(int argc, char **argv)
     };
     static const struct argp parser = {
         .options = options,
-        .parser = take_option,
+        .parser = parse_option,
         .args_doc = "DIR-OR-CSV DIR-OR-CSV...",
         .doc = "Print how far two to eight outflow curves are apart from the first, one a line.\v"
                "A curve has drained when 1 % of its parts are left; throughput counts from 10 % to "

@@ -59,7 +59,7 @@ bf_status cmd_draw_curves(char *const *paths, size_t n_paths, const char *column
     return status;
 }
 
-static error_t take_option(int key, char *argument, struct argp_state *state)
+static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     draw_arguments *a = state->input;
 
@@ -89,7 +89,7 @@ int cmd_draw(int argc, char **argv)
     };
     static const struct argp parser = {
         .options = options,
-        .parser = take_option,
+        .parser = parse_option,
         .args_doc = "DIR-OR-CSV...",
         .doc =
             "Draw outflow curves in the terminal ('-' reads CSV from standard input).\v"

@@ -79,7 +79,7 @@ static error_t take_number(pull_arguments *a, int key, const char *text,
     return 0;
 }
 
-static error_t take_option(int key, char *argument, struct argp_state *state)
+static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     pull_arguments *a = state->input;
 
@@ -181,7 +181,7 @@ int cmd_pull(int argc, char **argv)
     };
     static const struct argp parser = {
         .options = options,
-        .parser = take_option,
+        .parser = parse_option,
         .doc = "Lease runs of a daemon with `executor = pull`, solve them on this machine, and "
                "send their "
                "results.\v"

@@ -44,7 +44,7 @@ typedef struct solving {
     double wall_s;
 } solving;
 
-static bf_status take_frame(void *context, const frame *f, bf_error *err)
+static bf_status on_frame(void *context, const frame *f, bf_error *err)
 {
     solving *s = context;
 
@@ -87,7 +87,7 @@ static unsigned find_requested(void *context)
 static bf_status execute(solving *s, bf_error *err)
 {
     run *r = NULL;
-    run_sink sink = { .context = s, .take = take_frame, .requested = find_requested };
+    run_sink sink = { .context = s, .on_frame = on_frame, .requested = find_requested };
 
     bf_status status =
         run_create(&s->scene, s->arguments->subject.model, s->arguments->n_threads, &r, err);
@@ -275,7 +275,7 @@ static void take_threads(solve_arguments *a, const char *text, struct argp_state
     a->n_threads = (int)n;
 }
 
-static error_t take_option(int key, char *argument, struct argp_state *state)
+static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     solve_arguments *a = state->input;
 
@@ -304,7 +304,7 @@ static const struct argp_option options[] = {
 
 static const struct argp parser = {
     .options = options,
-    .parser = take_option,
+    .parser = parse_option,
     .args_doc = "SCENARIO.json --out DIR",
     .doc = "Solve a scenario ('-' reads standard input) and write scenario.json, curve.csv, "
            "snapshots, snapshots.json and summary.json into DIR.\v"

@@ -51,7 +51,7 @@ static void show_progress(studying *s, bool is_last)
             (unsigned long long)s->document.trials_max, is_last ? "\n" : "");
 }
 
-static bf_status take_trial(void *context, const api_trial *trial, bf_error *err)
+static bf_status on_trial(void *context, const api_trial *trial, bf_error *err)
 {
     studying *s = context;
 
@@ -90,7 +90,7 @@ static bf_status solve_round(studying *s, size_t from, int n_workers, bf_error *
                           .n = n_pending,
                           .n_workers = n_workers,
                           .context = s,
-                          .ended = take_trial };
+                          .ended = on_trial };
     return n_pending == 0 ? BF_OK : study_round_solve(&round, err);
 }
 
@@ -175,7 +175,7 @@ static cmd_exit read_document(const char *command, const study_arguments *a, bf_
     return code;
 }
 
-static error_t take_option(int key, char *argument, struct argp_state *state)
+static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     study_arguments *a = state->input;
     uint64_t n = 0;
@@ -216,7 +216,7 @@ int cmd_study(int argc, char **argv)
     };
     static const struct argp parser = {
         .options = options,
-        .parser = take_option,
+        .parser = parse_option,
         .args_doc = "STUDY.json --out DIR",
         .doc = "Make a study ('-' reads standard input): vary numbers of a scenario, solve each, "
                "and say which is best. Writes study.json, trials.csv and best.json into DIR.\v"

@@ -68,7 +68,7 @@ static bf_status put_frame(working *w, const frame *f, bool is_urgent, bf_error 
     return BF_OK;
 }
 
-static bf_status take_frame(void *context, const frame *f, bf_error *err)
+static bf_status on_frame(void *context, const frame *f, bf_error *err)
 {
     const working *w = context;
     const bool is_snapshot = f->type == FRAME_SNAPSHOT || f->type == FRAME_PARTS;
@@ -113,7 +113,7 @@ static bf_status solve(working *w, const scene *s, const frame_job *job, bf_buff
                        bf_error *err)
 {
     run *r = NULL;
-    run_sink sink = { .context = w, .take = take_frame, .requested = find_requested };
+    run_sink sink = { .context = w, .on_frame = on_frame, .requested = find_requested };
 
     if (job->model >= RUN_MODEL_COUNT || job->n_threads < 1 || job->n_threads > INT16_MAX)
         return bf_fail(err, BF_ECORRUPT, "", "the job names no model or no threads");
@@ -207,7 +207,7 @@ static bool limit_process(const worker_arguments *a)
     return true;
 }
 
-static error_t take_option(int key, char *argument, struct argp_state *state)
+static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
     worker_arguments *a = state->input;
     uint64_t *target = key == KEY_MEMORY       ? &a->memory_bytes
@@ -235,7 +235,7 @@ int cmd_worker(int argc, char **argv)
     };
     static const struct argp parser = {
         .options = options,
-        .parser = take_option,
+        .parser = parse_option,
         .doc = "Solve one job: a job frame and perhaps a checkpoint on standard input, frames of "
                "the results on standard output (core/observe/frame.h).\v"
                "SIGTERM lets it write a checkpoint and end.",
@@ -251,7 +251,7 @@ int cmd_worker(int argc, char **argv)
     if (status != BF_OK && !w.is_reader_gone) {
         // The error stands on stderr too, for when there is no memory left to make a frame of it.
         fprintf(stderr, "%s\n", failure.error.text);
-        if (take_frame(&w, &failure, NULL) != BF_OK)
+        if (on_frame(&w, &failure, NULL) != BF_OK)
             fputs("the error frame could not be written\n", stderr);
     }
     buffer_fini(&w.out);

@@ -48,7 +48,7 @@ static bool is_hopeless(const solving *s, const frame_figures *figures)
     return is_so;
 }
 
-static bf_status take_frame(void *context, const frame *f, bf_error *err)
+static bf_status on_frame(void *context, const frame *f, bf_error *err)
 {
     solving *s = context;
     bf_status status = BF_OK;
@@ -84,7 +84,7 @@ static unsigned find_requested(void *context)
 static bf_status solve(const study_document *document, const scene *trial_scene, run_model model,
                        solving *s, double *ret_values, bf_error *err)
 {
-    const run_sink sink = { .context = s, .take = take_frame, .requested = find_requested };
+    const run_sink sink = { .context = s, .on_frame = on_frame, .requested = find_requested };
     run *r = NULL;
 
     bf_status status = run_create(trial_scene, model, 1, &r, err);

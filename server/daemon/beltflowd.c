@@ -203,7 +203,7 @@ static store_quotas quotas_of(const config *c)
                            .n_studies = c->owner_studies };
 }
 
-static void take_queued(void *context)
+static void on_queued(void *context)
 {
     supervisor_wake(((parts *)context)->service.supervisor);
 }
@@ -251,7 +251,7 @@ static bf_status start(parts *p, bf_error *err)
     const studies_options studying = { .store = s->store,
                                        .n_workers = supervising.n_workers,
                                        .age_ms = retention_of(c).age_ms,
-                                       .queued = take_queued,
+                                       .queued = on_queued,
                                        .context = p };
     if (status == BF_OK)
         status = studies_start(&studying, &s->studies, err);

@@ -170,7 +170,7 @@ static const char *value_of(const config *c, size_t i, char *storage)
     return storage;
 }
 
-void config_reload(config *c, const config *fresh, config_take_change *take, void *context)
+void config_reload(config *c, const config *fresh, config_change_fn *on_change, void *context)
 {
     char storage[2][CONFIG_TEXT_SIZE];
 
@@ -178,7 +178,7 @@ void config_reload(config *c, const config *fresh, config_take_change *take, voi
         const char *before = value_of(c, i, storage[0]), *after = value_of(fresh, i, storage[1]);
         if (strcmp(before, after) == 0)
             continue;
-        take(context, &rows[i], before, after);
+        on_change(context, &rows[i], before, after);
         if (!rows[i].can_reload)
             continue;
         memcpy((char *)c + places[i].offset, (const char *)fresh + places[i].offset,

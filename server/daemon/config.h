@@ -189,11 +189,11 @@ BF_MUST_CHECK bf_status config_sample(bf_buffer *out, bf_error *err);
 BF_MUST_CHECK bf_status config_print(const config *c, bf_buffer *out, bf_error *err);
 
 /// Called for each setting that has changed, with both values as text.
-typedef void config_take_change(void *context, const config_row *row, const char *before,
-                                const char *after);
+typedef void config_change_fn(void *context, const config_row *row, const char *before,
+                              const char *after);
 
 /// Take over from *fresh what can be changed without a restart, and report all differences.
-void config_reload(config *c, const config *fresh, config_take_change *take, void *context);
+void config_reload(config *c, const config *fresh, config_change_fn *on_change, void *context);
 
 /// What the daemon is to do: its first word.
 typedef enum config_command {

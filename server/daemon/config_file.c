@@ -46,7 +46,7 @@ static char *read_line(char *line, int size, void *context)
     return line;
 }
 
-static int take_setting(void *context, const char *section, const char *name, const char *value)
+static int on_setting(void *context, const char *section, const char *name, const char *value)
 {
     config_reader *reader = context;
     char where[CONFIG_ORIGIN_SIZE];
@@ -70,7 +70,7 @@ bf_status config_read_file(config *c, const char *path, bf_error *err)
     reader.file = fopen(path, "re");
     if (reader.file == NULL)
         return bf_fail(err, BF_ESYSTEM, "", "cannot read %s: %s", path, strerror(errno));
-    int line = ini_parse_stream(read_line, &reader, take_setting, &reader);
+    int line = ini_parse_stream(read_line, &reader, on_setting, &reader);
     if (ferror(reader.file) && reader.status == BF_OK)
         reader.status = bf_fail(err, BF_ESYSTEM, "", "cannot read %s", path);
     (void)fclose(reader.file);

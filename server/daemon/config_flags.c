@@ -27,7 +27,7 @@ enum {
     N_OTHERS = 11 // flags that are no settings
 };
 
-static void take_word(config_flags *f, const char *word, const struct argp_state *state)
+static void parse_word(config_flags *f, const char *word, const struct argp_state *state)
 {
     if (f->command == CONFIG_TOKEN && f->action == NULL)
         f->action = word;
@@ -83,7 +83,7 @@ static const char *find_fault(const config_flags *f)
     return f->command != CONFIG_BACKUP && f->copies != NULL ? "--copies is for backup" : NULL;
 }
 
-static error_t take_flag(int key, char *value, struct argp_state *state)
+static error_t parse_flag(int key, char *value, struct argp_state *state)
 {
     config_flags *f = state->input;
 
@@ -102,7 +102,7 @@ static error_t take_flag(int key, char *value, struct argp_state *state)
     else if (key == KEY_VERIFY)
         f->command = CONFIG_VERIFY;
     else if (key == ARGP_KEY_ARG)
-        take_word(f, value, state);
+        parse_word(f, value, state);
     else if (key == KEY_OWNER)
         f->owner = value;
     else if (key == KEY_SCOPES)
@@ -178,7 +178,7 @@ void config_parse_flags(int argc, char **argv, config_flags *ret_flags)
     };
     const struct argp argp = {
         .options = options,
-        .parser = take_flag,
+        .parser = parse_flag,
         .args_doc = "\nbackup FILE\nrestore FILE\nverify [FILE]\ntoken add NAME\ntoken list\n"
                     "token rotate ID\ntoken revoke ID\nslurm --dry-run",
         .doc =

@@ -32,7 +32,7 @@ static bool is_origin(const char *text, size_t n)
 }
 
 // The next origin of a list from *text on, of *n bytes; moves *text behind it. False: no more.
-static bool take(const char **text, const char **ret_origin, size_t *ret_n)
+static bool next_origin(const char **text, const char **ret_origin, size_t *ret_n)
 {
     const char *p = *text + strspn(*text, separators);
 
@@ -49,7 +49,7 @@ bf_status http_cors_check(const char *origins, bf_error *err)
 
     if (strcmp(origins, "*") == 0)
         return BF_OK;
-    while (take(&rest, &origin, &n)) {
+    while (next_origin(&rest, &origin, &n)) {
         if (!is_origin(origin, n))
             return bf_fail(
                 err, BF_EINPUT, "",
@@ -65,7 +65,7 @@ static bool is_listed(const char *origins, const char *origin)
     const char *item;
     size_t n = 0;
 
-    while (take(&origins, &item, &n)) {
+    while (next_origin(&origins, &item, &n)) {
         if (strlen(origin) == n && memcmp(item, origin, n) == 0)
             return true;
     }

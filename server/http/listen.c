@@ -232,7 +232,7 @@ static bool split(const char *host, host_text *ret_text)
 }
 
 // The next name of a list from *text on, of *n bytes; moves *text behind it. False: no more.
-static bool take(const char **text, const char **ret_name, size_t *ret_n)
+static bool next_name(const char **text, const char **ret_name, size_t *ret_n)
 {
     const char *p = *text + strspn(*text, separators);
 
@@ -260,7 +260,7 @@ bf_status http_host_check(const char *names, bf_error *err)
     const char *name;
     size_t n = 0;
 
-    while (take(&names, &name, &n)) {
+    while (next_name(&names, &name, &n)) {
         if (!is_listed_form(name, n))
             return bf_fail(err, BF_EINPUT, "",
                            "'%.*s' is no name of a host; one is beltflow.example, without a port",
@@ -321,7 +321,7 @@ static bool is_listed(const http_hosts *hosts, const host_text *host)
     const char *rest = hosts->names, *name;
     size_t n = 0;
 
-    while (take(&rest, &name, &n)) {
+    while (next_name(&rest, &name, &n)) {
         if (is_same(host, name, n))
             return true;
     }

@@ -114,7 +114,7 @@ static void answer_liveness(http_pool *p)
 
 // The next request, waiting for one. *lane is that of the request that is done (N_LANES: none), then
 // that of the next; *ret_is_late: it shall not be begun any more. NULL: the pool ends and the queues are empty.
-static http_request *take(http_pool *p, pool_lane *lane, bool *ret_is_late)
+static http_request *next_request(http_pool *p, pool_lane *lane, bool *ret_is_late)
 {
     http_request *r = NULL;
 
@@ -147,7 +147,7 @@ static void *work(void *context)
     http_request *r;
     bool is_late;
 
-    while ((r = take(p, &lane, &is_late)) != NULL) {
+    while ((r = next_request(p, &lane, &is_late)) != NULL) {
         struct MHD_Connection *mhd = r->mhd;
         if (is_late) {
             http__respond_refuse(r, 503, BF_EBUSY, "the service is stopping");

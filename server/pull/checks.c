@@ -79,7 +79,7 @@ static void note_frame(pull__check *c, const char *bytes, size_t n)
 }
 
 // The frame at the start of n bytes; how many of them are done with. 0: more must come.
-static size_t take_frame(pull__check *c, const char *bytes, size_t n)
+static size_t parse_frame(pull__check *c, const char *bytes, size_t n)
 {
     frame_type type = FRAME_TYPE_COUNT;
 
@@ -106,7 +106,7 @@ void pull__check_bytes(pull__check *c, const char *bytes, size_t n)
     c->n_skipped -= n_skipped;
     c->is_damaged = buffer_append(&c->bytes, bytes + n_skipped, n - n_skipped) != BF_OK;
     for (size_t used = 1; used > 0 && !c->is_damaged && at < c->bytes.n; at += used)
-        used = take_frame(c, c->bytes.bytes + at, c->bytes.n - at);
+        used = parse_frame(c, c->bytes.bytes + at, c->bytes.n - at);
     buffer_drop(&c->bytes, at);
 }
 

@@ -263,7 +263,7 @@ static bf_status fail_order(bf_error *err)
     return bf_fail(err, BF_ECORRUPT, "", "the solver sent frames out of order");
 }
 
-static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *err)
+static bf_status on_frame(supervisor__task *task, const frame *f, bf_error *err)
 {
     if (!is_in_order(task, f))
         return fail_order(err);
@@ -329,7 +329,7 @@ static bf_status take_frames(supervisor__task *task, bf_error *err)
             break;
         }
         if (supervisor__count_output(task, f.type, used))
-            status = take_frame(task, &f, err);
+            status = on_frame(task, &f, err);
         task->n_decoded += used; // a multiple of 8, so the next one is aligned
     }
     // What comes last is stored together with the end of the run.

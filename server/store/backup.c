@@ -214,7 +214,7 @@ static const question questions[] = {
 /// A verification on its way.
 typedef struct verification {
     store__connection reader;
-    store_verify_fn *take;
+    store_verify_fn *on_finding;
     void *context;
     bool is_sound;
 } verification;
@@ -222,7 +222,7 @@ typedef struct verification {
 static void report(verification *v, const char *name, const char *claim, const char *finding)
 {
     v->is_sound = v->is_sound && finding == NULL;
-    v->take(v->context, name, claim, finding);
+    v->on_finding(v->context, name, claim, finding);
 }
 
 // Read the first column of the first row: a number, and its text. The text of a damaged file is
@@ -323,10 +323,10 @@ static bf_status check_version(const verification *v, const char *path, bf_error
     return BF_OK;
 }
 
-bf_status store_verify(const char *path, store_verify_fn *take, void *context, bool *ret_is_sound,
-                       bf_error *err)
+bf_status store_verify(const char *path, store_verify_fn *on_finding, void *context,
+                       bool *ret_is_sound, bf_error *err)
 {
-    verification v = { .take = take, .context = context, .is_sound = true };
+    verification v = { .on_finding = on_finding, .context = context, .is_sound = true };
 
     if (access(path, F_OK) != 0)
         return bf_fail(err, BF_EINPUT, "", "there is no store %s: %s", path, strerror(errno));

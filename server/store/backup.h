@@ -22,5 +22,5 @@ typedef void store_verify_fn(void *context, const char *name, const char *claim,
 /// show, and by unpacking every stored snapshot. *ret_is_sound: nothing was found. BF_EINPUT: there is no such
 /// file; BF_ESYSTEM: it cannot be read, is no store, or of another version (a daemon's start brings an
 /// older one up to date).
-BF_MUST_CHECK bf_status store_verify(const char *path, store_verify_fn *take, void *context,
+BF_MUST_CHECK bf_status store_verify(const char *path, store_verify_fn *on_finding, void *context,
                                      bool *ret_is_sound, bf_error *err);

@@ -251,7 +251,7 @@ static bf_status copy_events(store__connection *reader, const char (*runs)[API_I
 }
 
 static bf_status pass_events(const event_merge *merge, const char (*runs)[API_ID_SIZE],
-                             api_event_fn *take, void *take_context, bf_error *err)
+                             api_event_fn *on_event, void *context, bf_error *err)
 {
     const copied_event *copied = (const copied_event *)(const void *)merge->copied.bytes;
     size_t n = merge->copied.n / sizeof *copied;
@@ -265,14 +265,14 @@ static bf_status pass_events(const event_merge *merge, const char (*runs)[API_ID
             .data = merge->data.bytes + copied[i].at,
         };
         memcpy(event.run, runs[copied[i].which], sizeof event.run);
-        BF_TRY(take(take_context, &event, err));
+        BF_TRY(on_event(context, &event, err));
     }
     return BF_OK;
 }
 
 bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                            uint64_t after, size_t limit_bytes, api_event_fn *take,
-                            void *take_context, bf_error *err)
+                            uint64_t after, size_t limit_bytes, api_event_fn *on_event,
+                            void *context, bf_error *err)
 {
     event_merge merge = { .n_runs = n_runs };
 
@@ -284,14 +284,14 @@ bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_
     bf_status status = copy_events(reader, runs, after, limit_bytes, &merge, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
-        status = pass_events(&merge, runs, take, take_context, err);
+        status = pass_events(&merge, runs, on_event, context, err);
     memory_free(merge.rows);
     buffer_fini(&merge.copied);
     buffer_fini(&merge.data);
     return status;
 }
 
-bf_status store_read_changes(store *s, const char *id, api_event_fn *take, void *take_context,
+bf_status store_read_changes(store *s, const char *id, api_event_fn *on_event, void *context,
                              bf_error *err)
 {
     char runs[1][API_ID_SIZE];
@@ -309,7 +309,7 @@ bf_status store_read_changes(store *s, const char *id, api_event_fn *take, void 
     store__end(&q);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
-        status = pass_events(&merge, (const char(*)[API_ID_SIZE])runs, take, take_context, err);
+        status = pass_events(&merge, (const char(*)[API_ID_SIZE])runs, on_event, context, err);
     buffer_fini(&merge.copied);
     buffer_fini(&merge.data);
     return status;

@@ -178,13 +178,13 @@ BF_MUST_CHECK bf_status store_open_array(store *s, const char *id, uint64_t inde
                                          api_slices *ret_slices, bf_error *err);
 BF_MUST_CHECK bf_status store_read_slice(store *s, api_slices *slices, uint64_t at,
                                          size_t limit_bytes, bf_buffer *out, bf_error *err);
-/// A run that was removed has no events any more; that is no failure. No reader is held while take
+/// A run that was removed has no events any more; that is no failure. No reader is held while on_event()
 /// runs, so it may call the store.
-BF_MUST_CHECK bf_status store_read_changes(store *s, const char *id, api_event_fn *take,
-                                           void *take_context, bf_error *err);
+BF_MUST_CHECK bf_status store_read_changes(store *s, const char *id, api_event_fn *on_event,
+                                           void *context, bf_error *err);
 BF_MUST_CHECK bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                                          uint64_t after, size_t limit_bytes, api_event_fn *take,
-                                          void *take_context, bf_error *err);
+                                          uint64_t after, size_t limit_bytes,
+                                          api_event_fn *on_event, void *context, bf_error *err);
 
 /// Counts and sizes of what the store holds.
 typedef struct store_stats {

@@ -33,9 +33,9 @@ BF_MUST_CHECK bf_status store_remove_study(store *s, const char *id, uint64_t re
                                            bf_error *err);
 BF_MUST_CHECK bf_status store_read_study(store *s, const char *id, api_study_text which,
                                          bf_buffer *out, bf_error *err);
-/// No reader is held while take runs, so it may call the store.
+/// No reader is held while on_trial() runs, so it may call the store.
 BF_MUST_CHECK bf_status store_read_trials(store *s, const char *id, const api_trial_query *query,
-                                          api_trial_fn *take, void *take_context, bf_error *err);
+                                          api_trial_fn *on_trial, void *context, bf_error *err);
 
 /// A study's row.
 typedef struct store_study {

@@ -95,8 +95,8 @@ BF_MUST_CHECK bf_status tokens_rotate(const char *directory, uint64_t id, int64_
 BF_MUST_CHECK bf_status tokens_revoke(const char *directory, uint64_t id, bf_error *err);
 
 /// Take one token.
-typedef void tokens_take_fn(void *context, const tokens_record *token);
+typedef void tokens_visit_fn(void *context, const tokens_record *token);
 
-/// Give all tokens, by rising id, to take.
-BF_MUST_CHECK bf_status tokens_list(const char *directory, tokens_take_fn *take, void *context,
+/// Give all tokens, by rising id, to on_token().
+BF_MUST_CHECK bf_status tokens_list(const char *directory, tokens_visit_fn *on_token, void *context,
                                     bf_error *err);

@@ -169,7 +169,8 @@ bf_status tokens_revoke(const char *directory, uint64_t id, bf_error *err)
     return status;
 }
 
-bf_status tokens_list(const char *directory, tokens_take_fn *take, void *context, bf_error *err)
+bf_status tokens_list(const char *directory, tokens_visit_fn *on_token, void *context,
+                      bf_error *err)
 {
     store__connection c = { 0 };
     size_t n = 0;
@@ -180,7 +181,7 @@ bf_status tokens_list(const char *directory, tokens_take_fn *take, void *context
         entries == NULL ? bf_fail_memory(err) : store__read_tokens(&c, entries, &n, err);
     store__disconnect(&c);
     for (size_t i = 0; status == BF_OK && i < n; i++)
-        take(context, &entries[i].about);
+        on_token(context, &entries[i].about);
     memory_free(entries);
     return status;
 }

@@ -164,7 +164,7 @@ static const store__sql orders[] = { [API_TRIALS_BY_NUMBER] = STORE__SQL_LIST_TR
                                      [API_TRIALS_OPEN] = STORE__SQL_LIST_OPEN_TRIALS };
 
 bf_status store_read_trials(store *s, const char *id, const api_trial_query *query,
-                            api_trial_fn *take, void *take_context, bf_error *err)
+                            api_trial_fn *on_trial, void *context, bf_error *err)
 {
     store_study row;
     size_t n = 0;
@@ -182,7 +182,7 @@ bf_status store_read_trials(store *s, const char *id, const api_trial_query *que
                              err, INTEGER(row.rowid), INTEGER(query->from), INTEGER(query->limit));
     store__release_reader(&s->pool, reader); // trials are given on without it
     for (size_t k = 0; k < n && status == BF_OK; k++)
-        status = take(take_context, &trials[k], err);
+        status = on_trial(context, &trials[k], err);
     memory_free(trials);
     return status;
 }

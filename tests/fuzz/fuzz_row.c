@@ -224,7 +224,7 @@ static void require_answer(bf_status status)
     fuzz_require(is_answer[status], bf_status_word(status));
 }
 
-static bf_status take_event(void *context, const api_event *event, bf_error *err)
+static bf_status on_event(void *context, const api_event *event, bf_error *err)
 {
     fuzz_require((unsigned)event->type < API_EVENT_TYPE_COUNT, "events have a type");
     append(context, event->data, event->n);
@@ -281,9 +281,9 @@ static void read_run(store *s, const char *id)
                      "a curve has the samples that it counts");
     api_curve_fini(&curve);
     read_snapshots(s, id);
-    require_answer(store_read_events(s, (const char(*)[API_ID_SIZE])id, 1, 0, SIZE_MAX, take_event,
-                                     &out, NULL));
-    require_answer(store_read_changes(s, id, take_event, &out, NULL));
+    require_answer(
+        store_read_events(s, (const char(*)[API_ID_SIZE])id, 1, 0, SIZE_MAX, on_event, &out, NULL));
+    require_answer(store_read_changes(s, id, on_event, &out, NULL));
     buffer_fini(&out);
 }
 

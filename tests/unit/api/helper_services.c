@@ -296,8 +296,8 @@ static bool follows(const char (*runs)[API_ID_SIZE], size_t n_runs, const char *
 }
 
 static bf_status do_read_events(api_store *store, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                                uint64_t after, size_t limit_bytes, api_event_fn *take,
-                                void *take_context, bf_error *err)
+                                uint64_t after, size_t limit_bytes, api_event_fn *on_event,
+                                void *context, bf_error *err)
 {
     const helper_daemon *d = (void *)store;
     size_t given = 0;
@@ -305,7 +305,7 @@ static bf_status do_read_events(api_store *store, const char (*runs)[API_ID_SIZE
     for (size_t i = 0; i < d->n_events && given < limit_bytes; i++) {
         if (d->events[i].id <= after || !follows(runs, n_runs, d->events[i].run))
             continue;
-        bf_status status = take(take_context, &d->events[i], err);
+        bf_status status = on_event(context, &d->events[i], err);
         if (status != BF_OK)
             return status;
         given += d->events[i].n;
@@ -313,8 +313,8 @@ static bf_status do_read_events(api_store *store, const char (*runs)[API_ID_SIZE
     return BF_OK;
 }
 
-static bf_status do_read_changes(api_store *store, const char *id, api_event_fn *take,
-                                 void *take_context, bf_error *err)
+static bf_status do_read_changes(api_store *store, const char *id, api_event_fn *on_event,
+                                 void *context, bf_error *err)
 {
     const helper_daemon *d = (void *)store;
     bf_status status = BF_OK;
@@ -322,7 +322,7 @@ static bf_status do_read_changes(api_store *store, const char *id, api_event_fn 
     for (size_t i = 0; i < d->n_events && status == BF_OK; i++) {
         const api_event *event = &d->events[i];
         if (strcmp(event->run, id) == 0 && event->type >= API_EVENT_EYE)
-            status = take(take_context, event, err);
+            status = on_event(context, event, err);
     }
     return status;
 }

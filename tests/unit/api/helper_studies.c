@@ -161,7 +161,7 @@ static bf_status do_read_study(api_store *store, const char *id, api_study_text 
 }
 
 static bf_status do_read_trials(api_store *store, const char *id, const api_trial_query *query,
-                                api_trial_fn *take, void *take_context, bf_error *err)
+                                api_trial_fn *on_trial, void *context, bf_error *err)
 {
     const helper_study *item = lookup((void *)store, id);
     bf_status status = BF_OK;
@@ -177,7 +177,7 @@ static bf_status do_read_trials(api_store *store, const char *id, const api_tria
                 continue;
         if (k >= item->about.n_trials)
             break;
-        status = take(take_context, &item->trials[k], err);
+        status = on_trial(context, &item->trials[k], err);
     }
     return status;
 }

@@ -85,8 +85,8 @@ static bf_status find(api_service *service, const char *id, api_run *ret_run, bf
 }
 
 static bf_status read_events(api_store *store, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                             uint64_t after, size_t limit_bytes, api_event_fn *take,
-                             void *take_context, bf_error *err)
+                             uint64_t after, size_t limit_bytes, api_event_fn *on_event,
+                             void *context, bf_error *err)
 {
     fake *f = (void *)store;
     bf_status status = BF_OK;
@@ -109,7 +109,7 @@ static bf_status read_events(api_store *store, const char (*runs)[API_ID_SIZE], 
         event.type = has_ended && id == n_events ? API_EVENT_END : API_EVENT_PROGRESS;
         event.n = (size_t)snprintf(data, sizeof data, "{\"k\":%llu}", (unsigned long long)id);
         n += event.n;
-        status = take(take_context, &event, err);
+        status = on_event(context, &event, err);
     }
     if (after_look != NULL)
         after_look();

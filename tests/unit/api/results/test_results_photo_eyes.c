@@ -39,8 +39,8 @@ static void changes_of_photo_eyes_are_lines(void **state)
 }
 
 // A store of the changes; damaged ones where context is not NULL.
-static bf_status read_changes(api_store *store, const char *id, api_event_fn *take,
-                              void *take_context, bf_error *err)
+static bf_status read_changes(api_store *store, const char *id, api_event_fn *on_event,
+                              void *context, bf_error *err)
 {
     static const api_event_type types[FRAME_CHANGE_TYPE_COUNT] = { API_EVENT_EYE, API_EVENT_ACTION,
                                                                    API_EVENT_DRIVE,
@@ -57,7 +57,7 @@ static bf_status read_changes(api_store *store, const char *id, api_event_fn *ta
             .id = k + 1, .type = types[c->type], .n = data.n, .data = data.bytes
         };
         if (status == BF_OK)
-            status = take(take_context, &event, err);
+            status = on_event(context, &event, err);
         buffer_fini(&data);
     }
     return status;

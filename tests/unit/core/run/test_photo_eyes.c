@@ -332,7 +332,7 @@ static void a_run_tells_of_so_many_changes_at_most(void **state)
     control c = control_of(&s, &at_rest, &backend, &(run_plan){ .dt = 1e-3, .n_tick = 1 });
     bool is_broken = false;
     uint64_t n = 0;
-    const run_sink sink = { .context = &n, .take = count_change };
+    const run_sink sink = { .context = &n, .on_frame = count_change };
 
     figures *to;
 

@@ -29,7 +29,7 @@ typedef struct solution {
     uint64_t n_snapshots;
 } solution;
 
-static bf_status take_frame(void *context, const frame *f, bf_error *err)
+static bf_status on_frame(void *context, const frame *f, bf_error *err)
 {
     solution *s = context;
 
@@ -58,7 +58,7 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
 static solution solve_here(const char *json, run_model model)
 {
     solution s = { .n_snapshots = 0 };
-    run_sink sink = { .context = &s, .take = take_frame };
+    run_sink sink = { .context = &s, .on_frame = on_frame };
     bf_faults faults = { 0 };
     run *r = NULL;
     scene resolved;

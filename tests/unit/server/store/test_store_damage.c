@@ -96,7 +96,7 @@ static void tell_results(store *s, const char *id, telling *t)
     }
 }
 
-static bf_status take_event(void *context, const api_event *event, bf_error *err)
+static bf_status on_event(void *context, const api_event *event, bf_error *err)
 {
     assert_int_equal(buffer_printf(context, "%llu %d %llu ", (unsigned long long)event->id,
                                    event->type, (unsigned long long)event->snapshot),
@@ -110,7 +110,7 @@ static void tell_events(store *s, const char *id, telling *t)
     bf_buffer events = { 0 };
 
     bf_status status = store_read_events(s, (const char(*)[API_ID_SIZE])id, 1, 0, SIZE_MAX,
-                                         take_event, &events, NULL);
+                                         on_event, &events, NULL);
     bf_buffer *text = next_text(t, status);
     if (status == BF_OK)
         note(text, events.bytes, events.n);

@@ -128,7 +128,7 @@ static void take_results(digest *d, store *s, const char *id, const api_run *rec
     }
 }
 
-static bf_status take_event(void *context, const api_event *event, bf_error *err)
+static bf_status on_event(void *context, const api_event *event, bf_error *err)
 {
     digest *d = context;
 
@@ -152,7 +152,7 @@ static void assert_run(store *s, const golden_run *g, const char *owner)
     take_texts(&d, s, g->id);
     take_results(&d, s, g->id, &record);
     assert_int_equal(
-        store_read_events(s, (const char(*)[API_ID_SIZE])ids, 1, 0, SIZE_MAX, take_event, &d, NULL),
+        store_read_events(s, (const char(*)[API_ID_SIZE])ids, 1, 0, SIZE_MAX, on_event, &d, NULL),
         BF_OK);
     assert_digest(&d, g->digest);
 }
