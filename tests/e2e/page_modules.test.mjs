@@ -20,6 +20,7 @@ import { Equipment, isPresentAt, placeAt } from "../../web/src/scenario/equipmen
 import { areaOf, beltOutline, beltVelocity, convexHull, hullCentre } from "../../web/src/scenario/geometry.js";
 import { parameterAt } from "../../web/src/scenario/parameters.js";
 import { bodyOf } from "../../web/src/scenario/plate.js";
+import { studyParameters } from "../../web/src/study/study_parameters.js";
 import { intervalOf, pointsOf } from "../../web/src/study/study_points.js";
 import { daemon } from "./daemon.mjs";
 
@@ -376,6 +377,11 @@ test("scenarios differ in what a planner calls it, however they were written", a
     const known = parameterAt(pointer, resolved);
     assert.deepEqual([known.label, known.unit], [label, unit]);
   }
+  // Of an oblique belt each component is a parameter.
+  const oblique = { ...resolved, belts: [{ id: "main", velocity_m_s: [0.3, -0.4] }] };
+  assert.deepEqual(studyParameters(oblique, oblique).filter(({ pointer }) => pointer.startsWith("/belts")).map(({ label, value, range }) => [label, value, range]),
+    [["belt speed along x", 0.3, [0.21, 0.39]], ["belt speed along y", -0.4, [-0.52, -0.28]]]);
+  assert.deepEqual(studyParameters(resolved, resolved).filter(({ pointer }) => pointer.startsWith("/belts")).map(({ label }) => label), ["belt speed"]);
   // Lists that are too long to be said are numbered.
   const [a, b] = [1, 2].map((x) => ({ ...resolved, initial: { positions_m: Array.from({ length: 5 }, (_, k) => [x, k]) } }));
   assert.deepEqual(differences([a, b, a]).map(({ label, values }) => [label, values]), [["initial positions", ["list 1", "list 2", "list 1"]]]);

@@ -119,7 +119,10 @@ export function parameterAt(pointer, scenario) {
   if (usual) return usual;
   const [, k, end, axis] = /^\/obstacles\/(\d+)\/(from_m|to_m|end_m)\/([01])$/.exec(pointer) ?? [];
   if (end) return { label: called(scenario.obstacles, Number(k), `${ENDS[end]} ${"xy"[axis]}`), unit: "m" };
-  const belt = /^\/belts\/(\d+)\/velocity_m_s\/[01]$/.exec(pointer);
-  if (belt) return { label: called(scenario.belts, Number(belt[1]), "belt speed"), unit: "m/s" };
+  const [, belt, along] = /^\/belts\/(\d+)\/velocity_m_s\/([01])$/.exec(pointer) ?? [];
+  if (belt) {
+    const isOblique = scenario.belts[belt].velocity_m_s?.every((value) => value !== 0);
+    return { label: called(scenario.belts, Number(belt), isOblique ? `belt speed along ${"xy"[along]}` : "belt speed"), unit: "m/s" };
+  }
   return wordsOf(pointer, scenario);
 }

@@ -62,8 +62,11 @@ export function studyParameters(scenario, resolved) {
   });
   return [
     ...obstacles.flatMap((_, k) => ofPlate(scenario, k)),
-    ...belts.flatMap(({ id, velocity_m_s: [vx, vy] = [0, 0] }, k) =>
-      member(`/belts/${k}/velocity_m_s/${vx === 0 ? 1 : 0}`, belts.length === 1 ? "belt speed" : `${id ?? k + 1} belt speed`, "m/s", vx === 0 ? vy : vx)),
+    ...belts.flatMap(({ velocity_m_s: velocity = [] }, k) => velocity.flatMap((value, axis) => {
+      const pointer = `/belts/${k}/velocity_m_s/${axis}`;
+      const { label, unit } = parameterAt(pointer, scenario);
+      return member(pointer, label, unit, value);
+    })),
     ...belts.flatMap(({ id, incline_deg: incline }, k) =>
       incline ? member(`/belts/${k}/incline_deg`, belts.length === 1 ? "belt incline" : `${id ?? k + 1} belt incline`, "°", incline) : []),
     ...feeds.flatMap(({ id, rate_per_s: rate }, k) =>
