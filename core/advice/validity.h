@@ -2,7 +2,7 @@
 ///
 /// A density cannot show everything that parts do: they bridge narrow openings, and single ones matter
 /// where there are few. So the macroscopic model is trusted where both models were solved for the same scenarios and
-/// agreed (core/README.md has the comparison), and the microscopic one where it was compared with experiments and with
+/// agreed (core/advice/README.md has the comparison), and the microscopic one where it was compared with experiments and with
 /// itself at harder contacts (tests/slow/test_experiments.c, tests/validation). Every figure that a scenario has
 /// (angles, openings, the heap, feeds, belts, ...) is one of
 ///

@@ -11,7 +11,7 @@
 ///
 /// Static and dynamic flux are upwinded separately (Roe). SCENE_SCHEME_ROE: first order, an x1 sweep and then an
 /// x2 sweep with one field I per step. SCENE_SCHEME_MUSCL: second order, both axes at once from limited slopes, two
-/// stages with a field I each (core/README.md). The convolution is summed with the exact cell integrals of the Gaussian,
+/// stages with a field I each (core/macro/README.md). The convolution is summed with the exact cell integrals of the Gaussian,
 /// which separate into one factor along x1 and one along x2 (mollifier.h).
 ///
 /// Steps    with A_d = (max |v_d| + eps)/d_d the largest stable dt is 1/max(A_1, A_2) (roe) or

@@ -9,7 +9,7 @@
 ///
 ///     low_i, high_i >= (1 - theta/2) rho_i,   low_i + high_i = 2 rho_i
 ///
-/// so no state is negative and nothing flows out of an empty cell; core/README.md has the bounds on the step that
+/// so no state is negative and nothing flows out of an empty cell; core/macro/README.md has the bounds on the step that
 /// follow. As theta <= 2, a state lies between the densities of the two cells at its face: it is saturated only if one
 /// of them is.
 ///

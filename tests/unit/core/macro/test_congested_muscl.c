@@ -17,10 +17,7 @@ enum { MANY = 5 }; // threads that divide no number of rows here
 // A grid over one belt with its arrays, which tests fill before they create the solver.
 typedef struct world {
     macro_def def;
-    double *v1, *v2, *rho;
-    double *aperture1, *aperture2, *along1, *along2;
-    uint8_t *closed1, *closed2;
-    uint16_t *belt1, *belt2;
+    double *rho;
     scene_belt belt;
 } world;
 
@@ -43,52 +40,45 @@ static double *ones(size_t n)
 
 static void make_world(world *w, size_t n1, size_t n2, double cell, double speed)
 {
-    const size_t n_faces1 = (n1 + 1) * n2, n_faces2 = n1 * (n2 + 1);
-
     *w = (world){ .def = macro_def_default(), .belt = { .velocity = { speed, 0.0 } } };
     w->def.grid = (bf_grid){ .n1 = n1, .n2 = n2, .d1 = cell, .d2 = cell };
     w->def.closure = SCENE_CONGESTED;
     w->def.scheme = SCENE_SCHEME_MUSCL;
     w->def.dispersion = 0.0;
-    w->def.faces[0].v = w->v1 = zeros(n_faces1, sizeof *w->v1);
-    w->def.faces[1].v = w->v2 = zeros(n_faces2, sizeof *w->v2);
-    w->def.faces[0].aperture = w->aperture1 = ones(n_faces1);
-    w->def.faces[1].aperture = w->aperture2 = ones(n_faces2);
-    w->def.faces[0].transverse = w->along1 = zeros(n_faces1, sizeof *w->along1);
-    w->def.faces[1].transverse = w->along2 = zeros(n_faces2, sizeof *w->along2);
-    w->def.faces[0].closed = w->closed1 = zeros(n_faces1, sizeof *w->closed1);
-    w->def.faces[1].closed = w->closed2 = zeros(n_faces2, sizeof *w->closed2);
-    w->def.faces[0].belt = w->belt1 = zeros(n_faces1, sizeof *w->belt1);
-    w->def.faces[1].belt = w->belt2 = zeros(n_faces2, sizeof *w->belt2);
+    for (int axis = 0; axis < 2; axis++) {
+        velocity_field_faces *faces = &w->def.faces[axis];
+        const size_t n = grid_faces(&w->def.grid, axis);
+        faces->v = zeros(n, sizeof *faces->v);
+        faces->aperture = ones(n);
+        faces->transverse = zeros(n, sizeof *faces->transverse);
+        faces->closed = zeros(n, sizeof *faces->closed);
+        faces->belt = zeros(n, sizeof *faces->belt);
+        for (size_t k = 0; k < n; k++)
+            (axis == 0 ? faces->v : faces->transverse)[k] = speed;
+    }
     w->def.n_belts = 1;
     w->def.belts = &w->belt;
     w->rho = zeros(n1 * n2, sizeof *w->rho);
-    for (size_t k = 0; k < n_faces1; k++)
-        w->v1[k] = speed;
-    for (size_t k = 0; k < n_faces2; k++)
-        w->along2[k] = speed;
 }
 
 static void free_world(const world *w)
 {
-    free(w->v1);
-    free(w->v2);
+    for (int axis = 0; axis < 2; axis++) {
+        const velocity_field_faces *faces = &w->def.faces[axis];
+        free(faces->v);
+        free(faces->aperture);
+        free(faces->transverse);
+        free(faces->closed);
+        free(faces->belt);
+    }
     free(w->rho);
-    free(w->aperture1);
-    free(w->aperture2);
-    free(w->along1);
-    free(w->along2);
-    free(w->closed1);
-    free(w->closed2);
-    free(w->belt1);
-    free(w->belt2);
 }
 
 static void close_face1(const world *w, size_t i, size_t j)
 {
-    w->closed1[j * (w->def.grid.n1 + 1) + i] = 1;
-    w->aperture1[j * (w->def.grid.n1 + 1) + i] = 0.0;
-    w->v1[j * (w->def.grid.n1 + 1) + i] = 0.0;
+    w->def.faces[0].closed[j * (w->def.grid.n1 + 1) + i] = 1;
+    w->def.faces[0].aperture[j * (w->def.grid.n1 + 1) + i] = 0.0;
+    w->def.faces[0].v[j * (w->def.grid.n1 + 1) + i] = 0.0;
 }
 
 static macro_solver *start(const world *w)
@@ -180,14 +170,14 @@ static void put_random_field(const world *w, double most)
     const bf_grid *g = &w->def.grid;
 
     for (size_t k = 0; k < (g->n1 + 1) * g->n2; k++) {
-        w->closed1[k] = rand() % 8 == 0;
-        w->aperture1[k] = w->closed1[k] ? 0.0 : 1.0;
-        w->v1[k] = uniform(0.0, most);
+        w->def.faces[0].closed[k] = rand() % 8 == 0;
+        w->def.faces[0].aperture[k] = w->def.faces[0].closed[k] ? 0.0 : 1.0;
+        w->def.faces[0].v[k] = uniform(0.0, most);
     }
     for (size_t k = 0; k < g->n1 * (g->n2 + 1); k++) {
-        w->closed2[k] = rand() % 8 == 0;
-        w->aperture2[k] = w->closed2[k] ? 0.0 : 1.0;
-        w->v2[k] = uniform(-most, most);
+        w->def.faces[1].closed[k] = rand() % 8 == 0;
+        w->def.faces[1].aperture[k] = w->def.faces[1].closed[k] ? 0.0 : 1.0;
+        w->def.faces[1].v[k] = uniform(-most, most);
     }
     for (size_t k = 0; k < g->n1 * g->n2; k++)
         w->rho[k] = rand() % 3 == 0 ? 0.0 : uniform(0.0, 0.3);
@@ -237,7 +227,7 @@ static void a_jam_loses_no_mass_and_no_density_is_negative(void **state)
     make_world(&w, 90, 40, 1e-2, 0.4);
     // The largest step that is accepted: 4 dt v <= dx, v1 and v2 alike.
     for (size_t k = 0; k < 90 * 41; k++)
-        w.v2[k] = k >= 90 && k < 90 * 40 && k % 7 == 0 ? -0.4 : 0.0;
+        w.def.faces[1].v[k] = k >= 90 && k < 90 * 40 && k % 7 == 0 ? -0.4 : 0.0;
     w.def.dt = 1e-2 / (4.0 * 0.4);
     put_jam(&w);
     for (size_t j = 0; j < 40; j++)
@@ -369,8 +359,9 @@ static void the_bound_is_that_of_a_cell_that_empties_through_all_its_faces(void 
     bf_error err = { 0 };
 
     make_world(&w, N, N, 0.01, 0.0);
-    w.v1[MIDDLE * (N + 1) + MIDDLE] = w.v2[MIDDLE * N + MIDDLE] = -0.5;
-    w.v1[MIDDLE * (N + 1) + MIDDLE + 1] = w.v2[(MIDDLE + 1) * N + MIDDLE] = 0.5;
+    w.def.faces[0].v[MIDDLE * (N + 1) + MIDDLE] = w.def.faces[1].v[MIDDLE * N + MIDDLE] = -0.5;
+    w.def.faces[0].v[MIDDLE * (N + 1) + MIDDLE + 1] = w.def.faces[1].v[(MIDDLE + 1) * N + MIDDLE] =
+        0.5;
     w.rho[MIDDLE * N + MIDDLE] = 0.8;
     w.def.dt = 0.01 / (4.0 * 0.5);
     s = start(&w);
