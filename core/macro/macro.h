@@ -129,7 +129,7 @@ const double *macro_fractions(const macro_solver *s, size_t cell);
 void macro_trace(macro_solver *s, vec2 at, double density);
 
 /// Move the tracers of a cell into another one.
-void macro_hand_on_tracers(macro_solver *s, size_t from, size_t to);
+void macro_move_tracers(macro_solver *s, size_t from, size_t to);
 
 /// Cargo was taken out of cells after a step, of which a share, 0 to 1, was kept in each cell: tracers leave as likely.
 void macro_let_leave(macro_solver *s, const double *kept);

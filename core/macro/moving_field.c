@@ -75,7 +75,7 @@ static bf_status init_plate(const scene *s, const scene_obstacle *o, plate *p)
     return BF_OK;
 }
 
-// The density up to which cells take what plates hand on.
+// The density up to which cells take what plates push.
 static double full_density(const scene *s)
 {
     return s->macro.closure == SCENE_CONGESTED ? s->macro.jam_density : 1.0;
@@ -355,7 +355,7 @@ void moving_field_update(moving_field *p, macro_solver *s)
             swept_cells_mark(p->swept, &sweep);
     for (size_t k = 0; k < of->n_obstacles; k++)
         if (find_sweep(p, k, &sweep))
-            swept_cells_hand_on(p->swept, &sweep, p->field, full_density(of), s);
+            swept_cells_displace(p->swept, &sweep, p->field, full_density(of), s);
     macro_set_field(s, p->field, p->belts);
 }
 

@@ -44,7 +44,7 @@ const velocity_field *moving_field_now(const moving_field *p);
 /// The scene's belts with their present directions; NULL if none may run backwards. Valid as long as *p is.
 const scene_belt *moving_field_belts(const moving_field *p);
 
-/// Move plates to where they are before the next step of a solver, let belts run in their directions, and hand cargo on. Never
+/// Move plates to where they are before the next step of a solver, let belts run in their directions, and push cargo. Never
 /// allocates.
 void moving_field_update(moving_field *p, macro_solver *s);
 

@@ -170,12 +170,12 @@ static bool is_closed(const bf_grid *g, const uint8_t *closed1, const uint8_t *c
 }
 
 // A search for room.
-typedef struct hand_on_context {
+typedef struct room_search {
     swept_cells *cells;
     const velocity_field *field;
     macro_solver *solver;
     double full;
-} hand_on_context;
+} room_search;
 
 static bool is_swept(const swept_cells *c, size_t cell)
 {
@@ -192,7 +192,7 @@ static bool is_behind(const bf_grid *g, size_t start, size_t cell, vec2 ahead)
 }
 
 // True if cargo that goes on from a cell in a direction leaves the domain there, and not behind the line.
-static bool leads_out(const hand_on_context *x, size_t cell, direction d, vec2 ahead)
+static bool leads_out(const room_search *x, size_t cell, direction d, vec2 ahead)
 {
     const scene_side side = side_of(&x->cells->grid, cell, d);
 
@@ -201,8 +201,7 @@ static bool leads_out(const hand_on_context *x, size_t cell, direction d, vec2 a
 }
 
 // The cell next to `from` in a direction, if the search may go there; else `from`.
-static size_t next_cell(const hand_on_context *x, size_t from, direction d, size_t start,
-                        vec2 ahead)
+static size_t next_cell(const room_search *x, size_t from, direction d, size_t start, vec2 ahead)
 {
     const swept_cells *c = x->cells;
     const bf_grid *g = &c->grid;
@@ -219,7 +218,7 @@ static size_t next_cell(const hand_on_context *x, size_t from, direction d, size
 }
 
 // Searches from a swept cell and fills what is found; returns what is left of its density.
-static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, double density)
+static double fill_cells(const room_search *x, size_t start, vec2 ahead, double density)
 {
     swept_cells *c = x->cells;
     direction order[4];
@@ -251,11 +250,11 @@ static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, dou
     return density;
 }
 
-// Hands on what is in a swept cell: to where there is room, and what is left evenly to all cells that were found. Where none was,
+// Displaces what is in a swept cell to where there is room, and what is left evenly to all cells that were found. Where none was,
 // it stays. What is pushed stays before the plate: its tracers go to the nearest cell that was found.
-static void hand_on_cell(void *context, size_t cell, vec2 ahead)
+static void displace_cell(void *context, size_t cell, vec2 ahead)
 {
-    const hand_on_context *x = context;
+    const room_search *x = context;
     const swept_cells *c = x->cells;
     const double density = macro_density(x->solver, cell);
     size_t n_found = 0, nearest = cell;
@@ -274,21 +273,21 @@ static void hand_on_cell(void *context, size_t cell, vec2 ahead)
                       macro_fractions(x->solver, cell));
     macro_add(x->solver, cell, left == 0.0 || n_found > 0 ? -density : left - density, NULL);
     if (n_found > 0)
-        macro_hand_on_tracers(x->solver, cell, nearest);
+        macro_move_tracers(x->solver, cell, nearest);
 }
 
-void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,
-                         double full, macro_solver *s)
+void swept_cells_displace(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,
+                          double full, macro_solver *s)
 {
-    hand_on_context x = { c, f, s, full };
+    room_search x = { c, f, s, full };
 
-    visit_swept(&c->grid, plate, hand_on_cell, &x);
+    visit_swept(&c->grid, plate, displace_cell, &x);
 }
 
 // A swept cell from which room is searched for.
 static void add_origin(void *context, size_t cell, vec2 ahead)
 {
-    const hand_on_context *x = context;
+    const room_search *x = context;
     swept_cells *c = x->cells;
 
     if (macro_density(x->solver, cell) == 0.0 || c->found_in[cell] == c->search ||
@@ -319,7 +318,7 @@ static vec2 middle_of(const swept_cells_plate *plate)
 }
 
 // True if a part fits between a cell, itself included, and what is closed beyond it, out from the plate.
-static bool is_wide(const hand_on_context *x, const pushed *p, size_t cell)
+static bool is_wide(const room_search *x, const pushed *p, size_t cell)
 {
     const bf_grid *g = &x->cells->grid;
     const double width = 2.0 * p->cargo->around.bridge;
@@ -344,7 +343,7 @@ static bool is_wide(const hand_on_context *x, const pushed *p, size_t cell)
 }
 
 // The force against a cell's cargo that moves in a direction at a speed, N.
-static double force_against(const hand_on_context *x, const swept_cells_cargo *cargo, size_t cell,
+static double force_against(const room_search *x, const swept_cells_cargo *cargo, size_t cell,
                             vec2 at, vec2 e, double speed)
 {
     const size_t belt = surroundings_belt_at(&cargo->around, at);
@@ -372,7 +371,7 @@ swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *
     const double speed = vec2_length(v);
     const vec2 anywhere = { 0.0, 0.0 };
     const swept_cells_load without_room = { INFINITY, INFINITY };
-    hand_on_context x = { c, f, s, cargo->full };
+    room_search x = { c, f, s, cargo->full };
     const pushed p = { plate, cargo, w, v, middle_of(plate) };
     swept_cells_load load = { 0.0, 0.0 };
     double left = 0.0; // what has found no room

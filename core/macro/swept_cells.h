@@ -1,4 +1,4 @@
-/// Cells that plates sweep over hand their cargo on to the side that the plates move towards.
+/// Plates push the cargo of the cells that they sweep over to the side that they move towards.
 ///
 /// A plate that turns or is shifted from one place to another sweeps over the cells whose centres its closed line passes: in the
 /// plate's own frame such a centre moves across the line. What these cells hold would be on the plate's other side.
@@ -87,6 +87,6 @@ swept_cells_load swept_cells_find_load(swept_cells *c, const swept_cells_plate *
                                        const swept_cells_cargo *cargo, const velocity_field *f,
                                        double w, vec2 v, macro_solver *s);
 
-/// Hand on what lies in the marked cells of a plate; *f is the field of the plates' new places. Never allocates.
-void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,
-                         double full, macro_solver *s);
+/// Displace what lies in the marked cells of a plate; *f is the field of the plates' new places. Never allocates.
+void swept_cells_displace(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,
+                          double full, macro_solver *s);

@@ -111,7 +111,7 @@ void macro_trace(macro_solver *s, vec2 at, double density)
     enter(s->tracers, &like, density);
 }
 
-void macro_hand_on_tracers(macro_solver *s, size_t from, size_t to)
+void macro_move_tracers(macro_solver *s, size_t from, size_t to)
 {
     const size_t n1 = (size_t)s->n1;
 
