@@ -12,7 +12,7 @@
 
 enum { NO_ROW = -0x7fffffff };
 
-static macro_ring_row *ring_place(const macro_band *band, ptrdiff_t r)
+static macro_ring_row *ring_row(const macro_band *band, ptrdiff_t r)
 {
     return &band->ring[r & (band->solver->n_ring - 1)];
 }
@@ -21,18 +21,18 @@ static macro_ring_row *ring_place(const macro_band *band, ptrdiff_t r)
 static void convolve_row(macro_band *band, ptrdiff_t r, const uint64_t *wanted)
 {
     const macro_solver *s = band->solver;
-    macro_ring_row *place = ring_place(band, r);
+    macro_ring_row *row = ring_row(band, r);
     uint64_t *todo = band->todo;
     ptrdiff_t b = -1;
     block_span run;
 
     for (size_t w = 0; w < macro__words(s); w++) {
-        todo[w] = wanted[w] & ~place->done[w];
-        place->done[w] |= todo[w];
+        todo[w] = wanted[w] & ~row->done[w];
+        row->done[w] |= todo[w];
     }
     while (block_set_next_run(todo, macro__words(s), &b, &run))
         convolution_along_x1(macro__row(s, s->now.rho, r), &s->along, run.first, run.last,
-                             place->gradient1, place->integral1);
+                             row->gradient1, row->integral1);
 }
 
 // Lets the rows up to r enter the ring, each with the blocks that the rows within S of it expect.
@@ -42,7 +42,7 @@ static void fill_ring(macro_band *band, ptrdiff_t r)
     const ptrdiff_t end = r + 1 < s->n2 ? r + 1 : s->n2;
 
     for (; band->ring_end < end; band->ring_end++) {
-        block_set_clear(ring_place(band, band->ring_end)->done, macro__words(s));
+        block_set_clear(ring_row(band, band->ring_end)->done, macro__words(s));
         convolve_row(band, band->ring_end,
                      macro__set(s, band->near, band->ring_end + s->across.reach));
     }
@@ -99,15 +99,15 @@ void macro__dispersion_begin(macro_band *band)
     band->ring_end = first > s->across.reach ? first - s->across.reach : 0;
 }
 
-static macro_dispersion_row *dispersion_place(macro_band *band, ptrdiff_t r)
+static macro_dispersion_row *dispersion_row(macro_band *band, ptrdiff_t r)
 {
-    macro_dispersion_row *place = &band->dispersion[r & 1];
+    macro_dispersion_row *made = &band->dispersion[r & 1];
 
-    if (place->row != r) {
-        place->row = r;
-        block_set_clear(place->done, macro__words(band->solver));
+    if (made->row != r) {
+        made->row = r;
+        block_set_clear(made->done, macro__words(band->solver));
     }
-    return place;
+    return made;
 }
 
 // Nothing crosses a closed face, so I is zero there.
@@ -164,12 +164,12 @@ static window window_of(macro_band *band, ptrdiff_t r)
     const ptrdiff_t first = r - s->across.reach;
 
     if (first >= 0 && r + s->across.reach < s->n2) {
-        const ptrdiff_t place = first & (s->n_ring - 1);
-        return (window){ band->gradient_ring + place, band->integral_ring + place };
+        const ptrdiff_t at = first & (s->n_ring - 1);
+        return (window){ band->gradient_ring + at, band->integral_ring + at };
     }
     for (int m = 0; m <= 2 * s->across.reach; m++) {
         ptrdiff_t seen = seen_row(s, first + m);
-        const macro_ring_row *row = ring_place(band, seen);
+        const macro_ring_row *row = ring_row(band, seen);
         band->gradient_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->gradient1;
         band->integral_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->integral1;
     }
@@ -179,15 +179,15 @@ static window window_of(macro_band *band, ptrdiff_t r)
 void macro__dispersion_make(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
-    macro_dispersion_row *place = dispersion_place(band, r);
+    macro_dispersion_row *made = dispersion_row(band, r);
     uint64_t *missing = band->missing;
     uint64_t any = 0;
     ptrdiff_t b = -1;
     block_span run;
 
     for (size_t w = 0; w < macro__words(s); w++) {
-        any |= missing[w] = band->wanted[w] & ~place->done[w];
-        place->done[w] |= missing[w];
+        any |= missing[w] = band->wanted[w] & ~made->done[w];
+        made->done[w] |= missing[w];
     }
     if (any == 0)
         return;
@@ -196,14 +196,13 @@ void macro__dispersion_make(macro_band *band, ptrdiff_t r)
     const window seen = window_of(band, r);
     while (block_set_next_run(missing, macro__words(s), &b, &run)) {
         convolution_dispersion_velocity(seen.gradient_rows, seen.integral_rows, &s->across,
-                                        s->def.dispersion, run.first, run.last, place->i1,
-                                        place->i2);
+                                        s->def.dispersion, run.first, run.last, made->i1, made->i2);
         if (s->speeds != NULL && r >= 0)
-            scale_faces(s, &s->faces1, r, run, place->i1);
+            scale_faces(s, &s->faces1, r, run, made->i1);
         if (s->speeds != NULL)
-            scale_faces(s, &s->faces2, r + 1, run, place->i2);
+            scale_faces(s, &s->faces2, r + 1, run, made->i2);
     }
     if (r >= 0)
-        close_faces(s, &s->faces1, r, missing, place->i1);
-    close_faces(s, &s->faces2, r + 1, missing, place->i2);
+        close_faces(s, &s->faces1, r, missing, made->i1);
+    close_faces(s, &s->faces2, r + 1, missing, made->i2);
 }

@@ -170,7 +170,7 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->n_bands = def->n_threads < s->n2 ? def->n_threads : (int)s->n2;
 }
 
-// Memory that is given out piece by piece; without bytes the pieces are only counted.
+// Memory that arrays are taken from; without bytes they are only counted.
 typedef struct arena {
     char *bytes;
     size_t used;
@@ -178,10 +178,10 @@ typedef struct arena {
 
 static void *take(arena *a, size_t n, size_t size)
 {
-    void *piece = a->bytes != NULL ? a->bytes + a->used : NULL;
+    void *array = a->bytes != NULL ? a->bytes + a->used : NULL;
 
     a->used += (n * size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-    return piece;
+    return array;
 }
 
 static double *take_row(arena *a, const macro_solver *s)

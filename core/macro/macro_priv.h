@@ -64,14 +64,14 @@ typedef struct macro_face_states {
     double *right; ///< of the cell behind the face; at the cell's southern face
 } macro_face_states;
 
-/// A place of the ring: the x1 part of the convolution of a row.
+/// A row of the ring: the x1 part of the convolution of a row of the grid.
 typedef struct macro_ring_row {
     double *gradient1; ///< sums with gradient weights
     double *integral1; ///< sums with integral weights
     uint64_t *done;    ///< blocks that were made in this step
 } macro_ring_row;
 
-/// A thread's rows and what it needs for them. Arrays with two places are used in turn, row & 1.
+/// A thread's rows and what it needs for them. Arrays of two are used in turn, row & 1.
 typedef struct macro_band {
     const macro_solver *solver; ///< whose
     ptrdiff_t first;            ///< first row
@@ -79,9 +79,9 @@ typedef struct macro_band {
     char *bytes;                ///< of all that follows
     uint64_t *expected;   ///< per row of the grid: blocks whose I this step will probably need
     uint64_t *near;       ///< at j + S: blocks that the rows within S of row j expect
-    macro_ring_row *ring; ///< n_ring places; row r is at place r mod n_ring
+    macro_ring_row *ring; ///< n_ring of them; row r of the grid is row r mod n_ring
     ptrdiff_t ring_end;   ///< rows below have been through the ring
-    const double **gradient_ring; ///< gradient1 of all places of the ring, twice over: any window
+    const double **gradient_ring; ///< gradient1 of all rows of the ring, twice over: any window
                                   ///< of consecutive rows stands together
     const double **integral_ring; ///< same for integral1
     const double **gradient_rows; ///< scratch: such a window where rows are mirrored or missing
@@ -140,7 +140,7 @@ struct macro_solver {
     size_t n_words;       ///< words of a set of blocks
     ptrdiff_t margin;     ///< doubles before cell 0, a multiple of BLOCK_CELLS
     ptrdiff_t stride;     ///< doubles from row to row, a multiple of BLOCK_CELLS
-    ptrdiff_t n_ring;     ///< places of a ring
+    ptrdiff_t n_ring;     ///< rows of a ring
     macro_faces faces1;   ///< n2 rows
     macro_faces faces2;   ///< n2 + 1 rows
     double *open1;     ///< n2 rows of cells: 0 beside a closed x1-face, else 1 (MUSCL; else NULL)
