@@ -214,8 +214,8 @@ static bf_status start(parts *p, bf_error *err)
     const config *c = &p->settings;
     service *s = &p->service;
 
-    bf_status status = executors_create(&p->executors, c, err);
-    if (status == BF_OK && p->executors.kind != CONFIG_LOCAL)
+    BF_TRY(executors_create(&p->executors, c, err));
+    if (p->executors.kind != CONFIG_LOCAL)
         s->leases = &p->executors.leases;
 
     const store_options storing = { .directory = c->data,
@@ -229,45 +229,32 @@ static bf_status start(parts *p, bf_error *err)
                                     .attempts_max = c->run_attempts,
                                     .idempotency_ms = (int64_t)c->idempotency_hours * HOUR_MS,
                                     .retention = retention_of(c) };
-    if (status == BF_OK)
-        status = store_open(&storing, &s->store, err);
-    if (status == BF_OK)
-        status = tickets_draw(&s->tickets, err);
-    if (status == BF_OK)
-        status = tokens_open(c->data, &s->tokens, err);
-    if (status == BF_OK)
-        status = admission_check(c, s->store, s->tokens, err);
-    if (status == BF_OK)
-        status = predictor_start(s->store, &s->predictor, err);
-    if (status == BF_OK)
-        executors_set_predictor(&p->executors, s->predictor);
+    BF_TRY(store_open(&storing, &s->store, err));
+    BF_TRY(tickets_draw(&s->tickets, err));
+    BF_TRY(tokens_open(c->data, &s->tokens, err));
+    BF_TRY(admission_check(c, s->store, s->tokens, err));
+    BF_TRY(predictor_start(s->store, &s->predictor, err));
+    executors_set_predictor(&p->executors, s->predictor);
 
     const supervisor_options supervising = options_of_supervisor(p);
-    if (status == BF_OK)
-        status = supervisor_start(&supervising, &s->supervisor, err);
-    if (status == BF_OK)
-        set_commit_listener(p, s->supervisor, NULL);
+    BF_TRY(supervisor_start(&supervising, &s->supervisor, err));
+    set_commit_listener(p, s->supervisor, NULL);
 
     const studies_options studying = { .store = s->store,
                                        .n_workers = supervising.n_workers,
                                        .age_ms = retention_of(c).age_ms,
                                        .queued = on_queued,
                                        .context = p };
-    if (status == BF_OK)
-        status = studies_start(&studying, &s->studies, err);
-    if (status == BF_OK)
-        set_commit_listener(p, s->supervisor, NULL);
+    BF_TRY(studies_start(&studying, &s->studies, err));
+    set_commit_listener(p, s->supervisor, NULL);
 
     const api_services services = service_table(s);
     http_options serving = options_of_http(c);
-    if (status == BF_OK) {
-        serving.services = &services;
-        serving.has_tokens = tokens_exist(s->tokens);
-        status = http_start(&serving, &p->http, err);
-    }
-    if (status == BF_OK)
-        set_commit_listener(p, s->supervisor, p->http);
-    return status == BF_OK ? executors_start(&p->executors, c, s->store, err) : status;
+    serving.services = &services;
+    serving.has_tokens = tokens_exist(s->tokens);
+    BF_TRY(http_start(&serving, &p->http, err));
+    set_commit_listener(p, s->supervisor, p->http);
+    return executors_start(&p->executors, c, s->store, err);
 }
 
 static void stop(parts *p)

@@ -193,16 +193,14 @@ bf_status store__is_held(store__connection *reader, const store *s, const char *
                          bool *ret_is_held, bf_error *err)
 {
     api_quota cpu = { .allowed = s->quotas.cpu_s }, bytes = { .allowed = s->quotas.n_bytes };
-    bf_status status = BF_OK;
 
     *ret_is_held = false;
     if (owner[0] == '\0' || (cpu.allowed == 0 && bytes.allowed == 0))
         return BF_OK;
-    status = read_for(reader, STORE__SQL_COUNT_BYTES_OF, owner, &bytes.used, err);
-    if (status == BF_OK)
-        status = read_cpu(reader, owner, clock_unix_ms(), &cpu, err);
+    BF_TRY(read_for(reader, STORE__SQL_COUNT_BYTES_OF, owner, &bytes.used, err));
+    BF_TRY(read_cpu(reader, owner, clock_unix_ms(), &cpu, err));
     *ret_is_held = is_used_up(&cpu) || is_used_up(&bytes);
-    return status;
+    return BF_OK;
 }
 
 bf_status store__forget_use(store__connection *writer, bf_error *err)

@@ -125,15 +125,12 @@ bf_status store__reuse_results(store__connection *writer, const store__row *solv
     row->run.n_snapshots = solved->run.n_snapshots;
     row->run.has_summary = solved->run.has_summary;
     memcpy(row->run.figures, solved->run.figures, sizeof row->run.figures);
-    bf_status status = store__insert_row(writer, row, err);
-    if (status == BF_OK)
-        status = copy_texts(writer, solved, scenario, summary, row, err);
-    if (status == BF_OK)
-        status = copy_events(writer, solved, row, err);
-    if (status == BF_OK)
-        status = store__find_number(writer, STORE__SQL_SUM_EVENTS, &n, err, INTEGER(row->rowid));
+    BF_TRY(store__insert_row(writer, row, err));
+    BF_TRY(copy_texts(writer, solved, scenario, summary, row, err));
+    BF_TRY(copy_events(writer, solved, row, err));
+    BF_TRY(store__find_number(writer, STORE__SQL_SUM_EVENTS, &n, err, INTEGER(row->rowid)));
     row->n_bytes += (uint64_t)n;
-    return status == BF_OK ? store__emit_events(writer, row, err) : status;
+    return store__emit_events(writer, row, err);
 }
 
 static bf_status collect(store__connection *writer, int64_t results, bool *ret_is_over,

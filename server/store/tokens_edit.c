@@ -39,14 +39,14 @@ static bf_status make_room(store__connection *c, int64_t now_ms, bf_error *err)
 {
     int64_t n = 0;
 
-    bf_status status = store__read_number(c, STORE__SQL_COUNT_TOKENS, &n, err);
-    if (status != BF_OK || n < TOKENS_MAX)
-        return status;
-    status = store__exec(c, STORE__SQL_FORGET_TOKEN, err, INTEGER(now_ms));
-    if (status == BF_OK && sqlite3_changes(c->db) == 0)
+    BF_TRY(store__read_number(c, STORE__SQL_COUNT_TOKENS, &n, err));
+    if (n < TOKENS_MAX)
+        return BF_OK;
+    BF_TRY(store__exec(c, STORE__SQL_FORGET_TOKEN, err, INTEGER(now_ms)));
+    if (sqlite3_changes(c->db) == 0)
         return bf_fail(err, BF_ELIMIT, "", "%d tokens are stored, the limit: revoke some first",
                        TOKENS_MAX);
-    return status;
+    return BF_OK;
 }
 
 // Grants are made by whoever may submit: they leave room for tokens that an operator adds.
