@@ -170,7 +170,7 @@ static int count_law_arrays(const congested *c)
            (c->has_drives ? LAW_SLOPE_ARRAYS : 0);
 }
 
-static void lay_out_law(congested_law *l, float **at, size_t n, int n_arrays)
+static void lay_out_law(congested_law *l, float **at, ptrdiff_t pitch, int n_arrays)
 {
     float **const members[LAW_ARRAYS + LAW_COUPLED_ARRAYS + LAW_SLOPE_ARRAYS] = {
         &l->slope,  &l->offset,    &l->most,  &l->least,   &l->threshold, &l->lower,
@@ -180,7 +180,7 @@ static void lay_out_law(congested_law *l, float **at, size_t n, int n_arrays)
 
     for (int k = 0; k < n_arrays; k++) {
         *members[k] = *at;
-        *at += n;
+        *at += pitch;
     }
 }
 
@@ -189,11 +189,13 @@ static bool lay_out(macro_solver *s, congested *c)
     const ptrdiff_t unit = CONGESTED_UNIT;
     const int arrays = count_law_arrays(c);
 
-    c->half_stride = (s->n1 / 2 + unit) / unit * unit + 2 * unit;
-    const size_t n = (size_t)((s->n2 + 2) * c->half_stride);
-    const int of_cells = c->has_drives ? 6 : 4;
-    c->storage =
-        memory_alloc((size_t)(of_cells + CONGESTED_SIDES * arrays) * n, sizeof *c->storage);
+    c->half_width = (s->n1 / 2 + unit) / unit * unit + 2 * unit;
+    // An odd number of cache lines, so that the arrays of a row do not share the few sets of a power of two.
+    const ptrdiff_t pitch = c->half_width + (c->half_width / unit % 2 == 0 ? unit : 0);
+    c->half_stride = ((c->has_drives ? 6 : 4) + CONGESTED_SIDES * arrays) * pitch;
+    const size_t n = (size_t)((s->n2 + 2) * c->half_width);
+    const size_t n_floats = (size_t)((s->n2 + 2) * c->half_stride);
+    c->storage = memory_alloc(n_floats, sizeof *c->storage);
     c->is_uniform = memory_alloc(2 * n, sizeof *c->is_uniform);
     c->is_unforced = memory_alloc(2 * n, sizeof *c->is_unforced);
     c->range = memory_alloc((size_t)s->n2, sizeof *c->range);
@@ -211,16 +213,18 @@ static bool lay_out(macro_solver *s, congested *c)
     float *at = c->storage;
     for (int colour = 0; colour < 2; colour++) {
         c->pressure[colour] = at;
-        c->excess[colour] = at + n;
-        at += 2 * n;
+        c->excess[colour] = at + pitch;
+        at += 2 * pitch;
         if (!c->has_drives)
             continue;
         c->relaxations[colour] = at;
-        for (size_t k = 0; k < n; k++) // those beyond the grid, too
-            *at++ = c->relaxation;
+        at += pitch;
+        for (ptrdiff_t row = 0; row < s->n2 + 2; row++) // those beyond the grid, too
+            for (ptrdiff_t k = 0; k < c->half_width; k++)
+                c->relaxations[colour][row * c->half_stride + k] = c->relaxation;
     }
     for (int side = 0; side < CONGESTED_SIDES; side++)
-        lay_out_law(&c->law[side], &at, n, arrays);
+        lay_out_law(&c->law[side], &at, pitch, arrays);
     return true;
 }
 
@@ -376,16 +380,22 @@ static int state_of(const congested *c, float *ret_arrays[STATE_ARRAYS])
     return n;
 }
 
-static size_t array_bytes(const macro_solver *s, const congested *c)
+static size_t row_bytes(const congested *c)
 {
-    return (size_t)((s->n2 + 2) * c->half_stride) * sizeof(float);
+    return (size_t)c->half_width * sizeof(float);
+}
+
+static void clear_array(const macro_solver *s, const congested *c, float *array)
+{
+    for (ptrdiff_t row = 0; row < s->n2 + 2; row++)
+        memset(array + row * c->half_stride, 0, row_bytes(c));
 }
 
 // Nothing is known of the fluxes and thresholds of the step before.
 static void disturb(const macro_solver *s, congested *c)
 {
     c->n_whole = CONGESTED_MEMORY;
-    memset(c->is_unsettled, true, 2 * (size_t)((s->n2 + 2) * c->half_stride));
+    memset(c->is_unsettled, true, 2 * (size_t)((s->n2 + 2) * c->half_width));
 }
 
 void congested_reset(macro_solver *s)
@@ -395,9 +405,9 @@ void congested_reset(macro_solver *s)
     const int n = state_of(c, arrays);
 
     for (int k = 0; k < n; k++)
-        memset(arrays[k], 0, array_bytes(s, c));
+        clear_array(s, c, arrays[k]);
     for (int side = 0; side < CONGESTED_SIDES; side++)
-        memset(c->law[side].flux, 0, array_bytes(s, c));
+        clear_array(s, c, c->law[side].flux);
     memset(c->range, 0, (size_t)s->n2 * sizeof *c->range);
     disturb(s, c);
     c->density_limit = too_dense * fmax(1.0, macro_measure(s).peak);
@@ -435,7 +445,8 @@ void congested_save(const macro_solver *s, checkpoint_writer *w)
     checkpoint_write(w, &c->density_limit, sizeof c->density_limit);
     checkpoint_write(w, c->range, (size_t)s->n2 * sizeof *c->range);
     for (int k = 0; k < n; k++)
-        checkpoint_write(w, arrays[k], array_bytes(s, c));
+        for (ptrdiff_t row = 0; row < s->n2 + 2; row++)
+            checkpoint_write(w, arrays[k] + row * c->half_stride, row_bytes(c));
 }
 
 size_t congested_state_size(const macro_solver *s)
@@ -445,7 +456,7 @@ size_t congested_state_size(const macro_solver *s)
     const int n = state_of(c, arrays);
 
     return sizeof c->density_limit + (size_t)s->n2 * sizeof *c->range +
-           (size_t)n * array_bytes(s, c);
+           (size_t)n * (size_t)(s->n2 + 2) * row_bytes(c);
 }
 
 bool congested_load(macro_solver *s, checkpoint_reader *r)
@@ -457,7 +468,8 @@ bool congested_load(macro_solver *s, checkpoint_reader *r)
                    checkpoint_read(r, c->range, (size_t)s->n2 * sizeof *c->range);
 
     for (int k = 0; k < n; k++)
-        is_read = is_read && checkpoint_read(r, arrays[k], array_bytes(s, c));
+        for (ptrdiff_t row = 0; row < s->n2 + 2; row++)
+            is_read = is_read && checkpoint_read(r, arrays[k] + row * c->half_stride, row_bytes(c));
     disturb(s, c);
     return is_read;
 }

@@ -166,8 +166,9 @@ struct congested {
     congested_belt *present; ///< of each now
     bool *is_changed;        ///< these have, since the laws of their faces were made
     uint8_t closed_edge[4];  ///< west, east, south, north: nothing is corrected across it
-    ptrdiff_t half_stride;   ///< floats from half row to half row
-    float *storage;          ///< of all half rows
+    ptrdiff_t half_width;    ///< floats of a half row, with its margins
+    ptrdiff_t half_stride;   ///< floats from half row to half row of an array
+    float *storage;          ///< of all half rows: those of a row of all arrays lie together
     float *pressure[2];      ///< p/dx1 of red and black cells, m/s: a difference is -dp/dx1
     float *excess[2];        ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces

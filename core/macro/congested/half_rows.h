@@ -13,7 +13,7 @@ static inline float *congested__row(const congested *c, float *rows, ptrdiff_t j
 /// The flags of a half row, is_uniform by groups or is_unforced by registers.
 static inline bool *congested__flags(const congested *c, bool *flags, ptrdiff_t row, int colour)
 {
-    return flags + (2 * row + colour) * c->half_stride;
+    return flags + (2 * row + colour) * c->half_width;
 }
 
 /// Where the faces between row j and the rows next to it have their red cells: the face west of the black cell k of
