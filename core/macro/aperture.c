@@ -84,7 +84,8 @@ static double way_to_segment(vec2 at, vec2 toward, vec2 start, vec2 end)
     return part >= 0.0 && part <= 1.0 && way > 0.0 ? way : INFINITY;
 }
 
-// Another plate's end counts within 45 degrees of the direction, so that a funnel's need not be exactly opposite.
+// Another plate's end counts within 45 degrees of the direction, so that a funnel's need not be exactly opposite. One at a wall is
+// that wall: no stream comes around it.
 static opposite find_opposite(const scene *s, const surroundings *around, size_t obstacle, vec2 tip,
                               vec2 toward)
 {
@@ -115,7 +116,8 @@ static opposite find_opposite(const scene *s, const surroundings *around, size_t
         for (int end = 0; k != obstacle && end < 2; end++) {
             const vec2 to = vec2_sub(ends[end], tip);
             const double way = vec2_dot(to, toward);
-            if (way > M_SQRT1_2 * vec2_length(to) && way <= found.way + SCENE_LENGTH_MIN)
+            if (way > M_SQRT1_2 * vec2_length(to) && way <= found.way + SCENE_LENGTH_MIN &&
+                is_free(s, around, k, ends[end]))
                 found = (opposite){ OPPOSITE_END, way, 0.0 };
         }
     }

@@ -11,7 +11,8 @@
 ///     a = sqrt(mu_c) - sqrt(0.15)     b = sqrt(mu_h) - sqrt(0.19)     w = min(1, 4 sin(theta))
 ///     e = sqrt(R/r - 1)     f = max(1 - 2 e, 0) min(2 cos^4(theta), 1) if another plate's end is opposite, else 0
 ///
-/// but not below 0, nor by more than 90 % of l, which is the way to what is opposite, half of it to another end. r is the
+/// but not below 0, nor by more than 90 % of l, which is the way to what is opposite, half of it to another end. An end that is nearer to
+/// a wall or another plate than r is no end but a part of these. r is the
 /// radius of a disk with the mean footprint of the parts, theta the angle between plate and belt, v_T^2/(2 mu_b g) the
 /// length in which the belt brings a part to its speed; mu_b, mu_c and mu_h are the frictions of cargo on belts, on
 /// cargo and on what handles it, for a wall that of walls. e is the mean over the kinds of parts, R the radius about a part

@@ -413,6 +413,24 @@ static void an_end_at_a_wall_or_at_another_plate_has_no_extension(void **state)
     assert_near(width_lost(&s, 0), 1.0, exact);
 }
 
+// Each goes on as far as it does alone, though the foot of the other one is within 45 degrees of the way to the wall.
+static void a_plate_at_the_opposite_wall_is_no_end_of_a_funnel(void **state)
+{
+    const vec2 plates[2][2] = { { { 1.0, 0.0 }, { 1.0, 0.4 } }, { { 1.2, 1.0 }, { 1.5, 0.7 } } };
+    double alone = 0.0;
+    scene s;
+
+    for (int k = 0; k < 2; k++) {
+        make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+        add_plate(&s, plates[k][0], plates[k][1]);
+        alone += width_lost(&s, 0);
+    }
+    make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+    add_plate(&s, plates[0][0], plates[0][1]);
+    add_plate(&s, plates[1][0], plates[1][1]);
+    assert_near(width_lost(&s, 0), alone, exact);
+}
+
 // The border of the domain where cargo leaves it bounds no outlet.
 static void beside_an_open_edge_only_the_end_costs(void **state)
 {
@@ -576,6 +594,7 @@ int main(void)
         cmocka_unit_test(a_free_plate_goes_on_at_both_ends),
         cmocka_unit_test(only_the_last_piece_of_a_bent_plate_counts),
         cmocka_unit_test(an_end_at_a_wall_or_at_another_plate_has_no_extension),
+        cmocka_unit_test(a_plate_at_the_opposite_wall_is_no_end_of_a_funnel),
         cmocka_unit_test(beside_an_open_edge_only_the_end_costs),
         cmocka_unit_test(a_guide_is_opposite_like_a_wall),
         cmocka_unit_test(beside_a_belt_that_does_not_move_plates_do_not_go_on),
