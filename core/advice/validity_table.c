@@ -63,9 +63,9 @@
     "through, and up to 28 % on a fast belt."
 #define PULLED                                                                                     \
     "A fast belt pulls parts out of a steep opening, the rougher they are the more so: the "       \
-    "density model let up to 16 % too few through."
+    "density model let up to 13 % too few through."
 #define LANE_QUEUE                                                                                 \
-    "A short queue presses less into a lane: of parts that queued on 2 to 6 diameters the "        \
+    "A short queue presses less into a lane: of parts that queued on 2 to 5 diameters the "        \
     "density model let 6 to 18 % too many through."
 #define PUSHED                                                                                     \
     "Streams along two shallow deflectors push each other through faster than their belt: the "    \

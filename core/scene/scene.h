@@ -117,7 +117,7 @@ double scene_fit_step(const scene *s, double most, bool is_below);
 double scene_macro_step(const scene *s);
 
 /// Largest dt that satisfies CFL, dt n (max|v_stat| + eps) <= dx, and the largest below which rho stays >= 0, half of
-/// it; s. n is the number of axes whose fluxes act at the same time: 1 for roe, 2 for muscl (core/README.md). With the
+/// it; s. n is the number of axes whose fluxes act at the same time: 1 for roe, 2 for muscl (core/macro/README.md). With the
 /// largest factors that the speed schedules of the belts allow. With the congested closure
 /// the largest is 2 n dt max|v_stat| = dx, half of it where several belts may run in either direction, or two run apart and there
 /// are obstacles (roe), and rho stays >= 0 up to it: the second is INFINITY.

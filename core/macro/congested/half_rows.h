@@ -10,7 +10,7 @@ static inline float *congested__row(const congested *c, float *rows, ptrdiff_t j
     return rows + (j + 1) * c->half_stride + CONGESTED_UNIT;
 }
 
-/// The flags of a half row, is_uniform by groups or is_unforced by registers.
+/// The flags of a half row, is_uniform by groups, is_unforced by registers; is_unsettled by units, in colour 0.
 static inline bool *congested__flags(const congested *c, bool *flags, ptrdiff_t row, int colour)
 {
     return flags + (2 * row + colour) * c->half_width;

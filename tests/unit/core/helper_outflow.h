@@ -19,7 +19,7 @@ typedef struct helper_outflow {
     scene_pose poses[HELPER_OUTFLOW_PARTS]; ///< 16 rows of 12
 } helper_outflow;
 
-/// Example 1 (60 degrees) or 2 (90 degrees) as core/README.md lays them out.
+/// Example 1 (60 degrees) or 2 (90 degrees) as core/scene/README.md lays them out.
 void helper_outflow_example(helper_outflow *e, double angle_deg, double modulus_reduction);
 
 /// U(t): parts with x < 0.75 m, HELPER_OUTFLOW_SAMPLES times from t = 0 to t_end, s. Each step that the

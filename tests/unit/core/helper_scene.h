@@ -15,7 +15,7 @@
 void helper_scene_belt(scene *s, double length, double width, double cell, const scene_pose *poses,
                        size_t n);
 
-/// The paper's Examples 1 (60 degrees) and 2 (90 degrees), as core/README.md lays them out; resolved.
+/// The paper's Examples 1 (60 degrees) and 2 (90 degrees), as core/scene/README.md lays them out; resolved.
 void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment);
 
 /// Append an obstacle with default widths along a path of n points; borrowed until the next one.
