@@ -107,15 +107,16 @@ static void note_syntax(json_in *in, const char *json, size_t n, const json_erro
     json_scan_place place;
     enum json_error_code code = json_error_code(error);
     size_t position = error->position < 0 ? 0 : (size_t)error->position;
+    const bool has_null = code == json_error_null_character || code == json_error_null_byte_in_key;
+    const bool is_json =
+        has_null || code == json_error_duplicate_key || code == json_error_numeric_overflow;
 
-    if (code == json_error_duplicate_key || code == json_error_numeric_overflow ||
-        code == json_error_null_character)
+    if (is_json)
         json_scan(json, position < n ? position : n, &place, at.pointer.text,
                   sizeof at.pointer.text);
-    // Jansson's own words name a flag of its functions.
+    // Jansson's own words for U+0000 name its flags, or say that keys are not supported.
     json_in_fault(&at, "line %d, column %d: %s%s", error->line, error->column,
-                  at.pointer.text[0] == '\0' ? "not JSON: " : "",
-                  code == json_error_null_character ? "\\u0000 is not allowed" : error->text);
+                  is_json ? "" : "not JSON: ", has_null ? "\\u0000 is not allowed" : error->text);
 }
 
 struct json_t *json_in_parse(json_in *in, const char *json, size_t n)
