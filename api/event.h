@@ -39,7 +39,7 @@ typedef struct api_event {
     const char *data;      ///< JSON object, one line; valid during api_event_fn
 } api_event;
 
-/// Take one event while events are read; not BF_OK stops the reading and is passed on.
+/// Called with each event that is read; not BF_OK stops the reading and is passed on.
 typedef bf_status api_event_fn(void *context, const api_event *event, bf_error *err);
 
 /// The word of an event type. Never NULL.

@@ -118,7 +118,7 @@ typedef struct api_trial_query {
     size_t limit;          ///< most trials, 1 .. API_TRIALS_PAGE_MAX
 } api_trial_query;
 
-/// Take one trial while trials are read; not BF_OK stops the reading and is passed on.
+/// Called with each trial that is read; not BF_OK stops the reading and is passed on.
 typedef bf_status api_trial_fn(void *context, const api_trial *trial, bf_error *err);
 
 /// What may be asked of a study that has not ended.

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Answer a page of items of a size, each with its id, by which they are sorted, at a place.
+// Answer a page of a list. Its items have `size` bytes, and the id that they are sorted by stands at byte `id` of each.
 static bf_status answer_page(exchange *x, api_page_fn *read, const member_table *table, size_t size,
                              size_t id, bf_error *err)
 {

@@ -244,6 +244,6 @@ uint64_t frame_length(const void *bytes, size_t n, frame_type *ret_type);
 BF_MUST_CHECK bf_status frame_decode(const void *bytes, size_t n, frame *ret_frame,
                                      size_t *ret_used, bf_error *err);
 
-/// The same of a frame of a job's input, which is of this type and whole. BF_ECORRUPT: neither.
+/// The same of the next frame of a job's input. BF_ECORRUPT also where it is not whole, or of another type.
 BF_MUST_CHECK bf_status frame_decode_input(const void *bytes, size_t n, frame_type type,
                                            frame *ret_frame, size_t *ret_used, bf_error *err);

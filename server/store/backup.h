@@ -13,7 +13,7 @@
 /// a failure.
 BF_MUST_CHECK bf_status store_backup(const char *directory, const char *file, bf_error *err);
 
-/// Take the outcome of one check: name is "I4" or a word, claim what should hold, finding what was
+/// Called with the outcome of each check: name is "I4" or a word, claim what should hold, finding what was
 /// found instead, or NULL.
 typedef void store_verify_fn(void *context, const char *name, const char *claim,
                              const char *finding);

@@ -94,7 +94,7 @@ BF_MUST_CHECK bf_status tokens_rotate(const char *directory, uint64_t id, int64_
 /// Revoke a token. BF_ENOTFOUND: there is none of this id that was not revoked.
 BF_MUST_CHECK bf_status tokens_revoke(const char *directory, uint64_t id, bf_error *err);
 
-/// Take one token.
+/// Called with each token.
 typedef void tokens_visit_fn(void *context, const tokens_record *token);
 
 /// Give all tokens, by rising id, to on_token().

@@ -336,7 +336,7 @@ static void require_identity(api_credential credential, const api_identity *who)
                      "who has a token has an owner and scopes");
 }
 
-static void take_token(void *context, const tokens_record *token)
+static void on_token(void *context, const tokens_record *token)
 {
     ++*(size_t *)context;
     fuzz_require(memchr(token->name, '\0', sizeof token->name) != NULL, "tokens have a name");
@@ -347,7 +347,7 @@ static void read_tokens(void)
 {
     tokens *t = NULL;
     size_t n = 0;
-    bf_status status = tokens_list(h.directory, take_token, &n, NULL);
+    bf_status status = tokens_list(h.directory, on_token, &n, NULL);
 
     require_answer(status);
     fuzz_require(n <= N_TOKENS, "there are no more tokens than rows");

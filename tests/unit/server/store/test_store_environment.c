@@ -329,7 +329,7 @@ static void end_life(store *s, const life *l)
         fail_msg("%s", err.text);
 }
 
-static void take_finding(void *context, const char *name, const char *claim, const char *finding)
+static void on_finding(void *context, const char *name, const char *claim, const char *finding)
 {
     if (finding != NULL)
         fail_msg("%s, %s: %s", name, claim, finding);
@@ -342,7 +342,7 @@ static void assert_is_sound(const helper_store *h)
     bf_error err = { 0 };
 
     snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
-    if (store_verify(path, take_finding, NULL, &is_sound, &err) != BF_OK)
+    if (store_verify(path, on_finding, NULL, &is_sound, &err) != BF_OK)
         fail_msg("%s", err.text);
     assert_true(is_sound);
 }
