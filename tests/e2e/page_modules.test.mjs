@@ -20,7 +20,7 @@ import { Equipment, isPresentAt, placeAt } from "../../web/src/scenario/equipmen
 import { areaOf, beltOutline, beltVelocity, convexHull, hullCentre } from "../../web/src/scenario/geometry.js";
 import { parameterAt } from "../../web/src/scenario/parameters.js";
 import { bodyOf } from "../../web/src/scenario/plate.js";
-import { studyParameters } from "../../web/src/study/study_parameters.js";
+import { baseFor, studyParameters } from "../../web/src/study/study_parameters.js";
 import { intervalOf, pointsOf } from "../../web/src/study/study_points.js";
 import { daemon } from "./daemon.mjs";
 
@@ -382,6 +382,10 @@ test("scenarios differ in what a planner calls it, however they were written", a
   assert.deepEqual(studyParameters(oblique, oblique).filter(({ pointer }) => pointer.startsWith("/belts")).map(({ label, value, range }) => [label, value, range]),
     [["belt speed along x", 0.3, [0.21, 0.39]], ["belt speed along y", -0.4, [-0.52, -0.28]]]);
   assert.deepEqual(studyParameters(resolved, resolved).filter(({ pointer }) => pointer.startsWith("/belts")).map(({ label }) => label), ["belt speed"]);
+  // What its name says of the velocity is not that of the trials.
+  const [along] = studyParameters(oblique, oblique).filter(({ pointer }) => pointer.startsWith("/belts"));
+  const named = { ...oblique, name: "side belt, belt speed 0.5 m/s, belt direction -53.13°" };
+  assert.equal(baseFor(named, [{ parameter: along, values: along.range }]).name, "side belt");
   // Lists that are too long to be said are numbered.
   const [a, b] = [1, 2].map((x) => ({ ...resolved, initial: { positions_m: Array.from({ length: 5 }, (_, k) => [x, k]) } }));
   assert.deepEqual(differences([a, b, a]).map(({ label, values }) => [label, values]), [["initial positions", ["list 1", "list 2", "list 1"]]]);

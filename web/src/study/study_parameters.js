@@ -1,7 +1,7 @@
 // What of a scenario a study can vary, from where to where, and how the scenario is written for it.
 
 import { stemOf } from "../scenario/differences.js";
-import { parameterAt } from "../scenario/parameters.js";
+import { parameterAt, parametersOf } from "../scenario/parameters.js";
 import { angleOf, plateOf, tidy, withPlate } from "../scenario/plate.js";
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
@@ -75,12 +75,15 @@ export function studyParameters(scenario, resolved) {
   ];
 }
 
+// What names say of the list that a number is in: of a component of a belt's velocity, its speed and direction.
+const labelsAbove = (pointer, scenario) => parametersOf(scenario).filter((one) => pointer.startsWith(`${one.pointer}/`)).map(({ label }) => label);
+
 // The scenario as a study of these parameters wants it; its name, which all trials have, does not say them.
 // varied: [{ parameter, values }], with the values, or the ends of the range, that are tried.
 export function baseFor(scenario, varied) {
   const copy = structuredClone(scenario);
   const valuesOf = (pointer) => varied.find(({ parameter }) => parameter.pointer === pointer)?.values;
   for (const { parameter } of varied) parameter.write(copy, valuesOf);
-  if (copy.name) copy.name = stemOf(copy.name, varied.map(({ parameter }) => parameter.label));
+  if (copy.name) copy.name = stemOf(copy.name, varied.flatMap(({ parameter }) => [parameter.label, ...labelsAbove(parameter.pointer, scenario)]));
   return copy;
 }
