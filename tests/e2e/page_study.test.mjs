@@ -198,6 +198,22 @@ test("a range goes up, also of a speed against an axis, and one that does not is
   await page.getByRole("button", { name: "Start the study" }).click();
   await page.getByRole("status").getByText("To: must be greater than From").waitFor();
   assert.deepEqual((await d.get("/v1/studies")).json.studies, []);
+  // Nor does a prediction that was asked for before take the refusal's place.
+  let release;
+  const held = new Promise((resolve) => (release = resolve));
+  await page.route("**/v1/validate", async (route) => {
+    await held;
+    await route.continue();
+  }, { times: 1 });
+  const asked = page.waitForRequest("**/v1/validate");
+  await to.fill("-0.45");
+  await asked;
+  await to.fill("-0.52");
+  const answered = page.waitForResponse("**/v1/validate");
+  release();
+  await (await answered).finished();
+  await page.evaluate(() => new Promise((seen) => setTimeout(seen, 100)));
+  assert.equal(await page.locator(".verdict").textContent(), "To: must be greater than From");
   await to.fill("-0.5");
   await page.getByText("At most 18 runs").waitFor(); // 6 speeds, 3 runs of each
 });

@@ -261,7 +261,7 @@ export class NewStudyView {
       const goal = this.method === "calibrate" ? "Fit" : figureTitle(this.figureBox.value);
       this.nameBox.value = cut(`${goal}, ${varied}`, NAME_MOST);
     }
-    clearTimeout(this.timer);
+    this.dropPrediction();
     if (!this.hasBadNumbers()) this.timer = setTimeout(() => this.predict(), 300);
   }
 
@@ -279,18 +279,30 @@ export class NewStudyView {
     return said.length > 0;
   }
 
+  // One that came later would take the place of a refusal.
+  dropPrediction() {
+    clearTimeout(this.timer);
+    this.prediction = null;
+  }
+
   async predict() {
     const models = this.method === "screen" ? ["macro", "micro"] : [this.model];
+    const prediction = Promise.all(models.map((model) => post("v1/validate", { scenario: this.scenario, model })));
+    this.prediction = prediction;
     try {
-      const known = await Promise.all(models.map((model) => post("v1/validate", { scenario: this.scenario, model })));
-      const each = known.map(({ predicted_s: seconds }) => seconds);
-      const n = this.trials();
-      const screened = this.vary.nPoints();
-      const seconds = this.method === "screen" ? screened * each[0] + (n - screened) * each[1] : n * each[0];
-      this.say(each.includes(null) ? `At most ${n} runs.` : `At most ${n} runs, about ${span(seconds)} of computing on one core.`, "good");
+      const known = await prediction;
+      if (this.prediction === prediction) this.sayCosts(known.map(({ predicted_s: seconds }) => seconds));
     } catch (error) {
-      this.refuse(error);
+      if (this.prediction === prediction) this.refuse(error);
     }
+  }
+
+  // each: the predicted time of a run of each model.
+  sayCosts(each) {
+    const n = this.trials();
+    const screened = this.vary.nPoints();
+    const seconds = this.method === "screen" ? screened * each[0] + (n - screened) * each[1] : n * each[0];
+    this.say(each.includes(null) ? `At most ${n} runs.` : `At most ${n} runs, about ${span(seconds)} of computing on one core.`, "good");
   }
 
   document() {
@@ -318,7 +330,7 @@ export class NewStudyView {
   }
 
   async submit() {
-    clearTimeout(this.timer); // a prediction that comes later would take a refusal's place
+    this.dropPrediction();
     if (this.hasBadNumbers()) return;
     if (this.method === "calibrate" && this.counts.length === 0) {
       this.noteCounts("A fit needs counts: add a file of them.");
