@@ -88,6 +88,30 @@ static void every_frame_comes_back_as_it_was(void **state)
     buffer_fini(&bytes);
 }
 
+// It is read frame by frame, each of a type that is expected, and there is no more to come.
+static void a_jobs_input_is_whole_and_in_order(void **state)
+{
+    frame frames[FRAME_TYPE_COUNT], f = { .type = FRAME_TYPE_COUNT };
+    bf_buffer bytes = { 0 };
+    size_t used = 1;
+
+    const size_t n = make_frames(frames);
+    assert_int_equal(frame_encode(&frames[0], &bytes, NULL), BF_OK);
+    for (size_t cut = 0; cut < bytes.n; cut += 8)
+        assert_int_equal(frame_decode_input(bytes.bytes, cut, frames[0].type, &f, &used, NULL),
+                         BF_ECORRUPT);
+    for (size_t k = 1; k < n; k++)
+        assert_int_equal(frame_decode_input(bytes.bytes, bytes.n, frames[k].type, &f, &used, NULL),
+                         BF_ECORRUPT);
+    // What was refused is not told.
+    assert_true(f.type == FRAME_TYPE_COUNT && used == 1);
+    assert_int_equal(frame_decode_input(bytes.bytes, bytes.n, frames[0].type, &f, &used, NULL),
+                     BF_OK);
+    assert_int_equal(used, bytes.n);
+    assert_same(&f, &frames[0]);
+    buffer_fini(&bytes);
+}
+
 static void the_bytes_are_the_documented_ones(void **state)
 {
     const frame f = { .type = FRAME_PROGRESS, .progress = { 1, 2, 0.0 } };
@@ -249,6 +273,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_frame_comes_back_as_it_was),
+        cmocka_unit_test(a_jobs_input_is_whole_and_in_order),
         cmocka_unit_test(the_bytes_are_the_documented_ones),
         cmocka_unit_test(a_torn_end_asks_for_more_at_every_cut),
         cmocka_unit_test(a_flipped_bit_is_never_taken_for_a_frame),
