@@ -112,7 +112,7 @@ typedef struct run_backend {
     void (*tell_ages)(const void *solver, figures *to);
 
     // At a tick, in this order (control.h). The time is that of the steps made.
-    /// Remove what the sinks are due. Only for scenes with sinks. BF_ENOMEM.
+    /// Remove the cargo that the sinks accept at this tick. Only for scenes with sinks. BF_ENOMEM.
     bf_status (*remove_at_sinks)(void *solver, bf_error *err);
     /// Take the parts that left the domain or fell since the last tick. NULL: the model has no parts. BF_ENOMEM.
     bf_status (*depart)(void *solver, run_departures *ret_departures, bf_error *err);
