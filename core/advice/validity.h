@@ -46,12 +46,12 @@ typedef enum validity_figure {
     VALIDITY_FREE_ENDS, ///< angle of a single plate with two free ends before which cargo queues, degrees (layout.h)
     VALIDITY_RUN_OUT,   ///< belt behind a plate before which cargo queues, diameters (layout.h)
     VALIDITY_NEXT_BELT, ///< belt behind a plate whose opening is full, up to a belt of another velocity, diameters (layout.h)
-    VALIDITY_FUNNEL_ANGLE, ///< least angle of several plates whose opening is full, degrees
-    VALIDITY_SLIDING,      ///< mu of parts on plates at less than 50 degrees whose opening is full
-    VALIDITY_RUBBING,      ///< mu of parts on parts whose opening is nearly full
-    VALIDITY_PULL,         ///< v^2/(2 mu g) where the opening is nearly full, diameters
-    VALIDITY_LANE_QUEUE,   ///< belt upstream of a full lane that feeds may fill, diameters
-    VALIDITY_BESIDE,       ///< feeds that leave some of their belt free where cargo queues
+    VALIDITY_FUNNEL_ANGLE,  ///< least angle of several plates whose opening is full, degrees
+    VALIDITY_SLIDING,       ///< mu of parts on plates at less than 50 degrees whose opening is full
+    VALIDITY_FRICTION_FULL, ///< mu of parts on parts whose opening is nearly full
+    VALIDITY_ACCELERATION_FULL, ///< v^2/(2 mu g) where the opening is nearly full, diameters
+    VALIDITY_LANE_QUEUE,        ///< belt upstream of a full lane that feeds may fill, diameters
+    VALIDITY_BESIDE,            ///< feeds that leave some of their belt free where cargo queues
     VALIDITY_BRIDGES, ///< queues before the narrowest opening that stop for good within 1,000 parts, % (bridges.h)
     VALIDITY_SWEPT,   ///< the narrowest that plates come to where they move, diameters
     VALIDITY_HEAP,    ///< parts at the start for each diameter of the narrowest opening

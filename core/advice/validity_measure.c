@@ -195,9 +195,9 @@ static double diameters_to_speed(const measures *f)
 /// What matters from NEARLY_FULL on.
 static void note_nearly_full(measures *f)
 {
-    note(f, VALIDITY_RUBBING, f->s->micro.contact[SCENE_CARGO_CARGO].friction,
+    note(f, VALIDITY_FRICTION_FULL, f->s->micro.contact[SCENE_CARGO_CARGO].friction,
          "/contacts/cargo_cargo/friction");
-    note(f, VALIDITY_PULL, diameters_to_speed(f), "/belts");
+    note(f, VALIDITY_ACCELERATION_FULL, diameters_to_speed(f), "/belts");
 }
 
 /// What matters where feeds keep the opening full.

@@ -61,7 +61,7 @@
 #define ROUGH                                                                                      \
     "Very rough parts get out more easily than the density model says: it let 5 to 10 % too few "  \
     "through, and up to 28 % on a fast belt."
-#define PULLED                                                                                     \
+#define FAST_BELT_FULL                                                                             \
     "A fast belt pulls parts out of a steep opening, the rougher they are the more so: the "       \
     "density model let up to 13 % too few through."
 #define LANE_QUEUE                                                                                 \
@@ -188,20 +188,22 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                            "",
                            NULL,
                            { ANY, { 0.1, 0.4, SLIDES, SLIDES }, ANY } },
-    [VALIDITY_RUBBING] = { NULL,
-                           "The opening is nearly full, and the friction of parts on parts is",
-                           "",
-                           "",
-                           NULL,
-                           { ANY, { 0.05, 0.6, SMOOTH, ROUGH }, ANY } },
-    [VALIDITY_PULL] = { "diameters",
-                        "The opening is nearly full, and the fastest belt brings a part to its "
-                        "speed "
-                        "within",
-                        " part diameters",
-                        " diameters",
-                        NULL,
-                        { ANY, UP_TO(1.0, PULLED), ANY } },
+    [VALIDITY_FRICTION_FULL] = { NULL,
+                                 "The opening is nearly full, and the friction of parts on parts "
+                                 "is",
+                                 "",
+                                 "",
+                                 NULL,
+                                 { ANY, { 0.05, 0.6, SMOOTH, ROUGH }, ANY } },
+    [VALIDITY_ACCELERATION_FULL] = { "diameters",
+                                     "The opening is nearly full, and the fastest belt brings a "
+                                     "part to its "
+                                     "speed "
+                                     "within",
+                                     " part diameters",
+                                     " diameters",
+                                     NULL,
+                                     { ANY, UP_TO(1.0, FAST_BELT_FULL), ANY } },
     [VALIDITY_LANE_QUEUE] = { "diameters",
                               "A lane is full, and cargo may queue before it on",
                               " part diameters of belt",
@@ -561,8 +563,8 @@ const char *const validity_words[] = {
     [VALIDITY_NEXT_BELT] = "next_belt",
     [VALIDITY_FUNNEL_ANGLE] = "funnel_angle",
     [VALIDITY_SLIDING] = "sliding",
-    [VALIDITY_RUBBING] = "rubbing",
-    [VALIDITY_PULL] = "pull",
+    [VALIDITY_FRICTION_FULL] = "friction_full",
+    [VALIDITY_ACCELERATION_FULL] = "acceleration_full",
     [VALIDITY_LANE_QUEUE] = "lane_queue",
     [VALIDITY_BESIDE] = "beside",
     [VALIDITY_BRIDGES] = "bridges",

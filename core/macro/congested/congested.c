@@ -200,14 +200,16 @@ static bool lay_out(macro_solver *s, congested *c)
     c->is_unforced = memory_alloc(2 * n, sizeof *c->is_unforced);
     c->range = memory_alloc((size_t)s->n2, sizeof *c->range);
     c->found = memory_alloc((size_t)s->n2, sizeof *c->found);
-    for (int k = 0; k < CONGESTED_MEMORY; k++)
+    bool has_pressed = true;
+    for (int k = 0; k < CONGESTED_PRESSED_STEPS; k++) {
         c->pressed[k] = memory_alloc((size_t)s->n2, sizeof *c->pressed[k]);
+        has_pressed = has_pressed && c->pressed[k] != NULL;
+    }
     c->disturbed = memory_alloc((size_t)s->n2, sizeof *c->disturbed);
     c->is_unsettled = memory_alloc(2 * n, sizeof *c->is_unsettled);
     c->slots = memory_alloc(2 * (size_t)s->def.n_threads, sizeof *c->slots);
     if (c->storage == NULL || c->is_uniform == NULL || c->is_unforced == NULL || c->range == NULL ||
-        c->found == NULL || c->pressed[0] == NULL || c->pressed[1] == NULL ||
-        c->pressed[2] == NULL || c->disturbed == NULL || c->is_unsettled == NULL ||
+        c->found == NULL || !has_pressed || c->disturbed == NULL || c->is_unsettled == NULL ||
         c->slots == NULL)
         return false;
     float *at = c->storage;
@@ -350,7 +352,7 @@ congested *congested_destroy(congested *c)
     memory_free(c->is_unforced);
     memory_free(c->range);
     memory_free(c->found);
-    for (int k = 0; k < CONGESTED_MEMORY; k++)
+    for (int k = 0; k < CONGESTED_PRESSED_STEPS; k++)
         memory_free(c->pressed[k]);
     memory_free(c->disturbed);
     memory_free(c->is_unsettled);
@@ -391,10 +393,10 @@ static void clear_array(const macro_solver *s, const congested *c, float *array)
         memset(array + row * c->half_stride, 0, row_bytes(c));
 }
 
-// Nothing is known of the fluxes and thresholds of the step before.
-static void disturb(const macro_solver *s, congested *c)
+// The next steps take all active cells: nothing is known of fluxes and thresholds of the steps before.
+static void skip_nothing(const macro_solver *s, congested *c)
 {
-    c->n_whole = CONGESTED_MEMORY;
+    c->n_unskipped = CONGESTED_PRESSED_STEPS;
     memset(c->is_unsettled, true, 2 * (size_t)((s->n2 + 2) * c->half_width));
 }
 
@@ -409,7 +411,7 @@ void congested_reset(macro_solver *s)
     for (int side = 0; side < CONGESTED_SIDES; side++)
         clear_array(s, c, c->law[side].flux);
     memset(c->range, 0, (size_t)s->n2 * sizeof *c->range);
-    disturb(s, c);
+    skip_nothing(s, c);
     c->density_limit = too_dense * fmax(1.0, macro_measure(s).peak);
 }
 
@@ -470,6 +472,6 @@ bool congested_load(macro_solver *s, checkpoint_reader *r)
     for (int k = 0; k < n; k++)
         for (ptrdiff_t row = 0; row < s->n2 + 2; row++)
             is_read = is_read && checkpoint_read(r, arrays[k] + row * c->half_stride, row_bytes(c));
-    disturb(s, c);
+    skip_nothing(s, c);
     return is_read;
 }

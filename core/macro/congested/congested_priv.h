@@ -22,7 +22,8 @@ enum {
     CONGESTED_UNIT = 16, ///< half cells that are relaxed or skipped together: a register of floats
     CONGESTED_GROUP = 8, ///< half cells that have the law `uniform` together: half a unit
     CONGESTED_SWEEPS = 130, ///< most sweeps of a step
-    CONGESTED_MEMORY = 3    ///< steps after which a flux far from all pressures has become 0
+    CONGESTED_PRESSED_STEPS =
+        3 ///< this step and those before it whose pressures a flux or gradient may still show
 };
 
 /// Part of its cargo that a cell may lose in a step.
@@ -178,10 +179,10 @@ struct congested {
     congested_range *range; ///< per row: the active cells of this step
     congested_range *found; ///< per row: those that the row itself asks for
     /// Per row: cells with a pressure, and some beside them; after this step, the one before it and so on.
-    congested_range *pressed[CONGESTED_MEMORY];
+    congested_range *pressed[CONGESTED_PRESSED_STEPS];
     congested_range *disturbed; ///< per row: cells beyond have no flux nor gradient along a face
-    bool *is_unsettled;         ///< of units of a row: a threshold may change without a pressure
-    int n_whole; ///< next steps for which all active cells count as disturbed: laws or pressures are new
+    bool *is_unsettled;         ///< of units of a row: a threshold changed in the last step
+    int n_unskipped; ///< next steps in which all active cells count as disturbed: laws or pressures are new
     double relaxed;                ///< congested_relaxed()
     ptrdiff_t first_row, last_row; ///< first row with active cells, and the one after the last
     double density_limit;          ///< density at which the run fails

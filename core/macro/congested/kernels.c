@@ -182,8 +182,8 @@ static inline bool may_rise(const congested *c, ptrdiff_t row, const half_row *r
                             loop_kind kind)
 {
     const congested_range disturbed = c->disturbed[row];
-    const bool is_driven =
-        kind != LOOP_FORWARD && (c->n_whole > 0 || (disturbed.first <= k && k < disturbed.last));
+    const bool is_driven = kind != LOOP_FORWARD &&
+                           (c->n_unskipped > 0 || (disturbed.first <= k && k < disturbed.last));
 
     return is_driven || simd_float_has_bits(
                             simd_float_max(simd_float_load(r->excess + k), simd_float_all(0.0F)));

@@ -286,7 +286,7 @@ void congested_update(macro_solver *s)
 {
     congested *c = s->congested;
 
-    c->n_whole = CONGESTED_MEMORY;
+    c->n_unskipped = CONGESTED_PRESSED_STEPS;
     c->has_standing = c->has_moving = false;
     for (size_t k = 0; k < c->n_belts; k++) {
         const congested_belt now = belt_now(s, c, k);

@@ -113,7 +113,7 @@ static congested_range pressed_cells(const macro_solver *s, const congested *c, 
 // Finds the cells of a row that may need a pressure, by `next`, which holds rho*.
 static void find_cells(const macro_solver *s, congested *c, ptrdiff_t row)
 {
-    if (c->n_whole == CONGESTED_MEMORY)
+    if (c->n_unskipped == CONGESTED_PRESSED_STEPS)
         c->pressed[0][row] = pressed_cells(s, c, row);
     c->found[row] = hull(full_cells(s, row, active_from * c->jam_density), c->pressed[0][row]);
 }
@@ -279,22 +279,22 @@ static congested_range changed_cells(const macro_solver *s, const congested *c, 
 // Finds the cells of a row with a pressure after the relaxation.
 static void find_pressed(const macro_solver *s, congested *c, ptrdiff_t row)
 {
-    for (int k = CONGESTED_MEMORY - 1; k > 0; k--)
+    for (int k = CONGESTED_PRESSED_STEPS - 1; k > 0; k--)
         c->pressed[k][row] = c->pressed[k - 1][row];
     c->pressed[0][row] = pressed_cells(s, c, row);
 }
 
 // The cells of a row that a pressure may reach. A flux depends on the pressures beside its face and, through the gradient along it, on
 // those of the step before around its ends, a threshold on the fluxes around its face: none is farther than two rows and MARGIN_CELLS.
-// A third step is for what is 0 from then on.
+// In one step more what has become 0 is written as 0; from then on it is left as it is.
 static congested_range disturbed_cells(const macro_solver *s, const congested *c, ptrdiff_t row)
 {
     const ptrdiff_t first = row > 2 ? row - 2 : 0, last = row + 3 < s->n2 ? row + 3 : s->n2;
     congested_range all = { 0, 0 };
 
-    if (c->n_whole > 0)
+    if (c->n_unskipped > 0)
         return changed_cells(s, c, row);
-    for (int k = 0; k < CONGESTED_MEMORY; k++)
+    for (int k = 0; k < CONGESTED_PRESSED_STEPS; k++)
         for (ptrdiff_t j = first; j < last; j++)
             all = hull(all, c->pressed[k][j]);
     return all;
@@ -452,6 +452,6 @@ void congested_step(macro_solver *s)
     step_context x = { s, s->congested };
 
     team_run(s->def.n_threads, step_member, &x);
-    if (s->congested->n_whole > 0 && !s->congested->has_standing)
-        s->congested->n_whole--;
+    if (s->congested->n_unskipped > 0 && !s->congested->has_standing)
+        s->congested->n_unskipped--;
 }

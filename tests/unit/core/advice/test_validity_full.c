@@ -119,13 +119,13 @@ static void friction_of_parts_was_compared_in_a_range_where_an_opening_is_nearly
     make_full(&s, 60.0);
     double *friction = &s.micro.contact[SCENE_CARGO_CARGO].friction;
     s.feeds[0].rate = 100.0;
-    assert_true(isnan(value_outside(&s, VALIDITY_RUBBING)));
+    assert_true(isnan(value_outside(&s, VALIDITY_FRICTION_FULL)));
     *friction = 0.0;
-    assert_near(value_outside(&s, VALIDITY_RUBBING), 0.0, 0.0);
+    assert_near(value_outside(&s, VALIDITY_FRICTION_FULL), 0.0, 0.0);
     *friction = 0.8;
-    assert_near(value_outside(&s, VALIDITY_RUBBING), 0.8, 0.0);
+    assert_near(value_outside(&s, VALIDITY_FRICTION_FULL), 0.8, 0.0);
     s.feeds[0].rate = 80.0;
-    assert_true(isnan(value_outside(&s, VALIDITY_RUBBING)));
+    assert_true(isnan(value_outside(&s, VALIDITY_FRICTION_FULL)));
     scene_fini(&s);
 }
 
@@ -135,11 +135,12 @@ static void fast_belts_were_not_compared_where_an_opening_is_nearly_full(void **
     scene s;
 
     make_full(&s, 60.0);
-    assert_true(isnan(value_outside(&s, VALIDITY_PULL)));
+    assert_true(isnan(value_outside(&s, VALIDITY_ACCELERATION_FULL)));
     s.micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.2;
-    assert_near(value_outside(&s, VALIDITY_PULL), 0.395 * 0.395 / (0.4 * 9.81 * 0.024), 1e-9);
+    assert_near(value_outside(&s, VALIDITY_ACCELERATION_FULL), 0.395 * 0.395 / (0.4 * 9.81 * 0.024),
+                1e-9);
     s.feeds[0].rate = 80.0;
-    assert_true(isnan(value_outside(&s, VALIDITY_PULL)));
+    assert_true(isnan(value_outside(&s, VALIDITY_ACCELERATION_FULL)));
     scene_fini(&s);
 }
 

@@ -413,8 +413,8 @@ static void an_end_at_a_wall_or_at_another_plate_has_no_extension(void **state)
     assert_near(width_lost(&s, 0), 1.0, exact);
 }
 
-// Each goes on as far as it does alone, though an end of the second one is within 45 degrees of the way to the wall: that of a
-// stub shorter than the radius of a part, or its foot.
+// Each goes on as far as it does alone, though an end of the second one is within 45 degrees of the way to the wall: its tip, of a
+// plate shorter than the radius of a part, or its foot.
 static void a_plate_at_the_opposite_wall_is_no_end_of_a_funnel(void **state)
 {
     const vec2 first[2] = { { 1.0, 0.0 }, { 1.0, 0.4 } };

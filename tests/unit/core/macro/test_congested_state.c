@@ -157,16 +157,16 @@ static bf_buffer saved_of(const macro_solver *solver)
     return saved;
 }
 
-// A solver that begins with a state makes CONGESTED_MEMORY steps as if pressures had been everywhere.
+// A solver that begins with a state makes CONGESTED_PRESSED_STEPS steps as if pressures had been everywhere.
 static void check_cells_far_from_pressures(const scene *s, macro_solver *solver, int n_steps)
 {
     bf_buffer now = saved_of(solver);
 
-    for (int step = 0; step < n_steps; step += CONGESTED_MEMORY) {
+    for (int step = 0; step < n_steps; step += CONGESTED_PRESSED_STEPS) {
         macro_solver *other = helper_macro_start(s, 1);
         assert_int_equal(macro_load(other, now.bytes, now.n, NULL), BF_OK);
-        helper_macro_advance(other, CONGESTED_MEMORY);
-        helper_macro_advance(solver, CONGESTED_MEMORY);
+        helper_macro_advance(other, CONGESTED_PRESSED_STEPS);
+        helper_macro_advance(solver, CONGESTED_PRESSED_STEPS);
         buffer_fini(&now);
         now = saved_of(solver);
         bf_buffer of_other = saved_of(other);
