@@ -1,6 +1,7 @@
 #include "server/store/columns.h"
 
 #include "core/base/check.h"
+#include "core/base/memory.h"
 
 static bf_status check_id(const store__query *q, void *of, bool is_whole, bf_error *err)
 {
@@ -104,5 +105,53 @@ bf_status store__list_with(store__connection *c, store__sql sql, const store__re
         *ret_n = n_rows;
     if (status == BF_OK && ret_has_more != NULL)
         *ret_has_more = has_row;
+    return status;
+}
+
+bf_status store__check_page(size_t limit, const char *what, bf_error *err)
+{
+    if (limit >= 1 && limit <= API_LIST_MAX)
+        return BF_OK;
+    return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d %s, not %zu", API_LIST_MAX, what,
+                   limit);
+}
+
+const char *store__before(const char *before)
+{
+    return before[0] == '\0' ? "~" : before;
+}
+
+bf_status store__list_page(store__pool *pool, store__sql sql, const store__listing *listing,
+                           const api_page_query *query, api_page *ret_page, bf_error *err)
+{
+    // One row more than the page holds is asked for: if it comes, there are more.
+    const store__value values[] = {
+        TEXT(store__before(query->before)),
+        INTEGER(query->limit + 1),
+        TEXT(query->owner),
+        TEXT(query->label),
+        TEXT(query->line),
+        INTEGER(query->state),
+    };
+    const size_t row_size = listing->record->size;
+    size_t n = 0;
+    bool has_more = false;
+
+    BF_TRY(store__check_page(query->limit, listing->what, err));
+    char *rows = memory_alloc(query->limit, row_size);
+    if (rows == NULL)
+        return bf_fail_memory(err);
+    store__connection *reader = store__acquire_reader(pool);
+    const bf_status status = store__list_with(reader, sql, listing->record, rows, query->limit, &n,
+                                              &has_more, err, values, listing->n_values);
+    store__release_reader(pool, reader);
+    if (status == BF_OK) {
+        ret_page->n = n;
+        ret_page->has_more = has_more;
+        for (size_t k = 0; k < n; k++)
+            memcpy((char *)ret_page->studies + k * listing->size,
+                   rows + k * row_size + listing->offset, listing->size);
+    }
+    memory_free(rows);
     return status;
 }

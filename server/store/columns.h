@@ -72,6 +72,27 @@ BF_MUST_CHECK bf_status store__list_with(store__connection *c, store__sql sql,
                                          size_t *ret_n, bool *ret_has_more, bf_error *err,
                                          const store__value *values, size_t n);
 
+/// What pages of a kind of items are read from.
+typedef struct store__listing {
+    const char *what;            ///< items, for errors
+    const store__record *record; ///< its rows
+    size_t offset;               ///< of the item in a row
+    size_t size;                 ///< of the item
+    size_t n_values;             ///< parameters that its statements have
+} store__listing;
+
+/// Read a page by a statement whose parameters are ?1 older than, ?2 how many, ?3 owner or '', ?4 label or '', ?5 line or '',
+/// ?6 state or -1. BF_ELIMIT: no page has query->limit items. With an error *ret_page is as before.
+BF_MUST_CHECK bf_status store__list_page(store__pool *pool, store__sql sql,
+                                         const store__listing *listing, const api_page_query *query,
+                                         api_page *ret_page, bf_error *err);
+
+/// BF_ELIMIT: no page has so many items; `what` they are.
+BF_MUST_CHECK bf_status store__check_page(size_t limit, const char *what, bf_error *err);
+
+/// The id that a page's ids must be less than: `before`, or for "" one that is greater than any id.
+const char *store__before(const char *before);
+
 /// Codes are stored by their words, so that the list of codes may grow anywhere. An unknown word is BF_OK.
 #define CODE(code) TEXT(store__code_word(code))
 #define ID(text)   TEXT(text)

@@ -10,9 +10,7 @@
 #include "server/store/conditions.h"
 #include "server/store/page_sums.h"
 
-#include "api/measurements.h"
 #include "core/base/check.h"
-#include "core/base/memory.h"
 #include "server/base/clock.h"
 
 #include <errno.h>
@@ -376,23 +374,4 @@ void store__release_reader(store__pool *pool, store__connection *reader)
     pool->is_taken[reader - pool->readers] = false;
     lock_wake_all(&pool->released);
     lock_release(&pool->lock);
-}
-
-bf_status store__read_page(store__pool *pool, size_t limit, const char *what,
-                           store__page_reader *read, const void *query, void *ret_list, size_t size,
-                           bf_error *err)
-{
-    if (limit < 1 || limit > API_LIST_MAX)
-        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d %s, not %zu", API_LIST_MAX, what,
-                       limit);
-    void *list = memory_alloc(1, size);
-    if (list == NULL)
-        return bf_fail_memory(err);
-    store__connection *reader = store__acquire_reader(pool);
-    const bf_status status = read(reader, query, list, err);
-    store__release_reader(pool, reader);
-    if (status == BF_OK)
-        memcpy(ret_list, list, size);
-    memory_free(list);
-    return status;
 }

@@ -37,8 +37,7 @@ typedef struct store__connection {
     bf_error failure;      ///< code BF_OK: none; else what every use of a statement fails with
     int restart_pages;     ///< writer: pages of the log with which it is started again
     size_t queued_at_most; ///< writer: not more runs than these wait; SIZE_MAX: not counted yet
-    _Atomic uint64_t
-        n_commits; ///< writer: transactions that it has ended by a commit, also one that failed
+    _Atomic uint64_t n_commits; ///< writer: transactions ended by a commit, also one that failed
 } store__connection;
 
 /// What a connection may do.
@@ -175,16 +174,6 @@ store__connection *store__acquire_reader(store__pool *pool);
 
 /// End the transaction and let others have the reader.
 void store__release_reader(store__pool *pool, store__connection *reader);
-
-/// Reads a page of what is listed, by a query, into an empty list.
-typedef bf_status store__page_reader(store__connection *reader, const void *query, void *list,
-                                     bf_error *err);
-
-/// Fill a list of `size` bytes with a page of at most `limit` items; `what` they are, for the error. BF_ELIMIT: no such
-/// limit; then, and with any other error, *ret_list is as before.
-BF_MUST_CHECK bf_status store__read_page(store__pool *pool, size_t limit, const char *what,
-                                         store__page_reader *read, const void *query,
-                                         void *ret_list, size_t size, bf_error *err);
 
 /// The texts that bring a store from version i to i + 1, and the version of this program.
 extern const char *const store__migrations[];

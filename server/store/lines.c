@@ -56,20 +56,9 @@ static const store__column columns[] = {
 };
 static const store__record line_record = RECORD(columns, api_line, NULL);
 
-// One row more than the page holds is asked for: if it comes, there are more.
-static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
-{
-    const api_page_query *query = of;
-    api_page *page = to;
-    const char *before = query->before[0] == '\0' ? "~" : query->before;
-
-    return store__list(reader, STORE__SQL_LIST_LINES, &line_record, page->lines, query->limit,
-                       &page->n, &page->has_more, err, TEXT(before), TEXT(query->owner),
-                       INTEGER(query->limit + 1));
-}
-
 bf_status store_list_lines(store *s, const api_page_query *query, api_page *ret_page, bf_error *err)
 {
-    return store__read_page(&s->pool, query->limit, "lines", read_list, query, ret_page,
-                            sizeof *ret_page, err);
+    static const store__listing lines = { "lines", &line_record, 0, sizeof(api_line), 3 };
+
+    return store__list_page(&s->pool, STORE__SQL_LIST_LINES, &lines, query, ret_page, err);
 }

@@ -2,6 +2,8 @@
 
 #include "server/store/store_priv.h"
 
+#include "core/base/memory.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <sqlite3.h>
@@ -89,7 +91,7 @@ static store__value key_of(const api_list_query *query)
 static void fill_values(const api_list_query *query, const id_bounds *bounds, list_values *v)
 {
     const bool has_conditions = query->conditions.n > 0;
-    const char *before = query->before[0] == '\0' ? "~" : query->before;
+    const char *before = store__before(query->before);
 
     // The cursor of another order says nothing of ids.
     if (!is_sorted(query) && strcmp(bounds->before, before) < 0)
@@ -202,17 +204,19 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
     return status;
 }
 
-static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
-{
-    const api_list_query *query = of;
-    api_run_list *list = to;
-    const bf_status status = read_page(reader, query, list, err);
-
-    return status == BF_OK && query->counts ? count_list(reader, query, list, err) : status;
-}
-
 bf_status store_list(store *s, const api_list_query *query, api_run_list *ret_list, bf_error *err)
 {
-    return store__read_page(&s->pool, query->limit, "runs", read_list, query, ret_list,
-                            sizeof *ret_list, err);
+    BF_TRY(store__check_page(query->limit, "runs", err));
+    api_run_list *list = memory_alloc(1, sizeof *list);
+    if (list == NULL)
+        return bf_fail_memory(err);
+    store__connection *reader = store__acquire_reader(&s->pool);
+    bf_status status = read_page(reader, query, list, err);
+    if (status == BF_OK && query->counts)
+        status = count_list(reader, query, list, err);
+    store__release_reader(&s->pool, reader);
+    if (status == BF_OK)
+        *ret_list = *list;
+    memory_free(list);
+    return status;
 }

@@ -173,23 +173,13 @@ bf_status store_read_measurement_csv(store *s, const char *id, bf_buffer *out, b
     return status == BF_OK && !has_row ? fail_absent(id, err) : status;
 }
 
-// One row more than the page holds is asked for: if it comes, there are more.
-static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
-{
-    const api_page_query *query = of;
-    api_page *page = to;
-    const char *before = query->before[0] == '\0' ? "~" : query->before;
-    const store__sql sql =
-        query->label[0] == '\0' ? STORE__SQL_LIST_MEASUREMENTS : STORE__SQL_LIST_MEASUREMENTS_LABEL;
-
-    return store__list(reader, sql, &record, page->measurements, query->limit, &page->n,
-                       &page->has_more, err, TEXT(before), INTEGER(query->limit + 1),
-                       TEXT(query->label), TEXT(query->owner));
-}
-
 bf_status store_list_measurements(store *s, const api_page_query *query, api_page *ret_page,
                                   bf_error *err)
 {
-    return store__read_page(&s->pool, query->limit, "measurements", read_list, query, ret_page,
-                            sizeof *ret_page, err);
+    static const store__listing measurements = { "measurements", &record, 0,
+                                                 sizeof(api_measurement), 4 };
+    const store__sql sql =
+        query->label[0] == '\0' ? STORE__SQL_LIST_MEASUREMENTS : STORE__SQL_LIST_MEASUREMENTS_LABEL;
+
+    return store__list_page(&s->pool, sql, &measurements, query, ret_page, err);
 }

@@ -49,21 +49,21 @@
     "ORDER BY sort_key " direction " NULLS LAST, id DESC LIMIT ?2) "                               \
     "JOIN runs ON number = found ORDER BY sort_key " direction " NULLS LAST, found_id DESC"
 
-/// A page of lines by their newest run or study; ?1 older than, ?2 owner or '', ?3 how many. Of runs the index alone is read, but
-/// for each line's newest one.
+/// A page of lines by their newest run or study; parameters are those of store__list_page(). Of runs the index alone is read,
+/// but for each line's newest one.
 #define STORE__LINES_OF_RUNS                                                                       \
     "SELECT n.owner, n.line, versions, runs, 0 AS studies, r.id AS run, r.id AS newest, "          \
     "r.created_ms AS used FROM (SELECT owner, line, max(line_version) AS versions, "               \
     "count(*) AS runs, max(number) AS last FROM runs INDEXED BY runs_by_line WHERE line <> '' "    \
-    "AND line_version > 0 AND (?2 = '' OR owner = ?2) GROUP BY owner, line) AS n "                 \
+    "AND line_version > 0 AND (?3 = '' OR owner = ?3) GROUP BY owner, line) AS n "                 \
     "JOIN runs AS r ON r.number = n.last"
 #define STORE__LINES_OF_STUDIES                                                                    \
     "SELECT owner, line, 0, 0, count(*), '', max(id), max(created_ms) FROM studies "               \
-    "WHERE line <> '' AND (?2 = '' OR owner = ?2) GROUP BY owner, line"
+    "WHERE line <> '' AND (?3 = '' OR owner = ?3) GROUP BY owner, line"
 #define STORE__LINES                                                                               \
     "SELECT owner, line, max(versions), sum(runs), sum(studies), max(run), max(newest), "          \
     "max(used) FROM (" STORE__LINES_OF_RUNS " UNION ALL " STORE__LINES_OF_STUDIES ") "             \
-    "GROUP BY owner, line HAVING max(newest) < ?1 ORDER BY max(newest) DESC LIMIT ?3"
+    "GROUP BY owner, line HAVING max(newest) < ?1 ORDER BY max(newest) DESC LIMIT ?2"
 
 /// X(name, text), as in sql.h.
 #define STORE__SQL_LISTS(X)                                                                        \

@@ -27,9 +27,9 @@
     X(FIND_MEASUREMENT,                                                                            \
       "SELECT " STORE__MEASUREMENT_COLUMNS ", t, counts FROM measurements WHERE id = ?1")          \
     X(LIST_MEASUREMENTS, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements WHERE id < ?1 "  \
-                         "AND (?4 = '' OR owner = ?4) AND ?3 = '' ORDER BY id DESC LIMIT ?2")      \
+                         "AND (?3 = '' OR owner = ?3) AND ?4 = '' ORDER BY id DESC LIMIT ?2")      \
     X(LIST_MEASUREMENTS_LABEL, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements "          \
-                               "WHERE id < ?1 AND label = ?3 AND (?4 = '' OR owner = ?4) "         \
+                               "WHERE id < ?1 AND label = ?4 AND (?3 = '' OR owner = ?3) "         \
                                "ORDER BY id DESC LIMIT ?2")                                        \
     X(INSERT_RESULTS, "INSERT INTO results (digest, solver) VALUES (?1, ?2)")                      \
     X(MARK_RESULTS, "UPDATE results SET state = ?2 WHERE number = ?1")                             \

@@ -85,7 +85,7 @@
     X(DELETE_STUDY, "DELETE FROM studies WHERE number = ?1")                                       \
     X(FIND_STUDY, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE id = ?1")                    \
     X(LIST_STUDIES, "SELECT " STORE__STUDY_COLUMNS " FROM studies WHERE id < ?1 "                  \
-                    "AND stop_request < 2 AND (?3 < 0 OR state = ?3) AND (?4 = '' OR owner = ?4) " \
+                    "AND stop_request < 2 AND (?6 < 0 OR state = ?6) AND (?3 = '' OR owner = ?3) " \
                     "AND (?5 = '' OR line = ?5) "                                                  \
                     "ORDER BY id DESC LIMIT ?2")                                                   \
     X(COUNT_OPEN_STUDIES, "SELECT count(*) FROM studies WHERE state IN (0, 1, 5)")                 \

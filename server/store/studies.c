@@ -183,33 +183,13 @@ bf_status store_find_study(store *s, const char *id, api_study *ret_study, bf_er
     return status;
 }
 
-// One row more than the page holds is asked for: if it comes, there are more.
-static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
-{
-    const api_page_query *query = of;
-    api_page *page = to;
-    const char *before = query->before[0] == '\0' ? "~" : query->before;
-    bf_status status = BF_OK;
-    store_study row;
-
-    store__query q =
-        store__start(reader, STORE__SQL_LIST_STUDIES, TEXT(before), INTEGER(query->limit + 1),
-                     INTEGER(query->state), TEXT(query->owner), TEXT(query->line));
-    while (!page->has_more && store__next(&q, &status, err)) {
-        status = store__read(&q, &record, &row, err);
-        page->has_more = page->n == query->limit;
-        if (status == BF_OK && !page->has_more)
-            page->studies[page->n++] = row.study;
-    }
-    store__end(&q);
-    return status;
-}
-
 bf_status store_list_studies(store *s, const api_page_query *query, api_page *ret_page,
                              bf_error *err)
 {
-    return store__read_page(&s->pool, query->limit, "studies", read_list, query, ret_page,
-                            sizeof *ret_page, err);
+    static const store__listing studies = { "studies", &record, offsetof(store_study, study),
+                                            sizeof(api_study), 6 };
+
+    return store__list_page(&s->pool, STORE__SQL_LIST_STUDIES, &studies, query, ret_page, err);
 }
 
 static const store__sql works[] = {
