@@ -16,8 +16,8 @@ typedef struct api_page_query {
     char owner[API_OWNER_SIZE]; ///< "": everybody's
     char label[API_LABEL_SIZE]; ///< of measurements; "": any
     char line[API_LABEL_SIZE];  ///< of studies; "": any
-    char before
-        [API_ID_SIZE]; ///< only those older than this id, of a line its newest run's or study's; "": from the newest
+    /// Only those older than this id, of a line its newest run's or study's; "": from the newest
+    char before[API_ID_SIZE];
     size_t limit; ///< 1 .. API_LIST_MAX
 } api_page_query;
 

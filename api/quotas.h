@@ -12,8 +12,8 @@ enum { API_QUOTA_WINDOW_S = 86400 }; ///< in which CPU time counts
 typedef struct api_quota {
     uint64_t used;    ///< at the moment
     uint64_t allowed; ///< 0: there is no quota
-    int64_t
-        release_ms; ///< CPU time that is used up: when less is used again, Unix time, ms; else 0
+    /// CPU time that is used up: when less is used again, Unix time, ms; else 0
+    int64_t release_ms;
 } api_quota;
 
 /// What an owner uses and may use.

@@ -38,25 +38,25 @@ typedef struct api_run {
     char label[API_LABEL_SIZE]; ///< the client's, "" if none
     char name[SCENE_NAME_SIZE]; ///< at first that of the scenario
     char line[API_LABEL_SIZE];  ///< the line that it belongs to, "" if none
-    uint64_t
-        line_version; ///< its scenario's number among the line's, from 1; 0: no line, or a trial
+    /// Its scenario's number among the line's, from 1; 0: no line, or a trial
+    uint64_t line_version;
     char notes[API_NOTES_SIZE]; ///< of its users, "" if none
     bool is_starred;            ///< its users want to find it again
-    char closure
-        [API_CLOSURE_SIZE]; ///< of the macroscopic model, its word; "": not known, or the other model
-    uint64_t revision;      ///< from 1, rises with every change of the row: the ETag
-    double progress;        ///< 0 to 1
-    int64_t created_ms;     ///< Unix time, ms
-    int64_t started_ms;     ///< last start; 0: never
-    int64_t finished_ms;    ///< 0: not yet
-    double eta_s;           ///< wall seconds to the end; NAN: unknown
-    double predicted_s;     ///< CPU time that it will take while it waits; NAN: not known
-    uint64_t n_samples;     ///< stored samples of the curve
-    uint64_t n_snapshots;   ///< stored snapshots
-    uint64_t last_event;    ///< id of the newest event of the run; 0: none
-    bf_grid grid;           ///< of its snapshots; n1 = 0: not known yet
-    api_parts parts;        ///< of its snapshots; n_values = 0: none
-    bool has_summary;       ///< summary.json is there
+    /// Of the macroscopic model, its word; "": not known, or the other model
+    char closure[API_CLOSURE_SIZE];
+    uint64_t revision;              ///< from 1, rises with every change of the row: the ETag
+    double progress;                ///< 0 to 1
+    int64_t created_ms;             ///< Unix time, ms
+    int64_t started_ms;             ///< last start; 0: never
+    int64_t finished_ms;            ///< 0: not yet
+    double eta_s;                   ///< wall seconds to the end; NAN: unknown
+    double predicted_s;             ///< CPU time that it will take while it waits; NAN: not known
+    uint64_t n_samples;             ///< stored samples of the curve
+    uint64_t n_snapshots;           ///< stored snapshots
+    uint64_t last_event;            ///< id of the newest event of the run; 0: none
+    bf_grid grid;                   ///< of its snapshots; n1 = 0: not known yet
+    api_parts parts;                ///< of its snapshots; n_values = 0: none
+    bool has_summary;               ///< summary.json is there
     char owner[API_OWNER_SIZE];     ///< whose it is; "": nobody's
     char study[API_ID_SIZE];        ///< whose trial it is; "": no study's
     bool is_cached;                 ///< its results are those of a run before it

@@ -9,22 +9,14 @@
 #include <stddef.h>
 
 enum {
-    API_LIST_NEWEST =
-        50000, ///< runs that a search, another order or a count looks at, the newest of the list
-    API_LIST_DOCUMENTS =
-        10000, ///< runs whose scenarios a search by conditions reads, the newest of the list
-    API_LIST_DOCUMENT_BYTES =
-        64 << 20, ///< of these scenarios and their key figures; more are refused
-    API_LIST_LOOKS =
-        20000, ///< runs that a page in the order of creation looks at to find those that were asked for
-    API_SORT_KEY_SIZE = 81, ///< bytes of the text of a run's key with its terminator
-    API_SORT_FIGURE_SIZE =
-        48, ///< bytes of the name of a key figure, "residence_s.p95", with its terminator
+    API_LIST_NEWEST = 50000,    ///< newest runs that a search, another order or a count looks at
+    API_LIST_DOCUMENTS = 10000, ///< newest ones whose scenarios a search by conditions reads
+    API_LIST_DOCUMENT_BYTES = 64 << 20, ///< of them and their key figures; more are refused
+    API_LIST_LOOKS = 20000,             ///< runs that a page in the order of creation looks at
+    API_SORT_KEY_SIZE = 81,             ///< bytes of the text of a run's key with its terminator
+    API_SORT_FIGURE_SIZE = 48,          ///< same of the name of a key figure, "residence_s.p95"
+    API_CURSOR_SIZE = API_ID_SIZE + 2 * API_SORT_KEY_SIZE, ///< same of a cursor
 };
-
-enum {
-    API_CURSOR_SIZE = API_ID_SIZE + 2 * API_SORT_KEY_SIZE
-}; ///< bytes of a cursor with its terminator
 
 /// What a list is sorted by.
 typedef enum api_sort_by {
@@ -76,14 +68,14 @@ typedef struct api_list_query {
     char label[API_LABEL_SIZE]; ///< "": any
     char line[API_LABEL_SIZE];  ///< "": any
     char study[API_ID_SIZE];    ///< whose trials; "": only runs that are nobody's trials
-    char search
-        [API_LABEL_SIZE]; ///< what name, label or line contains, A to Z as small letters; "": anything
-    int64_t from_ms;      ///< accepted at this Unix time or later
-    int64_t before_ms;    ///< accepted before it; 0: at any time
-    bool is_starred;      ///< only starred ones
-    api_conditions
-        conditions; ///< only runs of whose scenario or key figures they hold; not of trials
-    api_sort sort;  ///< the order
+    /// What name, label or line contains, A to Z as small letters; "": anything
+    char search[API_LABEL_SIZE];
+    int64_t from_ms;   ///< accepted at this Unix time or later
+    int64_t before_ms; ///< accepted before it; 0: at any time
+    bool is_starred;   ///< only starred ones
+    /// Only runs of whose scenario or key figures they hold; not of trials
+    api_conditions conditions;
+    api_sort sort;            ///< the order
     char before[API_ID_SIZE]; ///< only runs behind the one with this id; "": from the first
     char before_key[API_SORT_KEY_SIZE]; ///< its key, "" if it had none; none of API_SORT_CREATED
     size_t limit;                       ///< 1 .. API_LIST_MAX

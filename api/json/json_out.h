@@ -17,9 +17,9 @@ typedef struct json_out {
     bf_buffer *buffer; ///< where the text goes; the caller's
     bool needs_comma;  ///< a value stands before the next one in this object or array
     bool has_failed;   ///< out of memory
-    const void
-        *whole; ///< struct of the whole document, for members that name another part of it by
-                ///< its id; NULL: there are none
+    /// Struct of the whole document, for members that name another part of it by
+    /// its id; NULL: there are none
+    const void *whole;
 } json_out;
 
 /// A writer that appends to *buffer.

@@ -52,13 +52,13 @@ typedef struct study_document_parameter {
 /// An objective.
 typedef struct study_document_objective {
     figure_id figure; ///< which key figure
-    char
-        of[SCENE_ID_SIZE]; ///< of which feed, counter or photo eye; "": of the run, or the only one
-    bool is_maximized;     ///< more is better
-    double demand;         ///< of the first: at least so much; INFINITY: what is offered, until it
-                           ///< is known; NAN: none
-    bool is_offered;       ///< the demand is what feeds offer
-    size_t item;           ///< which one `of` is, of its scope
+    /// Of which feed, counter or photo eye; "": of the run, or the only one
+    char of[SCENE_ID_SIZE];
+    bool is_maximized; ///< more is better
+    double demand;     ///< of the first: at least so much; INFINITY: what is offered, until it
+                       ///< is known; NAN: none
+    bool is_offered;   ///< the demand is what feeds offer
+    size_t item;       ///< which one `of` is, of its scope
 } study_document_objective;
 
 /// A measured curve.

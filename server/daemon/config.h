@@ -220,8 +220,8 @@ typedef struct config_flags {
     const char *expires;    ///< --expires of it; NULL: never
     const char *overlap;    ///< --overlap of one that is rotated; NULL: the default
     const char *copies;     ///< --copies of backup; NULL: all stay
-    const char
-        *values[CONFIG_COUNT]; ///< of the settings, in the order of the table; NULL: not given
+    /// Of the settings, in the order of the table; NULL: not given
+    const char *values[CONFIG_COUNT];
 } config_flags;
 
 /// Where the package has the settings. Commands that name neither a file nor a data directory use those, or the file that

@@ -43,10 +43,10 @@ typedef struct http_pull {
     bool is_parked;         ///< http.lock: it has no owner, and waits
     bool is_half_closed;    ///< http.lock: the client has shut down its sending side
     bool is_disconnected;   ///< http.lock: the client is taken for gone
-    bool
-        is_heartbeat_due; ///< http.lock: nothing was sent for heartbeat_ms, or the client is in doubt
-    int64_t polled_ms;    ///< http.lock: when it was parked
-    int64_t due_ms;       ///< http.lock: when it is looked at again, without a wake-up
+    /// Under http.lock: nothing was sent for heartbeat_ms, or the client is in doubt
+    bool is_heartbeat_due;
+    int64_t polled_ms; ///< http.lock: when it was parked
+    int64_t due_ms;    ///< http.lock: when it is looked at again, without a wake-up
 } http_pull;
 
 /// Bytes that a pull of the body takes in a chunk.

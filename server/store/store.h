@@ -83,9 +83,9 @@ typedef struct store_running {
 typedef struct store_quotas {
     uint64_t n_waiting; ///< runs that wait
     uint64_t cpu_s;     ///< CPU seconds of solvers within API_QUOTA_WINDOW_S, in whole hours
-    uint64_t
-        n_bytes; ///< of results: compressed snapshots, samples, events and scenarios; sets that several runs
-                 ///< of the owner share count once; and of measurements
+    /// Of results: compressed snapshots, samples, events and scenarios; sets that several runs
+    /// of the owner share count once; and of measurements
+    uint64_t n_bytes;
     uint64_t n_measurements; ///< measurements
     uint64_t n_studies;      ///< studies that have not ended
 } store_quotas;
@@ -103,9 +103,9 @@ typedef struct store_options {
     void *listener_context;   ///< given to it
     store_still_runs *still_runs; ///< called for each run left running (I8); NULL: none still is
     void *still_runs_context;     ///< given to it
-    uint64_t
-        attempts_max; ///< at a run that may end with the daemon, one after the other and none further than
-                      ///< the one before; 0: any number
+    /// At a run that may end with the daemon, one after the other and none further than
+    /// the one before; 0: any number
+    uint64_t attempts_max;
     int64_t idempotency_ms;        ///< how long answers to idempotency keys are stored; 0: a day
     store_retention retention;     ///< limits of automatic removal
     int64_t retention_interval_ms; ///< between looks at what is to be removed; 0: a minute

@@ -66,8 +66,8 @@ typedef struct store_trial_begin {
 typedef struct store_study_step {
     const char *id; ///< whose
     size_t n_ends;  ///< trials that end
-    const api_trial
-        *ends; ///< their numbers, states, values and faults; those that are not open are left out
+    /// Their numbers, states, values and faults; those that are not open are left out
+    const api_trial *ends;
     size_t n_begins;           ///< trials that begin, numbered behind all that there are
     store_trial_begin *begins; ///< only of a study that is running
     const bf_buffer *best;     ///< what was found so far; NULL: as it was

@@ -35,8 +35,8 @@ void store_job_fini(store_job *job);
 /// One thing that a running run sent, ready for the store.
 typedef struct store_item {
     api_event_type type; ///< API_EVENT_PROGRESS, _CURVE, _SNAPSHOT, _FIGURES, or from _EYE on
-    bf_buffer
-        event; ///< data of the event: a JSON object; of samples also empty: made of them when it is read
+    /// Data of the event: a JSON object; of samples also empty: made of them when it is read
+    bf_buffer event;
     uint64_t first;        ///< curve: index of the first sample; snapshot, change: its index
     size_t n;              ///< curve: samples
     bf_buffer t;           ///< curve: n doubles
@@ -92,8 +92,8 @@ BF_MUST_CHECK bf_status store_begin_append(store *s, const store_batch *batch,
 /// The run that is claimed together with the end of another.
 typedef struct store_next {
     bool with_trials; ///< given: as of store_claim()
-    bf_status
-        status; ///< as of store_claim(); BF_ECONFLICT: none was claimed, store_claim() has to be called
+    /// As of store_claim(); BF_ECONFLICT: none was claimed, store_claim() has to be called
+    bf_status status;
     bf_error error; ///< of a status that is not BF_OK
     store_job job;  ///< of BF_OK: the caller's
 } store_next;
@@ -113,17 +113,17 @@ typedef struct store_ending {
     const char *run_id; ///< whose
     run_state state;    ///< an end, or RUN_QUEUED to hand it back
     bf_error error; ///< of RUN_FAILED; of another state why the store took no other, for the log
-    store_attempt
-        attempt; ///< of RUN_QUEUED: after too many the run has failed, with error as the last reason
-    const frame_end
-        *whole; ///< of RUN_SUCCEEDED: as many results as this says must be stored; NULL: any number
+    /// Of RUN_QUEUED: after too many the run has failed, with error as the last reason
+    store_attempt attempt;
+    /// Of RUN_SUCCEEDED: as many results as this says must be stored; NULL: any number
+    const frame_end *whole;
     bool is_without_snapshots; ///< of whole: its snapshots were not sent
     const char *summary;       ///< summary.json, n_summary bytes; NULL: none
     size_t n_summary;          ///< bytes
     const store_batch *last;   ///< what it sent last, stored in the same transaction; NULL: nothing
     double cpu_s; ///< CPU time of all attempts; less than was charged (0) charges nothing
-    store_next
-        *next; ///< claim a run in the same commit, whatever becomes of this one; NULL: do not
+    /// Claim a run in the same commit, whatever becomes of this one; NULL: do not
+    store_next *next;
 } store_ending;
 
 /// Move a running run on: an end (with its status and end events; the checkpoint is dropped) or

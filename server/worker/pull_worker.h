@@ -23,8 +23,8 @@ typedef struct pull_worker_options {
     const char *ca_file; ///< CA certificates; NULL: those of the system
     const char *program; ///< that solves
     const char *spool;   ///< folder of the files
-    uint64_t
-        spool_bytes; ///< of all files at once; before that the longest run is saved and given back
+    /// Of all files at once; before that the longest run is saved and given back
+    uint64_t spool_bytes;
     uint64_t lifetime_s; ///< ends by itself as by SIGTERM; 0: never
     uint64_t idle_s;     ///< ends by itself after so long without a job; 0: never
 } pull_worker_options;

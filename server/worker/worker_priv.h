@@ -67,8 +67,8 @@ typedef struct worker {
     worker_request request;             ///< that is going on
     worker_lease *about;                ///< whose it is; NULL: of none
     bf_buffer body;                     ///< of the request
-    uint64_t sent_to
-        [API_LEASE_JOBS_MAX]; ///< WORKER_REQUEST_FRAMES: end of what it has of each job; 0: nothing
+    /// WORKER_REQUEST_FRAMES: end of what it has of each job; 0: nothing
+    uint64_t sent_to[API_LEASE_JOBS_MAX];
     bool is_ended[API_LEASE_JOBS_MAX]; ///< WORKER_REQUEST_RENEW: the job is told to have ended
     size_t request_bytes;              ///< of a request, as the service lets; 0: not said
     int64_t ask_ms;                    ///< when to ask for jobs
