@@ -51,6 +51,8 @@ static const subject_text subjects[VALIDITY_SUBJECT_COUNT] = {
 /// Titles of values that are not known, as a belt has no friction.
 static const char *const without_friction[VALIDITY_FIGURE_COUNT] = {
     [VALIDITY_ACCELERATION] = "Without friction the fastest belt brings no part to its speed",
+    [VALIDITY_ACCELERATION_FULL] = "The opening is nearly full, and without friction the fastest "
+                                   "belt brings no part to its speed",
     [VALIDITY_CORNERING] = "Without friction no part turns with a curve",
 };
 

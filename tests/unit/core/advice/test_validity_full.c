@@ -144,6 +144,23 @@ static void fast_belts_were_not_compared_where_an_opening_is_nearly_full(void **
     scene_fini(&s);
 }
 
+static void a_belt_without_friction_is_told_without_a_number_where_an_opening_is_nearly_full(
+    void **state)
+{
+    validity of;
+    const char *title = "";
+    scene s;
+
+    make_full(&s, 60.0);
+    s.micro.contact[SCENE_CONVEYOR_CARGO].friction = 0.0;
+    assert_int_equal(validity_of(&s, &of, NULL), BF_OK);
+    for (size_t k = 0; k < of.n_never; k++)
+        title = of.never[k].figure == VALIDITY_ACCELERATION_FULL ? of.never[k].title : title;
+    assert_string_equal(title, "The opening is nearly full, and without friction the fastest belt "
+                               "brings no part to its speed");
+    scene_fini(&s);
+}
+
 // A plate at 60 degrees that goes on along the belt, with its foot 21.6 and 5 diameters of 24 mm behind the feed.
 static void short_queues_before_full_lanes_were_not_compared(void **state)
 {
@@ -170,6 +187,8 @@ int main(void)
         cmocka_unit_test(another_belt_behind_a_full_opening_was_not_compared),
         cmocka_unit_test(friction_of_parts_was_compared_in_a_range_where_an_opening_is_nearly_full),
         cmocka_unit_test(fast_belts_were_not_compared_where_an_opening_is_nearly_full),
+        cmocka_unit_test(
+            a_belt_without_friction_is_told_without_a_number_where_an_opening_is_nearly_full),
         cmocka_unit_test(short_queues_before_full_lanes_were_not_compared),
     };
 
