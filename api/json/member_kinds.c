@@ -153,9 +153,11 @@ static void describe_integer(json_out *w, const member *m, member_view view)
 
 static void read_seed(json_in *in, const json_t *value, const member *m, void *item)
 {
+    const double least = m->range == NULL ? 0.0 : m->range->minimum;
+    const double most = m->range == NULL ? SEED_MAX : m->range->maximum;
     double number;
 
-    if (json_in_integer(in, value, 0, SEED_MAX, &number))
+    if (json_in_integer(in, value, least, most, &number))
         *(uint64_t *)member__place(item, m) = (uint64_t)number;
 }
 

@@ -78,8 +78,6 @@ static bool check_model(json_in *in, run_model model)
 static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_error *err)
 {
     members_read(in, root, &submission_members, b);
-    // Those of a document's own members are nobody else's to check.
-    range_check(&replications_range, (double)b->replications, "/replications", in->faults);
     if (b->replications > 1 && b->is_fresh)
         faults_add(in->faults, "/fresh",
                    "belongs to one run; of replications, those that are known are taken");

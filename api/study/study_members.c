@@ -353,10 +353,6 @@ void study__check_ranges(json_in *in, const study_document *d)
         { "/method/tolerance", &tolerance_range, m->tolerance, true },
         { "/method/independent_samples", &at_least_one, m->n_independent,
           !isnan(m->n_independent) },
-        { "/replications", &replications_range, (double)d->replications,
-          d->replications != STUDY_NOT_GIVEN },
-        { "/limits/trials", &trials_range, (double)d->trials_max,
-          d->trials_max != STUDY_NOT_GIVEN },
     };
     char pointer[BF_POINTER_SIZE];
 

@@ -55,6 +55,27 @@ static void all_members_are_taken_over(void **unused)
     submission_fini(&submission);
 }
 
+static void a_number_of_replications_is_refused_with_its_range(void **unused)
+{
+    static const struct {
+        const char *number, *detail;
+    } rows[] = {
+        { "-1", "must be from 1 to 1000, not -1" },
+        { "0", "must be from 1 to 1000, not 0" },
+        { "1001", "must be from 1 to 1000, not 1001" },
+    };
+    api_submission submission;
+    char text[512];
+
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        snprintf(text, sizeof text, "{" SCENARIO ", 'replications': %s}", rows[k].number);
+        assert_int_equal(read_text(text, &submission, NULL), BF_EINPUT);
+        assert_int_equal(faults.n, 1);
+        assert_string_equal(faults.items[0].pointer, "/replications");
+        assert_string_equal(faults.items[0].text, rows[k].detail);
+    }
+}
+
 // What is stored is what scenario_write() makes of the scenario by itself.
 static void the_document_is_resolved(void **unused)
 {
@@ -364,6 +385,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_scenario_alone_suffices),
         cmocka_unit_test(all_members_are_taken_over),
+        cmocka_unit_test(a_number_of_replications_is_refused_with_its_range),
         cmocka_unit_test(the_document_is_resolved),
         cmocka_unit_test(the_identity_is_the_scenario_without_its_name),
         cmocka_unit_test(faults_have_pointers_of_the_body),
