@@ -42,7 +42,7 @@ typedef struct micro_backend {
     /// micro_part_of()
     micro_part (*part)(const void *state, size_t k);
     /// Where part k is on the belt
-    micro_place (*place)(const void *state, size_t k);
+    micro_extent (*extent)(const void *state, size_t k);
     /// Add a part with the handle k: one that is free, or as many as there are. BF_ENOMEM: as before
     bf_status (*admit)(void *state, size_t k, const micro_arrival *arrival, bf_error *err);
     /// micro_take_out()

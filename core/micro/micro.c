@@ -8,7 +8,7 @@
 #include "core/micro/drives.h"
 #include "core/micro/hardness.h"
 #include "core/micro/implicit_step.h"
-#include "core/micro/places.h"
+#include "core/micro/part_index.h"
 #include "core/micro/press.h"
 #include "core/scene/goods.h"
 #include "core/scene/plate_range.h"
@@ -43,7 +43,7 @@ struct micro_solver {
     uint64_t next_id;
     size_t first_free; // no lower handle is free
     uint64_t n_reported_fallen;
-    places places;
+    part_index part_index;
     drives drives;
 };
 
@@ -254,7 +254,7 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
         s->ids[s->n++] = s->next_id++;
     s->first_free = s->n;
     if (status == BF_OK)
-        status = places_init(&own, &s->places, err);
+        status = part_index_init(&own, &s->part_index, err);
     if (status == BF_OK)
         status = backend->create(&own, &s->state, err);
     if (status == BF_OK)
@@ -273,7 +273,7 @@ micro_solver *micro_destroy(micro_solver *s)
         return NULL;
     if (s->state != NULL)
         s->backend->destroy(s->state);
-    places_fini(&s->places);
+    part_index_fini(&s->part_index);
     drives_fini(&s->drives);
     memory_free(s->ids);
     memory_free(s);
@@ -297,7 +297,7 @@ bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
     bf_status status = BF_OK;
     micro_press press;
 
-    s->places.is_sorted = false;
+    s->part_index.is_sorted = false;
     while (n > 0 && status == BF_OK) {
         // Where the run may become harder depends on the number of the step alone.
         const uint64_t left = HARDNESS_STEPS - micro_steps(s) % HARDNESS_STEPS;
@@ -358,7 +358,7 @@ uint64_t micro_id_of(const micro_solver *s, size_t k)
 void micro_take_out(micro_solver *s, size_t k)
 {
     s->backend->take_out(s->state, k);
-    s->places.is_sorted = false;
+    s->part_index.is_sorted = false;
 }
 
 // The lowest handle from `first` on that stands for this; n if there is none.
@@ -394,7 +394,7 @@ bf_status micro_admit(micro_solver *s, const micro_arrival *arrival, size_t *ret
     s->ids[k] = s->next_id++;
     s->n += k == s->n;
     s->first_free = k + 1;
-    places_add(&s->places, k, arrival->kind);
+    part_index_add(&s->part_index, k, arrival->kind);
     *ret_part = k;
     return BF_OK;
 }
@@ -417,7 +417,7 @@ size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, s
         const micro_part part = micro_part_of(s, k);
         ret_departures[n++] = (micro_departure){ .part = k,
                                                  .id = s->ids[k],
-                                                 .kind = s->backend->place(s->state, k).kind,
+                                                 .kind = s->backend->extent(s->state, k).kind,
                                                  .at = { part.x[0], part.x[1] },
                                                  .has_fallen = part.has_fallen };
         s->n_reported_fallen += part.has_fallen ? 1 : 0;
@@ -438,25 +438,25 @@ vec2 micro_belt_velocity(const micro_solver *s, vec2 at)
                       belt_speeds_at(&s->state->world->belts, belt, time_now(s)));
 }
 
-static places_parts parts_of(const micro_solver *s)
+static part_index_parts parts_of(const micro_solver *s)
 {
-    return (places_parts){ s->backend, s->state, s->n, time_now(s) };
+    return (part_index_parts){ s->backend, s->state, s->n, time_now(s) };
 }
 
 bf_status micro_is_free(micro_solver *s, uint32_t kind, scene_pose pose, bool *ret_is_free,
                         bf_error *err)
 {
-    const places_parts parts = parts_of(s);
+    const part_index_parts parts = parts_of(s);
 
-    return places_find_free(&s->places, &parts, kind, pose, ret_is_free, err);
+    return part_index_find_free(&s->part_index, &parts, kind, pose, ret_is_free, err);
 }
 
 bf_status micro_visit_near(micro_solver *s, vec2 a, vec2 b, double distance, micro_visit *visit,
                            void *context, bf_error *err)
 {
-    const places_parts parts = parts_of(s);
+    const part_index_parts parts = parts_of(s);
 
-    return places_visit_near(&s->places, &parts, a, b, distance, visit, context, err);
+    return part_index_visit_near(&s->part_index, &parts, a, b, distance, visit, context, err);
 }
 
 bool micro_is_planar(const micro_solver *s)

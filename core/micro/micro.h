@@ -124,14 +124,14 @@ typedef struct micro_departure {
     bool has_fallen; ///< off the belts
 } micro_departure;
 
-/// Where a part is on the belt, seen from above.
-typedef struct micro_place {
+/// Where a part is on the belt and how far it extends, seen from above.
+typedef struct micro_extent {
     uint32_t kind;   ///< see there
     bool is_flat;    ///< as at its start: its footprint is that of its kind at pose
     scene_pose pose; ///< of the origin of its footprint; of its centre of mass if not is_flat
     double radius;   ///< of the disk around pose that holds it, m
     vec2 half; ///< sides of the rectangle that holds it if not is_flat, along and across, halved, m
-} micro_place;
+} micro_extent;
 
 /// Totals of the current state and of the run so far.
 typedef struct micro_totals {
@@ -204,7 +204,7 @@ BF_MUST_CHECK bf_status micro_is_free(micro_solver *s, uint32_t kind, scene_pose
 vec2 micro_belt_velocity(const micro_solver *s, vec2 at);
 
 /// Called with a part in the domain.
-typedef void micro_visit(void *context, size_t part, const micro_place *place);
+typedef void micro_visit(void *context, size_t part, const micro_extent *extent);
 
 /// Call visit for the parts whose pose is within a distance, m, of the segment from a to b, in any order; s must
 /// not be changed until this returns. Time as of micro_is_free(). BF_ENOMEM: before the first call.

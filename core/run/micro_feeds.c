@@ -164,13 +164,13 @@ typedef struct nearby {
     size_t n, n_max;
 } nearby;
 
-static void add_body(void *context, size_t part, const micro_place *place)
+static void add_body(void *context, size_t part, const micro_extent *extent)
 {
     nearby *found = context;
 
     (void)part;
     if (found->n < found->n_max)
-        found->bodies[found->n] = (feed_body){ { place->pose.x, place->pose.y }, place->kind };
+        found->bodies[found->n] = (feed_body){ { extent->pose.x, extent->pose.y }, extent->kind };
     found->n++;
 }
 

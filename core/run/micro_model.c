@@ -4,7 +4,7 @@
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
 #include "core/micro/hardness.h"
-#include "core/micro/places.h"
+#include "core/micro/part_index.h"
 #include "core/run/beam.h"
 #include "core/run/micro_feeds.h"
 #include "core/run/micro_press.h"
@@ -456,16 +456,17 @@ typedef struct look {
 } look;
 
 // Of a part that breaks the beam, when its front and back cross it.
-static void look_at_part(void *context, size_t part, const micro_place *place)
+static void look_at_part(void *context, size_t part, const micro_extent *extent)
 {
     look *l = context;
     micro_run *run = l->run;
     shape_footprint room;
-    const shape_footprint *footprint = micro_footprint(place, &run->footprints[place->kind], &room);
+    const shape_footprint *footprint =
+        micro_footprint(extent, &run->footprints[extent->kind], &room);
 
-    if (!beam_meets_part(l->beam, footprint, place->pose))
+    if (!beam_meets_part(l->beam, footprint, extent->pose))
         return;
-    const beam_extent extent = beam_extent_of(l->beam[0], l->across, footprint, place->pose);
+    const beam_extent on_beam = beam_extent_of(l->beam[0], l->across, footprint, extent->pose);
     const micro_part state = micro_part_of(run->solver, part);
     const double speed = state.v[0] * l->across.x + state.v[1] * l->across.y;
     const double slowness = speed > 0.0 ? 1.0 / speed : (double)INFINITY; // s/m
@@ -478,11 +479,11 @@ static void look_at_part(void *context, size_t part, const micro_place *place)
     if (!l->has_memory)
         return;
     const uint64_t id = micro_id_of(run->solver, part);
-    run->seen_kinds[l->n] = (photo_eye_part){ id, place->kind };
+    run->seen_kinds[l->n] = (photo_eye_part){ id, extent->kind };
     run->seen[l->n++] =
         (passages_part){ .id = id,
-                         .since = extent.most > 0.0 ? extent.most * slowness : 0.0,
-                         .left = extent.least < 0.0 ? -extent.least * slowness : 0.0 };
+                         .since = on_beam.most > 0.0 ? on_beam.most * slowness : 0.0,
+                         .left = on_beam.least < 0.0 ? -on_beam.least * slowness : 0.0 };
 }
 
 static int compare_seen(const void *left, const void *right)

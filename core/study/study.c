@@ -43,8 +43,8 @@ study *study_destroy(study *s)
     if (s != NULL) {
         memory_free(s->at);
         memory_free(s->costs);
-        memory_free(s->places);
-        memory_free(s->runs);
+        memory_free(s->points);
+        memory_free(s->trials);
         memory_free(s->values);
         memory_free(s->calibration);
     }
@@ -64,8 +64,8 @@ bf_status study_reserve(study *s, size_t n_points, size_t n_trials, bf_error *er
     const memory_array arrays[] = {
         { &s->at, s->definition.d * sizeof *s->at, s->n_points, points },
         { &s->costs, sizeof *s->costs, s->n_points, points },
-        { &s->places, sizeof *s->places, s->n_points, points },
-        { &s->runs, sizeof *s->runs, s->n_trials, trials },
+        { &s->points, sizeof *s->points, s->n_points, points },
+        { &s->trials, sizeof *s->trials, s->n_trials, trials },
         { &s->values, s->definition.n_values * sizeof *s->values, s->n_trials, trials },
     };
 
@@ -81,7 +81,7 @@ size_t study_add_point(study *s, const double *at, study_model model)
     const size_t point = s->n_points++;
 
     memcpy(s->at + point * s->definition.d, at, s->definition.d * sizeof *at);
-    s->places[point] = (study_place){
+    s->points[point] = (study_point_record){
         .model = model, .first_trial = SIZE_MAX, .last_trial = SIZE_MAX, .confirmed = SIZE_MAX
     };
     return point;
@@ -89,20 +89,20 @@ size_t study_add_point(study *s, const double *at, study_model model)
 
 void study_add_trials(study *s, size_t point, size_t n)
 {
-    study_place *place = &s->places[point];
+    study_point_record *p = &s->points[point];
 
     for (size_t k = 0; k < n; k++) {
         const size_t trial = s->n_trials++;
-        s->runs[trial] =
-            (study_run){ .trial = { .point = point, .substream = (uint32_t)place->n_trials++ },
-                         .next = SIZE_MAX };
+        s->trials[trial] =
+            (study_trial_record){ .trial = { .point = point, .substream = (uint32_t)p->n_trials++ },
+                                  .next = SIZE_MAX };
         for (size_t v = 0; v < s->definition.n_values; v++)
             s->values[trial * s->definition.n_values + v] = (double)NAN;
-        if (place->first_trial == SIZE_MAX)
-            place->first_trial = trial;
+        if (p->first_trial == SIZE_MAX)
+            p->first_trial = trial;
         else
-            s->runs[place->last_trial].next = trial;
-        place->last_trial = trial;
+            s->trials[p->last_trial].next = trial;
+        p->last_trial = trial;
     }
 }
 
@@ -114,7 +114,7 @@ double study_cost(const study *s, size_t point)
 
     for (size_t v = 0; v < n_values; v++) {
         const statistics_sample sample = study_sample(s, point, v);
-        if (sample.n < s->places[point].n_trials || sample.n == 0)
+        if (sample.n < s->points[point].n_trials || sample.n == 0)
             return (double)INFINITY;
         sum += sample.mean;
     }
@@ -155,10 +155,10 @@ bf_status study_advance(study *s, bf_error *err)
 
 void study_tell(study *s, size_t trial, const double *values)
 {
-    BF_CHECK(trial < s->n_trials && !s->runs[trial].trial.is_told);
+    BF_CHECK(trial < s->n_trials && !s->trials[trial].trial.is_told);
     memcpy(s->values + trial * s->definition.n_values, values,
            s->definition.n_values * sizeof *values);
-    s->runs[trial].trial.is_told = true;
+    s->trials[trial].trial.is_told = true;
     s->n_told++;
 }
 
@@ -175,19 +175,19 @@ size_t study_points(const study *s)
 study_trial study_trial_at(const study *s, size_t trial)
 {
     BF_CHECK(trial < s->n_trials);
-    return s->runs[trial].trial;
+    return s->trials[trial].trial;
 }
 
 study_point study_point_at(const study *s, size_t point)
 {
     BF_CHECK(point < s->n_points);
-    const study_place *place = &s->places[point];
+    const study_point_record *p = &s->points[point];
     return (study_point){ .at = s->at + point * s->definition.d,
-                          .model = place->model,
-                          .first_trial = place->first_trial,
-                          .n_trials = place->n_trials,
-                          .confirmed = place->confirmed,
-                          .is_dropped = place->is_dropped };
+                          .model = p->model,
+                          .first_trial = p->first_trial,
+                          .n_trials = p->n_trials,
+                          .confirmed = p->confirmed,
+                          .is_dropped = p->is_dropped };
 }
 
 const double *study_values(const study *s, size_t trial)
@@ -200,7 +200,7 @@ statistics_sample study_sample(const study *s, size_t point, size_t value)
 {
     statistics_sample sample = { 0 };
 
-    for (size_t k = s->places[point].first_trial; k != SIZE_MAX; k = s->runs[k].next) {
+    for (size_t k = s->points[point].first_trial; k != SIZE_MAX; k = s->trials[k].next) {
         const double x = study_values(s, k)[value];
         if (isfinite(x))
             statistics_add(&sample, x);
@@ -215,7 +215,7 @@ static size_t best_between(const study *s, size_t first, size_t end)
 
     for (size_t point = first; point < end; point++) {
         const double cost = study_cost(s, point);
-        if (!s->places[point].is_dropped && cost < least) {
+        if (!s->points[point].is_dropped && cost < least) {
             least = cost;
             best = point;
         }

@@ -21,7 +21,7 @@ typedef struct candidates {
 
 bool study_has_chance(const study *s, size_t point)
 {
-    return s->definition.has_chance && s->places[point].model != STUDY_MACRO;
+    return s->definition.has_chance && s->points[point].model != STUDY_MACRO;
 }
 
 // The model whose points are compared: of a screening the microscopic one as soon as it has said something.
@@ -59,7 +59,7 @@ static bf_status make_candidates(const study *s, candidates *ret_c, bf_error *er
         if (isinf(study_cost(s, point)))
             continue;
         const size_t start = n_values;
-        for (size_t t = s->places[point].first_trial; t != SIZE_MAX; t = s->runs[t].next)
+        for (size_t t = s->points[point].first_trial; t != SIZE_MAX; t = s->trials[t].next)
             c.values[n_values++] = sign * study_values(s, t)[0];
         c.systems[c.n] = (subset_system){ c.values + start, n_values - start };
         c.points[c.n++] = point;

@@ -18,7 +18,7 @@ static double cost_of(const study *s, size_t point, size_t value, bool is_maximi
 {
     const statistics_sample sample = study_sample(s, point, value);
 
-    if (sample.n == 0 || sample.n < s->places[point].n_trials)
+    if (sample.n == 0 || sample.n < s->points[point].n_trials)
         return (double)INFINITY;
     return is_maximized ? -sample.mean : sample.mean;
 }

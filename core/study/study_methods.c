@@ -159,7 +159,7 @@ static bf_status confirm(study *s, bf_error *err)
             break;
         s->costs[best] = (double)INFINITY; // made anew with the next round
         const size_t point = study_add_point(s, s->at + best * def->d, STUDY_MICRO);
-        s->places[point].confirmed = best;
+        s->points[point].confirmed = best;
         study_add_trials(s, point, def->n_replications);
     }
     s->is_ended = s->n_points == s->n_first_stage;
@@ -180,11 +180,11 @@ static bf_status select_best(study *s, double *costs, bool *is_left, size_t n, b
     // dropped.
     const double sign = s->definition.is_maximized ? -1.0 : 1.0;
     for (size_t k = 0; k < s->n_points - s->n_first_stage; k++) {
-        study_place *place = &s->places[s->n_first_stage + k];
-        place->is_dropped = place->is_dropped || isinf(s->costs[s->n_first_stage + k]);
-        is_left[k] = !place->is_dropped;
+        study_point_record *p = &s->points[s->n_first_stage + k];
+        p->is_dropped = p->is_dropped || isinf(s->costs[s->n_first_stage + k]);
+        is_left[k] = !p->is_dropped;
         size_t r = 0;
-        for (size_t t = place->first_trial; t != SIZE_MAX && r < n; t = s->runs[t].next)
+        for (size_t t = p->first_trial; t != SIZE_MAX && r < n; t = s->trials[t].next)
             costs[k * n + r++] = sign * study_values(s, t)[0];
     }
     const bool is_over = selection_drop(&choice, &(selection_known){ costs, n, n }, is_left);
@@ -195,7 +195,7 @@ static bf_status select_best(study *s, double *costs, bool *is_left, size_t n, b
     if (status != BF_OK)
         return status;
     for (size_t k = 0; k < choice.k; k++) {
-        s->places[s->n_first_stage + k].is_dropped = !is_left[k];
+        s->points[s->n_first_stage + k].is_dropped = !is_left[k];
         if (is_left[k] && !is_over && !is_cut)
             study_add_trials(s, s->n_first_stage + k, 1);
     }
@@ -217,8 +217,8 @@ bf_status study_screen(study *s, bf_error *err)
     }
     size_t n = 0;
     for (size_t point = s->n_first_stage; point < s->n_points; point++)
-        if (s->places[point].n_trials > n)
-            n = s->places[point].n_trials;
+        if (s->points[point].n_trials > n)
+            n = s->points[point].n_trials;
     const size_t k = s->n_points - s->n_first_stage;
     double *costs = memory_alloc(k * n, sizeof *costs);
     bool *is_left = memory_alloc(k, sizeof *is_left);

@@ -5,21 +5,21 @@
 #include "core/study/cmaes.h"
 #include "core/study/study.h"
 
-/// A point.
-typedef struct study_place {
+/// What is kept of a point.
+typedef struct study_point_record {
     study_model model;  ///< that solves it
     size_t first_trial; ///< SIZE_MAX: none yet
     size_t last_trial;  ///< same
     size_t n_trials;    ///< its trials
     size_t confirmed;   ///< see study_point
     bool is_dropped;    ///< same
-} study_place;
+} study_point_record;
 
-/// A trial; those of a point are a list.
-typedef struct study_run {
+/// What is kept of a trial; those of a point are a list.
+typedef struct study_trial_record {
     study_trial trial; ///< what is told of it
     size_t next;       ///< trial of the same point; SIZE_MAX: it is the last one
-} study_run;
+} study_trial_record;
 
 /// A study.
 struct study {
@@ -28,10 +28,10 @@ struct study {
     size_t room_points;              ///< for points
     double *at;                      ///< d coordinates of each
     double *costs;                   ///< of each: see study_cost(); filled as a round begins
-    study_place *places;             ///< of each
+    study_point_record *points;      ///< of each
     size_t n_trials;                 ///< trials
     size_t room_trials;              ///< for trials
-    study_run *runs;                 ///< of each
+    study_trial_record *trials;      ///< of each
     double *values;                  ///< n_values of each
     size_t n_told;                   ///< trials that were told
     struct calibration *calibration; ///< STUDY_CALIBRATE: its searches

@@ -23,7 +23,7 @@ bf_status body__admit(void *state, size_t k, const micro_arrival *arrival, bf_er
 void body__take_out(void *state, size_t k);
 void body__forget_gone(void *state);
 micro_part body__part(const void *state, size_t k);
-micro_place body__place(const void *state, size_t k);
+micro_extent body__extent(const void *state, size_t k);
 micro_totals body__measure(const void *state);
 void body__save(const void *state, checkpoint_writer *w);
 bf_status body__load(void *state, size_t n, checkpoint_reader *r, bf_error *err);

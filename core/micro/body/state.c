@@ -95,7 +95,7 @@ static vec2 half_sides(const body_body *body, const body_kind *kind, vec2 along)
     return half;
 }
 
-micro_place body__place(const void *state, size_t k)
+micro_extent body__extent(const void *state, size_t k)
 {
     const body_state *s = state;
     const body_body *body = &s->bodies[k];
@@ -107,15 +107,15 @@ micro_place body__place(const void *state, size_t k)
     if (r.row[2].z < FLAT) {
         const double heading = atan2(r.row[1].x, r.row[0].x);
         const vec2 half = half_sides(body, kind, shape_direction(heading));
-        return (micro_place){ .kind = body->kind,
-                              .pose = { body->x.x, body->x.y, heading },
-                              .radius = hypot(half.x, half.y),
-                              .half = half };
+        return (micro_extent){ .kind = body->kind,
+                               .pose = { body->x.x, body->x.y, heading },
+                               .radius = hypot(half.x, half.y),
+                               .half = half };
     }
-    return (micro_place){ .kind = body->kind,
-                          .is_flat = true,
-                          .pose = { origin.x, origin.y, atan2(r.row[1].x, r.row[0].x) },
-                          .radius = kind->footprint_radius };
+    return (micro_extent){ .kind = body->kind,
+                           .is_flat = true,
+                           .pose = { origin.x, origin.y, atan2(r.row[1].x, r.row[0].x) },
+                           .radius = kind->footprint_radius };
 }
 
 micro_totals body__measure(const void *state)

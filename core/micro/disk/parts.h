@@ -21,7 +21,7 @@ disk_border_part *disk__find_left(const disk_state *s, uint32_t slot);
 bf_status disk__admit(void *state, size_t k, const micro_arrival *arrival, bf_error *err);
 void disk__take_out(void *state, size_t k);
 void disk__forget_gone(void *state);
-micro_place disk__place(const void *state, size_t k);
+micro_extent disk__extent(const void *state, size_t k);
 micro_part disk__part(const void *state, size_t k);
 micro_totals disk__measure(const void *state);
 void disk__save(const void *state, checkpoint_writer *w);

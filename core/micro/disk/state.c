@@ -44,15 +44,15 @@ static saved_part read_part(const disk_state *s, size_t k)
                          .kind = s->kind_of != NULL ? s->kind_of[k] : 0 };
 }
 
-micro_place disk__place(const void *state, size_t k)
+micro_extent disk__extent(const void *state, size_t k)
 {
     const disk_state *s = state;
     const saved_part p = read_part(s, k);
 
-    return (micro_place){ .kind = p.kind,
-                          .is_flat = true,
-                          .pose = { p.x, p.y, p.heading },
-                          .radius = s->kinds[p.kind].part.radius };
+    return (micro_extent){ .kind = p.kind,
+                           .is_flat = true,
+                           .pose = { p.x, p.y, p.heading },
+                           .radius = s->kinds[p.kind].part.radius };
 }
 
 micro_part disk__part(const void *state, size_t k)

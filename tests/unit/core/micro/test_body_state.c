@@ -3,7 +3,7 @@
 
 #include "core/base/buffer.h"
 #include "core/base/memory.h"
-#include "core/micro/places.h"
+#include "core/micro/part_index.h"
 #include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_scene.h"
 #include "tests/unit/helper_amount.h"
@@ -326,26 +326,26 @@ static void a_tilted_part_covers_the_rectangle_that_holds_it(void **state)
     helper_body h;
     helper_body_init(&h, helper_body_box(0.3, 0.06, 0.04));
     body_state *s = helper_body_start(&h);
-    assert_true(body__place(s, 0).is_flat);
+    assert_true(body__extent(s, 0).is_flat);
     helper_body_tilt(s, 0, (vec3){ 0.0, 1.0, 0.0 }, box_tilt, 0.0);
-    micro_place place = body__place(s, 0);
-    assert_false(place.is_flat);
-    assert_near(place.pose.heading, 0.0, 1e-12);
-    assert_near(place.half.x, 0.15 * cos(box_tilt) + 0.02 * sin(box_tilt), 1e-12);
-    assert_near(place.half.y, 0.03, 1e-12);
+    micro_extent extent = body__extent(s, 0);
+    assert_false(extent.is_flat);
+    assert_near(extent.pose.heading, 0.0, 1e-12);
+    assert_near(extent.half.x, 0.15 * cos(box_tilt) + 0.02 * sin(box_tilt), 1e-12);
+    assert_near(extent.half.y, 0.03, 1e-12);
     shape_footprint room;
     const shape_footprint disk = { .bounding_radius = 0.02 },
-                          *covered = micro_footprint(&place, &disk, &room);
-    assert_false(shape_overlaps(&disk, (scene_pose){ 0.0, 0.051, 0.0 }, covered, place.pose));
-    assert_true(shape_overlaps(&disk, (scene_pose){ 0.0, 0.049, 0.0 }, covered, place.pose));
+                          *covered = micro_footprint(&extent, &disk, &room);
+    assert_false(shape_overlaps(&disk, (scene_pose){ 0.0, 0.051, 0.0 }, covered, extent.pose));
+    assert_true(shape_overlaps(&disk, (scene_pose){ 0.0, 0.049, 0.0 }, covered, extent.pose));
     micro__body.destroy(s);
 
     helper_body_init(&h, helper_body_cylinder(0.03, 0.2));
     s = helper_body_start(&h);
     helper_body_tilt(s, 0, (vec3){ 1.0, 0.0, 0.0 }, cylinder_tilt, 0.0);
-    place = body__place(s, 0);
-    assert_near(place.half.x, 0.03, 1e-12);
-    assert_near(place.half.y, 0.03 * cos(cylinder_tilt) + 0.1 * sin(cylinder_tilt), 1e-12);
+    extent = body__extent(s, 0);
+    assert_near(extent.half.x, 0.03, 1e-12);
+    assert_near(extent.half.y, 0.03 * cos(cylinder_tilt) + 0.1 * sin(cylinder_tilt), 1e-12);
     micro__body.destroy(s);
 }
 

@@ -1,4 +1,4 @@
-// Unit tests of which places are free, and which parts are near a line.
+// Unit tests of which poses are free, and which parts are near a line.
 
 #include "tests/unit/core/helper_fed_belt.h"
 #include "tests/unit/core/helper_world.h"
@@ -11,7 +11,7 @@ static const double radius = 0.012; // of parts of kind 0, m
 // More than SCENE_TOLERANCE, m.
 static const double hair = 1e-8;
 
-static void places_are_free_up_to_the_footprints(void **state)
+static void poses_are_free_up_to_the_footprints(void **state)
 {
     for (int k = 0; k < HELPER_FED_BELT_SOLVERS; k++) {
         helper_fed_belt w;
@@ -38,7 +38,7 @@ static void places_are_free_up_to_the_footprints(void **state)
     }
 }
 
-static void places_of_boxes_depend_on_their_headings(void **state)
+static void free_poses_of_boxes_depend_on_their_headings(void **state)
 {
     helper_fed_belt w;
 
@@ -82,12 +82,12 @@ static void a_plate_that_turns_or_goes_frees_its_place(void **state)
     }
 }
 
-static void count_visit(void *context, size_t part, const micro_place *place)
+static void count_visit(void *context, size_t part, const micro_extent *extent)
 {
     uint64_t *seen = context;
 
-    assert_int_equal(place->kind, part % 2);
-    assert_true(place->is_flat);
+    assert_int_equal(extent->kind, part % 2);
+    assert_true(extent->is_flat);
     *seen |= UINT64_C(1) << part;
 }
 
@@ -130,8 +130,8 @@ static void parts_near_a_line_are_found(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(places_are_free_up_to_the_footprints),
-        cmocka_unit_test(places_of_boxes_depend_on_their_headings),
+        cmocka_unit_test(poses_are_free_up_to_the_footprints),
+        cmocka_unit_test(free_poses_of_boxes_depend_on_their_headings),
         cmocka_unit_test(a_plate_that_turns_or_goes_frees_its_place),
         cmocka_unit_test(parts_near_a_line_are_found),
     };

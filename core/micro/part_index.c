@@ -1,4 +1,4 @@
-#include "core/micro/places.h"
+#include "core/micro/part_index.h"
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
@@ -6,11 +6,11 @@
 
 #include <math.h>
 
-bf_status places_init(const micro_def *def, places *ret_places, bf_error *err)
+bf_status part_index_init(const micro_def *def, part_index *ret_index, bf_error *err)
 {
     // The belts choose the upstream sides of plates; afterwards only the domain and its edges are needed.
     surroundings around = { .domain = def->domain, .n_belts = def->n_belts, .belts = def->belts };
-    places p = { .n_pieces = 0 };
+    part_index p = { .n_pieces = 0 };
 
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         around.edges[side] = def->edges[side];
@@ -20,16 +20,16 @@ bf_status places_init(const micro_def *def, places *ret_places, bf_error *err)
         n += def->obstacles[k].n_points - 1;
     p.pieces = memory_alloc(n, sizeof *p.pieces);
     if (p.footprints == NULL || p.pieces == NULL) {
-        places_fini(&p);
-        *ret_places = p;
-        return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the places of parts");
+        part_index_fini(&p);
+        *ret_index = p;
+        return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the index of parts");
     }
     for (size_t k = 0; k < def->n_kinds; k++)
         p.footprints[k] = shape_footprint_of(&def->kinds[k].shape);
     for (size_t k = 0; k < def->n_obstacles; k++)
         for (size_t m = 0; m + 1 < def->obstacles[k].n_points; m++) {
             const surroundings_piece piece = surroundings_piece_of(&around, &def->obstacles[k], m);
-            places_piece *own = &p.pieces[p.n_pieces++];
+            part_index_piece *own = &p.pieces[p.n_pieces++];
             own->obstacle = k;
             own->moves = scene_obstacle_moves(&def->obstacles[k]);
             surroundings_piece_corners(&piece, own->corners);
@@ -37,11 +37,11 @@ bf_status places_init(const micro_def *def, places *ret_places, bf_error *err)
     around.n_belts = 0;
     around.belts = NULL;
     p.around = around;
-    *ret_places = p;
+    *ret_index = p;
     return BF_OK;
 }
 
-void places_fini(places *p)
+void part_index_fini(part_index *p)
 {
     if (p == NULL)
         return;
@@ -49,19 +49,19 @@ void places_fini(places *p)
     memory_free(p->pieces);
     memory_free(p->centres);
     neighbours_cells_fini(&p->cells);
-    *p = (places){ .n_pieces = 0 };
+    *p = (part_index){ .n_pieces = 0 };
 }
 
-void places_add(places *p, size_t part, uint32_t kind)
+void part_index_add(part_index *p, size_t part, uint32_t kind)
 {
-    p->is_sorted = p->is_sorted && p->n_recent < PLACES_RECENT_MAX;
+    p->is_sorted = p->is_sorted && p->n_recent < PART_INDEX_RECENT_MAX;
     if (!p->is_sorted)
         return;
     p->recent[p->n_recent++] = (uint32_t)part;
     p->radius_max = fmax(p->radius_max, p->footprints[kind].bounding_radius);
 }
 
-static bf_status sort(places *p, const places_parts *parts, bf_error *err)
+static bf_status sort(part_index *p, const part_index_parts *parts, bf_error *err)
 {
     const uint8_t *presence = parts->state->presence;
 
@@ -69,14 +69,14 @@ static bf_status sort(places *p, const places_parts *parts, bf_error *err)
         return BF_OK;
     // One more, so that the array is never empty.
     if (memory_reserve(&p->centres, &p->capacity, parts->n + 1, sizeof *p->centres) != 0)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for the places of %zu parts", parts->n);
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the index of %zu parts", parts->n);
     p->radius_max = SCENE_LENGTH_MIN;
     for (size_t k = 0; k < parts->n; k++) {
         if (presence[k] != MICRO_HERE)
             continue;
-        const micro_place place = parts->backend->place(parts->state, k);
-        p->centres[k] = (vec2){ place.pose.x, place.pose.y };
-        p->radius_max = fmax(p->radius_max, place.radius);
+        const micro_extent extent = parts->backend->extent(parts->state, k);
+        p->centres[k] = (vec2){ extent.pose.x, extent.pose.y };
+        p->radius_max = fmax(p->radius_max, extent.radius);
     }
     const neighbours_parts sorted = { .x = &p->centres->x,
                                       .y = &p->centres->y,
@@ -88,25 +88,25 @@ static bf_status sort(places *p, const places_parts *parts, bf_error *err)
     return status;
 }
 
-// A question: the parts near a line.
-typedef struct question {
-    const places_parts *parts;
+// A query: the parts near a line.
+typedef struct query {
+    const part_index_parts *parts;
     vec2 a, b;
     double distance;
     micro_visit *visit;
     void *context;
-} question;
+} query;
 
-static void visit_part(const question *q, size_t part)
+static void visit_part(const query *q, size_t part)
 {
-    const micro_place place = q->parts->backend->place(q->parts->state, part);
+    const micro_extent extent = q->parts->backend->extent(q->parts->state, part);
 
-    if (polygon_segment_distance((vec2){ place.pose.x, place.pose.y }, q->a, q->b) <= q->distance)
-        q->visit(q->context, part, &place);
+    if (polygon_segment_distance((vec2){ extent.pose.x, extent.pose.y }, q->a, q->b) <= q->distance)
+        q->visit(q->context, part, &extent);
 }
 
 // The cells of a column near the line; the outer columns go on without end.
-static void visit_column(const places *p, const question *q, size_t column)
+static void visit_column(const part_index *p, const query *q, size_t column)
 {
     const neighbours_cells *c = &p->cells;
     const double edge = 1.0 / c->per_edge, west = c->x_min + (double)column * edge;
@@ -127,7 +127,7 @@ static void visit_column(const places *p, const question *q, size_t column)
     }
 }
 
-static void visit_near(const places *p, const question *q)
+static void visit_near(const part_index *p, const query *q)
 {
     const size_t last = neighbours_column(&p->cells, fmax(q->a.x, q->b.x) + q->distance);
 
@@ -138,10 +138,10 @@ static void visit_near(const places *p, const question *q)
         visit_part(q, p->recent[k]);
 }
 
-bf_status places_visit_near(places *p, const places_parts *parts, vec2 a, vec2 b, double distance,
-                            micro_visit *visit, void *context, bf_error *err)
+bf_status part_index_visit_near(part_index *p, const part_index_parts *parts, vec2 a, vec2 b,
+                                double distance, micro_visit *visit, void *context, bf_error *err)
 {
-    const question q = { parts, a, b, distance, visit, context };
+    const query q = { parts, a, b, distance, visit, context };
 
     bf_status status = sort(p, parts, err);
     if (status == BF_OK)
@@ -149,43 +149,43 @@ bf_status places_visit_near(places *p, const places_parts *parts, vec2 a, vec2 b
     return status;
 }
 
-const shape_footprint *micro_footprint(const micro_place *place, const shape_footprint *flat,
+const shape_footprint *micro_footprint(const micro_extent *extent, const shape_footprint *flat,
                                        shape_footprint *room)
 {
-    const vec2 half = place->half;
+    const vec2 half = extent->half;
 
-    if (place->is_flat)
+    if (extent->is_flat)
         return flat;
     *room = (shape_footprint){ .n_corners = 4,
                                .corners = { { -half.x, -half.y },
                                             { half.x, -half.y },
                                             { half.x, half.y },
                                             { -half.x, half.y } },
-                               .bounding_radius = place->radius,
+                               .bounding_radius = extent->radius,
                                .area = 4.0 * half.x * half.y };
     return room;
 }
 
 // The part that would be placed.
-typedef struct newcomer {
-    const places *p;
+typedef struct candidate {
+    const part_index *p;
     const shape_footprint *footprint;
     scene_pose pose;
     bool is_free;
-} newcomer;
+} candidate;
 
-static void compare_part(void *context, size_t part, const micro_place *place)
+static void compare_part(void *context, size_t part, const micro_extent *extent)
 {
-    newcomer *n = context;
+    candidate *n = context;
     shape_footprint room;
-    const shape_footprint *other = micro_footprint(place, &n->p->footprints[place->kind], &room);
+    const shape_footprint *other = micro_footprint(extent, &n->p->footprints[extent->kind], &room);
 
     (void)part;
-    n->is_free = n->is_free && !shape_overlaps(n->footprint, n->pose, other, place->pose);
+    n->is_free = n->is_free && !shape_overlaps(n->footprint, n->pose, other, extent->pose);
 }
 
-static bool is_clear_of_piece(const places_parts *parts, const places_piece *piece,
-                              const newcomer *n)
+static bool is_clear_of_piece(const part_index_parts *parts, const part_index_piece *piece,
+                              const candidate *n)
 {
     const plate_motion *motion = &parts->state->world->plates;
     const vec2 *c = piece->corners;
@@ -206,7 +206,7 @@ static bool is_clear_of_piece(const places_parts *parts, const places_piece *pie
            !shape_overlaps_polygon(n->footprint, pose, c, 4);
 }
 
-static bool is_clear_of_surroundings(const places_parts *parts, const newcomer *n)
+static bool is_clear_of_surroundings(const part_index_parts *parts, const candidate *n)
 {
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         if (!(placement_excess(&n->p->around, n->footprint, n->pose, (scene_side)side) <=
@@ -218,18 +218,19 @@ static bool is_clear_of_surroundings(const places_parts *parts, const newcomer *
     return true;
 }
 
-bf_status places_find_free(places *p, const places_parts *parts, uint32_t kind, scene_pose pose,
-                           bool *ret_is_free, bf_error *err)
+bf_status part_index_find_free(part_index *p, const part_index_parts *parts, uint32_t kind,
+                               scene_pose pose, bool *ret_is_free, bf_error *err)
 {
-    newcomer n = { .p = p, .footprint = &p->footprints[kind], .pose = pose };
+    candidate n = { .p = p, .footprint = &p->footprints[kind], .pose = pose };
     const vec2 at = { pose.x, pose.y };
 
     bf_status status = sort(p, parts, err);
     if (status != BF_OK)
         return status;
     n.is_free = is_clear_of_surroundings(parts, &n);
-    const question q = { parts,        at, at, n.footprint->bounding_radius + p->radius_max,
-                         compare_part, &n };
+    const query q = {
+        parts, at, at, n.footprint->bounding_radius + p->radius_max, compare_part, &n
+    };
     if (n.is_free)
         visit_near(p, &q);
     *ret_is_free = n.is_free;
