@@ -475,7 +475,7 @@ bf_status negotiation_read_key(const char *header, char ret_key[API_KEY_SIZE], b
     char key[API_KEY_SIZE];
     size_t n = 0;
 
-    if (header == NULL || *header == '\0') {
+    if (header == NULL) {
         ret_key[0] = '\0';
         return BF_OK;
     }

@@ -65,7 +65,8 @@ BF_MUST_CHECK bf_status negotiation_choose_media(const char *formats, const char
 /// True if a list of words of formats ("npy json") has this one.
 bool negotiation_has_format(const char *formats, const char *word);
 
-/// The one of the formats of a body that its Content-Type names; NULL: none of them. Their types are written to ret_types
+/// The one of the formats of a body that its Content-Type names; NULL: none of them. Parameters have no effect: JSON has no
+/// charset (RFC 8259, 11), and what reads CSV takes nothing but ASCII. The types of the formats are written to ret_types
 /// (NEGOTIATION_TYPES_SIZE bytes), with commas between.
 const media *negotiation_find_body(const char *formats, const char *content_type, char *ret_types);
 
@@ -125,8 +126,8 @@ bool negotiation_allows_change(const char *if_match, const char *tag);
 /// NULL.
 bool negotiation_read_wait(const char *header, unsigned *ret_seconds);
 
-/// Read the value of Idempotency-Key (draft-ietf-httpapi-idempotency-key-header), "" and NULL meaning
-/// none: a string as structured fields write it (RFC 8941: in quotes, \" and \\ inside), or, as most
+/// Read the value of Idempotency-Key (draft-ietf-httpapi-idempotency-key-header), NULL meaning none ("" in
+/// ret_key): a string as structured fields write it (RFC 8941: in quotes, \" and \\ inside), or, as most
 /// clients send it, the bare key, of visible ASCII without quotes, commas, semicolons and backslashes.
 /// Both forms of a key are the same key. BF_EINPUT: neither, or none or more than API_KEY_SIZE - 1
 /// bytes.

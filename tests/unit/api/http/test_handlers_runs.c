@@ -78,6 +78,8 @@ static void only_json_is_taken(void **state)
     }
     assert_int_equal(ask_daemon.n_submitted, 0);
     ask("POST", "/v1/runs", NULL, "Content-Type: Application/JSON; charset=utf-8\n", BODY, 201);
+    // A charset has no effect on JSON, which is UTF-8 (RFC 8259, 11).
+    ask("POST", "/v1/runs", NULL, "Content-Type: application/json; charset=latin1\n", BODY, 201);
 }
 
 static void a_full_queue_asks_to_come_back(void **state)
@@ -118,6 +120,8 @@ static void an_answer_that_is_given_again_says_so(void **state)
 static void a_key_that_is_none_is_a_bad_request(void **state)
 {
     ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: a, b\n", BODY, 400);
+    assert_true(ask_body_has("Idempotency-Key is no key"));
+    ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: \n", BODY, 400);
     assert_true(ask_body_has("Idempotency-Key is no key"));
     assert_int_equal(ask_daemon.n_submitted, 0);
     // A fault of the document is reported first.
