@@ -15,7 +15,7 @@ enum { REMOVE_MS = 60000 }; // for a run that is running to end
 struct service_waiter {
     const char *run_id;
     bool is_notified;
-    service_waiter *next;
+    LIST_ENTRY(service_waiter) entry;
 };
 
 static bf_status refuse_draining(bf_error *err)
@@ -122,18 +122,14 @@ static bf_status remove_run(service *s, const char *id, uint64_t revision, bf_er
     bf_status status;
 
     lock_acquire(&s->lock);
-    waiter.next = s->waiters;
-    s->waiters = &waiter;
+    LIST_INSERT_HEAD(&s->waiters, &waiter, entry);
     lock_release(&s->lock);
     do {
         status = store_remove(s->store, id, revision, err);
         revision = API_ANY_REVISION;
     } while (status == BF_ECONFLICT && await_commit(s, &waiter, deadline_ms));
     lock_acquire(&s->lock);
-    service_waiter **at = &s->waiters;
-    while (*at != &waiter)
-        at = &(*at)->next;
-    *at = waiter.next;
+    LIST_REMOVE(&waiter, entry);
     lock_release(&s->lock);
     if (status == BF_OK)
         supervisor_wake(s->supervisor); // the owner has room again for runs that were held back
@@ -271,11 +267,12 @@ void service_fini(service *s)
 
 void service_notify(service *s, const char *run_id)
 {
+    service_waiter *w;
+
     lock_acquire(&s->lock);
-    for (service_waiter *w = s->waiters; w != NULL; w = w->next) {
+    LIST_FOREACH(w, &s->waiters, entry)
         if (strcmp(w->run_id, run_id) == 0)
             w->is_notified = true;
-    }
     lock_wake_all(&s->committed);
     lock_release(&s->lock);
 }

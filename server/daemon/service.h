@@ -15,23 +15,24 @@
 #include "server/study/studies.h"
 
 #include <stdatomic.h>
+#include <sys/queue.h>
 
 typedef struct service_waiter service_waiter;
 
 /// The daemon's parts. Zero-initialise, service_init() and fill in; owns nothing.
 typedef struct service {
-    store *store;             ///< open
-    supervisor *supervisor;   ///< running
-    studies *studies;         ///< at work
-    predictor *predictor;     ///< running
-    run_cache found;          ///< runs that were found lately
-    tokens *tokens;           ///< open
-    const api_leases *leases; ///< NULL: this machine solves runs
-    tickets tickets;          ///< drawn
-    atomic_bool is_draining;  ///< the daemon stops: nothing new is accepted
-    lock lock;                ///< guards waiters
-    lock_condition committed; ///< a waiter was notified
-    service_waiter *waiters;  ///< requests that wait for a commit of a run
+    store *store;                        ///< open
+    supervisor *supervisor;              ///< running
+    studies *studies;                    ///< at work
+    predictor *predictor;                ///< running
+    run_cache found;                     ///< runs that were found lately
+    tokens *tokens;                      ///< open
+    const api_leases *leases;            ///< NULL: this machine solves runs
+    tickets tickets;                     ///< drawn
+    atomic_bool is_draining;             ///< the daemon stops: nothing new is accepted
+    lock lock;                           ///< guards waiters
+    lock_condition committed;            ///< a waiter was notified
+    LIST_HEAD(, service_waiter) waiters; ///< requests that wait for a commit of a run
 } service;
 
 /// Prepare the lock of *s, and free it.

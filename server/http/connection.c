@@ -52,31 +52,16 @@ static unsigned reserve_of(const http *h)
     return limit / 8 < RESERVE_MAX ? limit / 8 : RESERVE_MAX;
 }
 
-static void link_first(http *h, http_connection *c)
-{
-    lock_assert_held(&h->lock);
-    c->previous = NULL;
-    c->next = h->connections;
-    *(c->next == NULL ? &h->last_connection : &c->next->previous) = c;
-    h->connections = c;
-}
-
-static void unlink_connection(http *h, http_connection *c)
-{
-    lock_assert_held(&h->lock);
-    *(c->previous == NULL ? &h->connections : &c->previous->next) = c->next;
-    *(c->next == NULL ? &h->last_connection : &c->next->previous) = c->previous;
-}
-
 // True if its client has more connections with it than one may have.
 static bool is_one_too_many(const http *h, const http_connection *opened)
 {
+    const http_connection *c;
     unsigned n = 0;
 
     lock_assert_held(&h->lock);
     if (h->options.per_address_limit == 0 || !opened->has_key)
         return false;
-    for (const http_connection *c = h->connections; c != NULL; c = c->next)
+    TAILQ_FOREACH(c, &h->connections, entry)
         n += c->has_key && memcmp(c->key, opened->key, sizeof c->key) == 0;
     return n > h->options.per_address_limit;
 }
@@ -101,7 +86,7 @@ http_connection *http__connection_open(http *h, int fd, const struct sockaddr *p
     metrics_add(METRICS_CONNECTIONS, 0, 1);
     lock_acquire(&h->lock);
     c->idle_since_ms = clock_monotonic_ms();
-    link_first(h, c);
+    TAILQ_INSERT_HEAD(&h->connections, c, entry);
     if (is_one_too_many(h, c))
         (void)shutdown(fd, SHUT_RDWR);
     if (h->n_connections++ == 0)
@@ -131,7 +116,7 @@ void http__connection_close(http_connection *c)
 
     http_recv_end(c->fd);
     lock_acquire(&h->lock);
-    unlink_connection(h, c);
+    TAILQ_REMOVE(&h->connections, c, entry);
     h->n_connections--;
     if (c->lingers)
         start_lingering(h, c->fd);
@@ -148,8 +133,8 @@ void http__connection_occupy(http_connection *c, bool has_request)
     c->has_request = has_request;
     if (!has_request) {
         c->idle_since_ms = clock_monotonic_ms();
-        unlink_connection(h, c);
-        link_first(h, c);
+        TAILQ_REMOVE(&h->connections, c, entry);
+        TAILQ_INSERT_HEAD(&h->connections, c, entry);
     }
     lock_release(&h->lock);
 }
@@ -205,8 +190,10 @@ static void make_room(http *h, int64_t now_ms)
     lock_assert_held(&h->lock);
     if (n_left + 2 * reserve_of(h) < limit)
         return;
-    for (http_connection *c = h->last_connection; c != NULL && n_left > limit - limit / 4;
-         c = c->previous) {
+    http_connection *c;
+    TAILQ_FOREACH_REVERSE(c, &h->connections, http_connections, entry) {
+        if (n_left <= limit - limit / 4)
+            break;
         if (c->has_request || c->deadline_ms < 0 || now_ms < c->idle_since_ms + IDLE_LEAST_MS ||
             has_unread(c->fd))
             continue;
@@ -235,10 +222,11 @@ static bool drain(int fd)
 static int64_t look(http *h, int64_t now_ms)
 {
     bool looks_for_disconnected = now_ms >= h->polled_ms + WATCH_DISCONNECTED_MS;
+    http_connection *c;
 
     lock_assert_held(&h->lock);
     // Those that are late are cut off.
-    for (http_connection *c = h->connections; c != NULL; c = c->next) {
+    TAILQ_FOREACH(c, &h->connections, entry) {
         if (c->deadline_ms < 0 || now_ms < c->deadline_ms)
             continue;
         c->deadline_ms = -1;
@@ -248,7 +236,7 @@ static int64_t look(http *h, int64_t now_ms)
     if (looks_for_disconnected) {
         h->polled_ms = now_ms;
         // So are those that hung up, of which nothing is left to be read, at the second look at which they have.
-        for (http_connection *c = h->connections; c != NULL; c = c->next) {
+        TAILQ_FOREACH(c, &h->connections, entry) {
             bool is_gone =
                 c->deadline_ms >= 0 && http__connection_has_hung_up(c->fd) && !has_unread(c->fd);
             if (is_gone && c->seems_disconnected)
@@ -268,7 +256,7 @@ static int64_t look(http *h, int64_t now_ms)
     }
     h->n_lingering = n_left;
     int64_t due_ms = http__pull_watch(h, now_ms, looks_for_disconnected);
-    if (h->n_lingering == 0 && h->connections == NULL)
+    if (h->n_lingering == 0 && TAILQ_EMPTY(&h->connections))
         return -1;
     int64_t next_ms = now_ms + (h->n_lingering > 0 ? WATCH_TICK_LINGER_MS : WATCH_TICK_MS);
     return due_ms < next_ms ? due_ms : next_ms;

@@ -226,6 +226,7 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
     h->listen_fd = -1;
     h->web_fd = -1;
     lock_init(&h->lock);
+    TAILQ_INIT(&h->connections);
     http_content_lengths_init(&h->lengths);
     lock_condition_init(&h->changed);
     bf_status status = open_web(h, options->web_directory, err);

@@ -33,6 +33,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/queue.h>
 
 struct MHD_Connection;
 struct MHD_Daemon;
@@ -46,13 +47,12 @@ enum {
 
 /// A connection's socket, from accept to close.
 typedef struct http_connection {
-    struct http_connection *previous;  ///< in http.connections
-    struct http_connection *next;      ///< in http.connections
-    http *server;                      ///< whose
-    int fd;                            ///< MHD's socket; valid while in the list
-    bool has_key;                      ///< it counts among those of a client:
-    uint8_t key[HTTP_CLIENT_KEY_SIZE]; ///< of this one
-    http_recv received;                ///< what it receives
+    TAILQ_ENTRY(http_connection) entry; ///< in http.connections
+    http *server;                       ///< whose
+    int fd;                             ///< MHD's socket; valid while in the list
+    bool has_key;                       ///< it counts among those of a client:
+    uint8_t key[HTTP_CLIENT_KEY_SIZE];  ///< of this one
+    http_recv received;                 ///< what it receives
     http_request *request;   ///< its header is complete, and it has not ended; by that thread
     unsigned n_begun;        ///< headers that MHD read; by that thread
     int64_t deadline_ms;     ///< shut down then (clock_monotonic_ms()); -1: never
@@ -75,38 +75,38 @@ typedef enum http_stage {
 
 /// One request.
 struct http_request {
-    http *server;                  ///< whose
-    http_connection *connection;   ///< its socket
-    struct MHD_Connection *mhd;    ///< its connection
-    struct http_request *next;     ///< in the pool's queue
-    http_stage stage;              ///< handed from thread to thread with the request
-    const char *target;            ///< in MHD's buffer, where the target stands
-    const char *target_end;        ///< and where its terminating zero stands
-    int refusal;                   ///< HTTP status of a fault found so far; 0: none
-    bf_error fault;                ///< what it is
-    char method[HTTP_METHOD_SIZE]; ///< as sent
-    char path[API_PATH_MAX];       ///< decoded
-    char query[API_PATH_MAX];      ///< as sent
-    api_cost cost;                 ///< what handling it takes
-    bool needs_body;               ///< the route has one
-    uint64_t n_body;               ///< bytes of it that were received
-    bf_buffer body;                ///< as received, if it is of use
-    api_response response;         ///< what to answer
-    http_file file;                ///< or a file instead of its body
-    bool is_finished;              ///< the transport has added what it adds
-    bool is_cut;                   ///< only a range of body or file is sent:
-    uint64_t first;                ///< from this byte on
-    uint64_t n_sent;               ///< so many
-    http_trace trace;              ///< what identifies it
-    http_client client;            ///< who sent it
-    bool is_of_network;            ///< by IPv4 or IPv6
-    http_limit_verdict verdict;    ///< what the limits say of it
-    int64_t cpu_ns;                ///< CPU time of request threads for it
-    bool is_counted;               ///< in http.n_requests
-    bool has_waited;               ///< its answer was a long poll's
-    http_pull pull;                ///< of its long poll, then of its response's body
-    uint64_t n_answer_bytes;       ///< counted in http.n_answer_bytes; under http.lock
-    int64_t begun_ns;              ///< when its header was complete, clock_monotonic_ns()
+    http *server;                     ///< whose
+    http_connection *connection;      ///< its socket
+    struct MHD_Connection *mhd;       ///< its connection
+    STAILQ_ENTRY(http_request) entry; ///< in the pool's queue
+    http_stage stage;                 ///< handed from thread to thread with the request
+    const char *target;               ///< in MHD's buffer, where the target stands
+    const char *target_end;           ///< and where its terminating zero stands
+    int refusal;                      ///< HTTP status of a fault found so far; 0: none
+    bf_error fault;                   ///< what it is
+    char method[HTTP_METHOD_SIZE];    ///< as sent
+    char path[API_PATH_MAX];          ///< decoded
+    char query[API_PATH_MAX];         ///< as sent
+    api_cost cost;                    ///< what handling it takes
+    bool needs_body;                  ///< the route has one
+    uint64_t n_body;                  ///< bytes of it that were received
+    bf_buffer body;                   ///< as received, if it is of use
+    api_response response;            ///< what to answer
+    http_file file;                   ///< or a file instead of its body
+    bool is_finished;                 ///< the transport has added what it adds
+    bool is_cut;                      ///< only a range of body or file is sent:
+    uint64_t first;                   ///< from this byte on
+    uint64_t n_sent;                  ///< so many
+    http_trace trace;                 ///< what identifies it
+    http_client client;               ///< who sent it
+    bool is_of_network;               ///< by IPv4 or IPv6
+    http_limit_verdict verdict;       ///< what the limits say of it
+    int64_t cpu_ns;                   ///< CPU time of request threads for it
+    bool is_counted;                  ///< in http.n_requests
+    bool has_waited;                  ///< its answer was a long poll's
+    http_pull pull;                   ///< of its long poll, then of its response's body
+    uint64_t n_answer_bytes;          ///< counted in http.n_answer_bytes; under http.lock
+    int64_t begun_ns;                 ///< when its header was complete, clock_monotonic_ns()
 };
 
 /// The request threads; opaque.
@@ -114,40 +114,40 @@ typedef struct http_pool http_pool;
 
 /// The server.
 struct http {
-    http_options options;              ///< as given; its texts are NULL after the start
-    api_services services;             ///< as given
-    int listen_fd;                     ///< listening socket; -1: none
-    _Atomic int web_fd;                ///< directory of the page; -1: none
-    unsigned port;                     ///< listened on
-    _Atomic bool is_ending;            ///< checks that are under way are cancelled
-    struct MHD_Daemon *daemon;         ///< NULL until it runs
-    http_pool *pool;                   ///< request threads
-    char *cors_origins;                ///< as given; "": none
-    char *host_names;                  ///< as given; "": none
-    char *listened;                    ///< host part of the address that is listened on
-    http_hosts hosts;                  ///< which Host is answered
-    _Atomic int64_t warned_ms;         ///< when a proxy was last warned of, clock_monotonic_ms()
-    http_proxies proxies;              ///< whose X-Forwarded-For is trusted
-    http_limit *limit;                 ///< rates of clients
-    http_content_lengths lengths;      ///< of what clients may have
-    lock lock;                         ///< guards all that follows
-    lock_condition changed;            ///< a connection came, a request went, or is_stopping
-    http_connection *connections;      ///< open ones, those that became idle last before the others
-    http_connection *last_connection;  ///< idle for longest, or has a request
-    unsigned n_connections;            ///< how many
-    http_request *pulls;               ///< requests with a pull under way
-    unsigned n_pulls[HTTP_PULL_KINDS]; ///< how many of each kind
-    unsigned n_requests;               ///< requests past their header
-    uint64_t n_answer_bytes;           ///< of memory that answers take, or will
-    bool is_stopping;                  ///< pulls end, nothing suspends any more
-    bool has_watch;                    ///< watch runs
-    bool watch_ends;                   ///< it shall not
-    int64_t polled_ms;                 ///< when it last looked for disconnected clients
-    pthread_t watch;                   ///< deadlines, heartbeats, disconnected clients
-    liveness watch_liveness;           ///< of that thread
-    int probes[HTTP_PROBES_MAX];       ///< main's: connections to epoll threads; 0: none
-    unsigned n_lingering;              ///< sockets in linger
-    int linger_fds[HTTP_LINGER_MAX];   ///< sockets to be drained
+    http_options options;         ///< as given; its texts are NULL after the start
+    api_services services;        ///< as given
+    int listen_fd;                ///< listening socket; -1: none
+    _Atomic int web_fd;           ///< directory of the page; -1: none
+    unsigned port;                ///< listened on
+    _Atomic bool is_ending;       ///< checks that are under way are cancelled
+    struct MHD_Daemon *daemon;    ///< NULL until it runs
+    http_pool *pool;              ///< request threads
+    char *cors_origins;           ///< as given; "": none
+    char *host_names;             ///< as given; "": none
+    char *listened;               ///< host part of the address that is listened on
+    http_hosts hosts;             ///< which Host is answered
+    _Atomic int64_t warned_ms;    ///< when a proxy was last warned of, clock_monotonic_ms()
+    http_proxies proxies;         ///< whose X-Forwarded-For is trusted
+    http_limit *limit;            ///< rates of clients
+    http_content_lengths lengths; ///< of what clients may have
+    lock lock;                    ///< guards all that follows
+    lock_condition changed;       ///< a connection came, a request went, or is_stopping
+    /// Open ones: those with a request and those that were idle for longest come last
+    TAILQ_HEAD(http_connections, http_connection) connections;
+    unsigned n_connections;                ///< how many
+    LIST_HEAD(, http_request) pulls;       ///< requests with a pull under way
+    unsigned n_pulls[HTTP_PULL_KINDS];     ///< how many of each kind
+    unsigned n_requests;                   ///< requests past their header
+    uint64_t n_answer_bytes;               ///< of memory that answers take, or will
+    bool is_stopping;                      ///< pulls end, nothing suspends any more
+    bool has_watch;                        ///< watch runs
+    bool watch_ends;                       ///< it shall not
+    int64_t polled_ms;                     ///< when it last looked for disconnected clients
+    pthread_t watch;                       ///< deadlines, heartbeats, disconnected clients
+    liveness watch_liveness;               ///< of that thread
+    int probes[HTTP_PROBES_MAX];           ///< main's: connections to epoll threads; 0: none
+    unsigned n_lingering;                  ///< sockets in linger
+    int linger_fds[HTTP_LINGER_MAX];       ///< sockets to be drained
     int64_t linger_until[HTTP_LINGER_MAX]; ///< closed then
 };
 

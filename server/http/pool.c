@@ -40,18 +40,17 @@ typedef enum pool_lane {
 } pool_lane;
 
 struct http_pool {
-    lock lock;                    // guards all but the threads
-    lock_condition changed;       // something was queued, or the end
-    http_request *first[N_LANES]; // queues, oldest first
-    http_request *last[N_LANES];  // their ends
-    unsigned n_waiting[N_LANES];  // requests in them
-    unsigned n_busy[N_LANES];     // threads that work on one
-    unsigned n;                   // request threads that were asked for
-    bool is_turn_of_chunks;       // if requests and chunks wait
-    bool is_stopping;             // nothing more is queued
-    liveness liveness;            // of those that handle requests: one must live
-    unsigned n_threads;           // started
-    pthread_t threads[];          // they
+    lock lock;                                   // guards all but the threads
+    lock_condition changed;                      // something was queued, or the end
+    STAILQ_HEAD(, http_request) queues[N_LANES]; // oldest first
+    unsigned n_waiting[N_LANES];                 // requests in them
+    unsigned n_busy[N_LANES];                    // threads that work on one
+    unsigned n;                                  // request threads that were asked for
+    bool is_turn_of_chunks;                      // if requests and chunks wait
+    bool is_stopping;                            // nothing more is queued
+    liveness liveness;                           // of those that handle requests: one must live
+    unsigned n_threads;                          // started
+    pthread_t threads[];                         // they
 };
 
 static pool_lane lane_of(const http_request *r)
@@ -82,7 +81,7 @@ static pool_lane choose_lane(const http_pool *p)
 
     lock_assert_held(&p->lock);
     for (pool_lane lane = LANE_HEALTH; lane < N_LANES; lane++)
-        can[lane] = p->first[lane] != NULL && is_open(p, lane);
+        can[lane] = p->n_waiting[lane] > 0 && is_open(p, lane);
     if (can[LANE_HEALTH])
         return LANE_HEALTH;
     if (can[LANE_FIGURES])
@@ -99,7 +98,7 @@ static bool is_empty(const http_pool *p)
     bool is = true;
 
     for (pool_lane lane = LANE_HEALTH; lane < N_LANES; lane++)
-        is = is && p->first[lane] == NULL;
+        is = is && p->n_waiting[lane] == 0;
     return is;
 }
 
@@ -127,8 +126,8 @@ static http_request *next_request(http_pool *p, pool_lane *lane, bool *ret_is_la
         answer_liveness(p);
     }
     if (*lane != N_LANES) {
-        r = p->first[*lane];
-        p->first[*lane] = r->next;
+        r = STAILQ_FIRST(&p->queues[*lane]);
+        STAILQ_REMOVE_HEAD(&p->queues[*lane], entry);
         p->n_waiting[*lane]--;
         p->n_busy[*lane]++;
         p->is_turn_of_chunks = *lane == LANE_REQUESTS;
@@ -168,6 +167,8 @@ bf_status http__pool_start(unsigned n, http_pool **ret_pool, bf_error *err)
         return bf_fail(err, BF_ENOMEM, "", "no memory for %u request threads", n);
     lock_init(&p->lock);
     lock_condition_init(&p->changed);
+    for (pool_lane lane = LANE_HEALTH; lane < N_LANES; lane++)
+        STAILQ_INIT(&p->queues[lane]);
     p->n = n;
     for (; p->n_threads < n_threads; p->n_threads++) {
         const bf_status status = thread_start(&p->threads[p->n_threads], work, p, "requests", err);
@@ -186,12 +187,7 @@ static void append(http_pool *p, http_request *r)
     pool_lane lane = lane_of(r);
 
     lock_assert_held(&p->lock);
-    r->next = NULL;
-    if (p->first[lane] == NULL)
-        p->first[lane] = r;
-    else
-        p->last[lane]->next = r;
-    p->last[lane] = r;
+    STAILQ_INSERT_TAIL(&p->queues[lane], r, entry);
     p->n_waiting[lane]++;
 }
 

@@ -86,12 +86,13 @@ static unsigned limit_of(const http *h, http_pull_kind kind)
 static bool may_download(const http *h, const http_request *r, http_pull_kind kind)
 {
     const unsigned n_most = (h->options.download_limit + 3) / 4;
+    const http_request *other;
     unsigned n = 0;
 
     lock_assert_held(&h->lock);
     if (kind != HTTP_PULL_DOWNLOAD || r->client.is_local)
         return true;
-    for (const http_request *other = h->pulls; other != NULL; other = other->pull.next)
+    LIST_FOREACH(other, &h->pulls, pull.entry)
         n += other->pull.kind == kind &&
              memcmp(other->client.key, r->client.key, sizeof r->client.key) == 0;
     return n < n_most;
@@ -114,11 +115,7 @@ static bool begin(http_request *r, http_pull_kind kind)
     if (is_admitted) {
         h->n_pulls[kind]++;
         p->is_under_way = true;
-        p->previous = NULL;
-        p->next = h->pulls;
-        if (p->next != NULL)
-            p->next->pull.previous = r;
-        h->pulls = r;
+        LIST_INSERT_HEAD(&h->pulls, r, pull.entry);
     }
     lock_release(&h->lock);
     return is_admitted;
@@ -189,12 +186,7 @@ void http__pull_end(http_request *r)
         return;
     lock_acquire(&h->lock);
     BF_CHECK(!p->is_parked);
-    if (p->previous != NULL)
-        p->previous->pull.next = p->next;
-    else
-        h->pulls = p->next;
-    if (p->next != NULL)
-        p->next->pull.previous = p->previous;
+    LIST_REMOVE(r, pull.entry);
     h->n_pulls[p->kind]--;
     lock_release(&h->lock);
     if (p->kind == HTTP_PULL_STREAM)
@@ -212,9 +204,11 @@ static void queue(http *h, http_request *r)
 
 void http_notify(http *h, const char *run_id)
 {
+    http_request *r;
+
     lock_acquire(&h->lock);
-    int64_t now_ms = h->pulls == NULL ? 0 : clock_monotonic_ms();
-    for (http_request *r = h->pulls; r != NULL; r = r->pull.next) {
+    int64_t now_ms = LIST_EMPTY(&h->pulls) ? 0 : clock_monotonic_ms();
+    LIST_FOREACH(r, &h->pulls, pull.entry) {
         http_pull *p = &r->pull;
         size_t i = 0;
         while (i < p->source.n_runs && strcmp(p->source.runs[i], run_id) != 0)
@@ -267,9 +261,10 @@ static bool is_token_valid(const http_request *r)
 int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
 {
     int64_t next_ms = NEVER;
+    http_request *r;
 
     lock_assert_held(&h->lock);
-    for (http_request *r = h->pulls; r != NULL; r = r->pull.next) {
+    LIST_FOREACH(r, &h->pulls, pull.entry) {
         http_pull *p = &r->pull;
         if (!p->is_parked)
             continue;
@@ -288,12 +283,13 @@ int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
 
 void http__pull_stop_all(http *h)
 {
+    http_request *r;
+
     lock_acquire(&h->lock);
     h->is_stopping = true;
-    for (http_request *r = h->pulls; r != NULL; r = r->pull.next) {
+    LIST_FOREACH(r, &h->pulls, pull.entry)
         if (r->pull.is_parked)
             queue(h, r);
-    }
     lock_release(&h->lock);
 }
 

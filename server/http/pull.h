@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/queue.h>
 #include <sys/types.h>
 
 /// http_priv.h
@@ -26,23 +27,22 @@ typedef enum http_pull_kind {
 
 /// A pull of a request. A request has one at a time.
 typedef struct http_pull {
-    http_pull_kind kind;    ///< constant
-    body_source source;     ///< constant; the response's, or that of a long poll
-    int64_t interval_ms;    ///< constant: least time between looks without a chunk
-    int64_t deadline_ms;    ///< constant: it ends then; INT64_MAX: never
-    bool is_under_way;      ///< owner: it is in http.pulls
-    uint64_t n_seen;        ///< owner: n_notified at the last look
-    body_state state;       ///< owner: what follows the chunk
-    bool has_failed;        ///< owner: the next chunk cannot be made
-    bf_buffer chunk;        ///< owner: the one under way; empty while the pull waits
-    size_t n_taken;         ///< owner: bytes of it given to MHD
-    int64_t sent_ms;        ///< owner: when something was last given to MHD
-    http_request *previous; ///< http.lock: in http.pulls
-    http_request *next;     ///< http.lock: in http.pulls
-    uint64_t n_notified;    ///< http.lock: wake-ups so far
-    bool is_parked;         ///< http.lock: it has no owner, and waits
-    bool is_half_closed;    ///< http.lock: the client has shut down its sending side
-    bool is_disconnected;   ///< http.lock: the client is taken for gone
+    http_pull_kind kind;            ///< constant
+    body_source source;             ///< constant; the response's, or that of a long poll
+    int64_t interval_ms;            ///< constant: least time between looks without a chunk
+    int64_t deadline_ms;            ///< constant: it ends then; INT64_MAX: never
+    bool is_under_way;              ///< owner: it is in http.pulls
+    uint64_t n_seen;                ///< owner: n_notified at the last look
+    body_state state;               ///< owner: what follows the chunk
+    bool has_failed;                ///< owner: the next chunk cannot be made
+    bf_buffer chunk;                ///< owner: the one under way; empty while the pull waits
+    size_t n_taken;                 ///< owner: bytes of it given to MHD
+    int64_t sent_ms;                ///< owner: when something was last given to MHD
+    LIST_ENTRY(http_request) entry; ///< http.lock: in http.pulls
+    uint64_t n_notified;            ///< http.lock: wake-ups so far
+    bool is_parked;                 ///< http.lock: it has no owner, and waits
+    bool is_half_closed;            ///< http.lock: the client has shut down its sending side
+    bool is_disconnected;           ///< http.lock: the client is taken for gone
     /// Under http.lock: nothing was sent for heartbeat_ms, or the client is in doubt
     bool is_heartbeat_due;
     int64_t polled_ms; ///< http.lock: when it was parked

@@ -120,12 +120,13 @@ pull__check *pull__check_destroy(pull__check *c)
 
 pull__check *pull__choose_check(const pull_executor *e)
 {
+    const executor_job *job;
     size_t n = 0;
 
     lock_assert_held(&e->lock);
     if (e->check_every == 0 || randombytes_uniform(e->check_every) != 0)
         return NULL;
-    for (const executor_job *job = e->first; job != NULL; job = job->next)
+    TAILQ_FOREACH(job, &e->jobs, entry)
         n += job->check != NULL;
     return n < CHECKS_MAX ? memory_alloc(1, sizeof(pull__check)) : NULL;
 }
@@ -227,9 +228,9 @@ void pull__check_end(pull_executor *e, executor_job *job)
 void pull__drop_repetitions(pull_executor *e, int64_t now_ms)
 {
     lock_assert_held(&e->lock);
-    for (executor_job *job = e->first, *next; job != NULL; job = next) {
+    for (executor_job *job = TAILQ_FIRST(&e->jobs), *next; job != NULL; job = next) {
         const bool is_over = job->place == PULL_ENDED || job->place == PULL_LOST;
-        next = job->next;
+        next = TAILQ_NEXT(job, entry);
         if (job->is_repetition && (is_over || now_ms >= job->check->until_ms))
             pull__remove_job(e, job);
     }

@@ -165,11 +165,12 @@ static size_t count_places(const api_renewal *renewal)
 static bf_status adopt_job(pull_executor *e, const char *id, const api_renewal *renewal,
                            const api_job_report *report, pull__lease **lease, bf_error *err)
 {
-    executor_job *job = e->first;
+    executor_job *job;
 
-    while (job != NULL && (job->place != PULL_AWAITED || job->about.attempt != report->attempt ||
-                           strcmp(job->about.run, report->run) != 0))
-        job = job->next;
+    TAILQ_FOREACH(job, &e->jobs, entry)
+        if (job->place == PULL_AWAITED && job->about.attempt == report->attempt &&
+            strcmp(job->about.run, report->run) == 0)
+            break;
     if (job == NULL)
         return BF_OK;
     if (*lease == NULL)

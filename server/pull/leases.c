@@ -137,7 +137,8 @@ void pull__expire(pull_executor *e, int64_t now_ms)
             pull__lose_lease(e, e->leases[k - 1], "silent");
         else if (e->leases[k - 1]->n_open == 0)
             pull__end_lease(e, e->leases[k - 1]);
-    for (executor_job *job = e->first; job != NULL; job = job->next) {
+    executor_job *job;
+    TAILQ_FOREACH(job, &e->jobs, entry) {
         if (job->place == PULL_AWAITED && now_ms >= job->until_ms)
             pull__lose_job(e, job, "restart");
         else if (is_held(job, now_ms)) {
@@ -171,7 +172,9 @@ static bool fits(const batch *b, const executor_job *job, const api_worker *who)
 
 static void add_waiting(batch *b, const pull_executor *e, bool is_trial, const api_worker *who)
 {
-    for (executor_job *job = e->first; job != NULL; job = job->next) {
+    executor_job *job;
+
+    TAILQ_FOREACH(job, &e->jobs, entry) {
         if (job->place != PULL_WAITING || job->about.is_trial != is_trial ||
             !pull__may_have(e, job, who))
             continue;
@@ -218,7 +221,8 @@ bf_status pull__lease_jobs(void *context, const api_worker *who, api_lease *ret_
     bf_status status = pull__meet_worker(e, who, &worker, err);
     if (status == BF_OK && worker->suspended_until_ms <= clock_monotonic_ms()) {
         // What the worker has already counts.
-        for (const executor_job *job = e->first; job != NULL; job = job->next) {
+        const executor_job *job;
+        TAILQ_FOREACH(job, &e->jobs, entry) {
             if (job->place != PULL_LEASED || !pull__is_of(job->lease, who->token, who->name))
                 continue;
             b.memory_bytes += job->about.is_trial ? 0 : job->about.memory_bytes;

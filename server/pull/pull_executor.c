@@ -98,12 +98,7 @@ executor_job *pull__add_job(pull_executor *e, pull__place place, const char *run
     job->about.n_threads = 1;
     job->place = place;
     job->started_ms = clock_monotonic_ms();
-    job->previous = e->last;
-    if (e->last == NULL)
-        e->first = job;
-    else
-        e->last->next = job;
-    e->last = job;
+    TAILQ_INSERT_TAIL(&e->jobs, job, entry);
     e->n_at[place]++;
     return job;
 }
@@ -113,14 +108,7 @@ void pull__remove_job(pull_executor *e, executor_job *job)
     if (!has_ended(job->place))
         pull__move(e, job, PULL_LOST);
     e->n_at[job->place]--;
-    if (job->previous == NULL)
-        e->first = job->next;
-    else
-        job->previous->next = job->next;
-    if (job->next == NULL)
-        e->last = job->previous;
-    else
-        job->next->previous = job->previous;
+    TAILQ_REMOVE(&e->jobs, job, entry);
     e->n_bytes -= job->bytes.n;
     buffer_fini(&job->input);
     buffer_fini(&job->bytes);
@@ -184,9 +172,10 @@ static bf_status attach(executor *base, const char *external_id, executor_job **
     if (!read_id(external_id, run_id, &attempt))
         return bf_fail(err, BF_ENOTFOUND, "", "%s is no job of a worker", external_id);
     pull_executor *e = pull__enter(base);
-    executor_job *job = e->first;
-    while (job != NULL && strcmp(job->id, external_id) != 0)
-        job = job->next;
+    executor_job *job;
+    TAILQ_FOREACH(job, &e->jobs, entry)
+        if (strcmp(job->id, external_id) == 0)
+            break;
     if (job == NULL) {
         job = pull__add_job(e, PULL_AWAITED, run_id, attempt);
         e->n_cores_used[false] += job != NULL;
@@ -380,6 +369,7 @@ bf_status pull_executor_create(executor **ret_executor, bf_error *err)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the jobs of workers");
     e->base = (executor){ .functions = &functions, .is_elsewhere = true, .outlives_daemon = true };
     lock_init(&e->lock);
+    TAILQ_INIT(&e->jobs);
     e->last_attempt = (uint64_t)clock_unix_ms(); // no job of a daemon before has it
     if (!open_parts(e)) {
         (void)bf_fail(err, BF_ESYSTEM, "", "workers cannot be waited for: %s", strerror(errno));
@@ -449,8 +439,8 @@ executor *pull_executor_destroy(executor *base)
     if (e == NULL)
         return NULL;
     lock_acquire(&e->lock);
-    while (e->first != NULL) // attached, but not taken
-        pull__remove_job(e, e->first);
+    while (!TAILQ_EMPTY(&e->jobs)) // attached, but not taken
+        pull__remove_job(e, TAILQ_FIRST(&e->jobs));
     while (e->n_leases > 0)
         pull__end_lease(e, e->leases[0]);
     lock_release(&e->lock);

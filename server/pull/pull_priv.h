@@ -10,6 +10,7 @@
 #include "server/pull/pull_executor.h"
 
 #include <string.h>
+#include <sys/queue.h>
 
 enum {
     PULL_TICK_MS = 1000,                 ///< between looks at who is silent
@@ -50,17 +51,16 @@ struct executor_job {
     int64_t leased_ms;            ///< PULL_LEASED: since when
     bool is_adopted;              ///< it was leased by the daemon before
     int64_t until_ms;             ///< PULL_AWAITED: then it is lost
-    bf_buffer input;        ///< for the solver, until it has begun; with a check until the end
-    pull__check *check;     ///< of a run that is solved twice; NULL: it is not
-    bool is_repetition;     ///< what comes is compared and dropped
-    bool has_begun;         ///< its worker has sent something, or used time
-    bf_buffer bytes;        ///< that came and were not taken
-    uint64_t n_received;    ///< bytes of its frames so far
-    api_job_stop stop;      ///< what its worker is to do
-    executor_end end;       ///< PULL_ENDED
-    double used_s;          ///< CPU time so far
-    executor_job *previous; ///< in the list, by age
-    executor_job *next;     ///< same
+    bf_buffer input;     ///< for the solver, until it has begun; with a check until the end
+    pull__check *check;  ///< of a run that is solved twice; NULL: it is not
+    bool is_repetition;  ///< what comes is compared and dropped
+    bool has_begun;      ///< its worker has sent something, or used time
+    bf_buffer bytes;     ///< that came and were not taken
+    uint64_t n_received; ///< bytes of its frames so far
+    api_job_stop stop;   ///< what its worker is to do
+    executor_end end;    ///< PULL_ENDED
+    double used_s;       ///< CPU time so far
+    TAILQ_ENTRY(executor_job) entry; ///< in pull_executor.jobs
 };
 
 /// A worker.
@@ -104,30 +104,29 @@ typedef struct pull__doubt {
 
 /// The executor.
 typedef struct pull_executor {
-    executor base;            ///< first
-    int news_fd;              ///< eventfd: something has come for the supervisor
-    int timer_fd;             ///< ticks while there is anybody who could fall silent
-    bool is_ticking;          ///< it does
-    lock lock;                ///< guards what follows
-    predictor *predictor;     ///< of jobs; NULL: none
-    uint64_t last_attempt;    ///< rises, also from one daemon to the next
-    executor_job *first;      ///< the oldest job
-    executor_job *last;       ///< the youngest
-    size_t n_at[PULL_PLACES]; ///< jobs at each place
-    uint32_t n_cores_used[2]; ///< by jobs that have not ended: runs by themselves, trials
-    size_t n_bytes;           ///< that came and were not taken, of all jobs
-    uint32_t n_cores;         ///< of all workers
-    size_t n_workers;         ///< workers
-    pull__worker *workers;    ///< room for API_WORKERS_MAX
-    size_t n_leases;          ///< leases
-    pull__lease **leases;     ///< room for API_LEASES_MAX
-    size_t n_ends;            ///< ever noted
-    pull__end *ends;          ///< PULL_ENDS_KEPT, the newest ones, in a ring
-    size_t n_doubts;          ///< ever noted
-    pull__doubt *doubts;      ///< PULL_DOUBTS_KEPT, the newest ones, in a ring
-    uint32_t check_every;     ///< one of so many runs is solved twice; 0: none
-    pull_suspecting *suspect; ///< is told of results that may be wrong; NULL: nobody is
-    void *suspect_context;    ///< given to it
+    executor base;                   ///< first
+    int news_fd;                     ///< eventfd: something has come for the supervisor
+    int timer_fd;                    ///< ticks while there is anybody who could fall silent
+    bool is_ticking;                 ///< it does
+    lock lock;                       ///< guards what follows
+    predictor *predictor;            ///< of jobs; NULL: none
+    uint64_t last_attempt;           ///< rises, also from one daemon to the next
+    TAILQ_HEAD(, executor_job) jobs; ///< the oldest first
+    size_t n_at[PULL_PLACES];        ///< jobs at each place
+    uint32_t n_cores_used[2];        ///< by jobs that have not ended: runs by themselves, trials
+    size_t n_bytes;                  ///< that came and were not taken, of all jobs
+    uint32_t n_cores;                ///< of all workers
+    size_t n_workers;                ///< workers
+    pull__worker *workers;           ///< room for API_WORKERS_MAX
+    size_t n_leases;                 ///< leases
+    pull__lease **leases;            ///< room for API_LEASES_MAX
+    size_t n_ends;                   ///< ever noted
+    pull__end *ends;                 ///< PULL_ENDS_KEPT, the newest ones, in a ring
+    size_t n_doubts;                 ///< ever noted
+    pull__doubt *doubts;             ///< PULL_DOUBTS_KEPT, the newest ones, in a ring
+    uint32_t check_every;            ///< one of so many runs is solved twice; 0: none
+    pull_suspecting *suspect;        ///< is told of results that may be wrong; NULL: nobody is
+    void *suspect_context;           ///< given to it
 } pull_executor;
 
 /// Make wake_fd readable.
