@@ -185,7 +185,9 @@ int body__begin(const void *state, driver_progress *ret_progress)
     const body_state *s = state;
 
     *ret_progress = (driver_progress){ .displacement_bound = 0.0 };
-    return s->def.n_threads;
+    // Who has no block only waits for the others, a hundred times in each step.
+    const size_t n_of_use = s->n_blocks > 0 ? s->n_blocks : 1;
+    return (size_t)s->def.n_threads < n_of_use ? s->def.n_threads : (int)n_of_use;
 }
 
 static driver_outcome step(driver_member *m)

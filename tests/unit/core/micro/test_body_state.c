@@ -43,6 +43,26 @@ static void two_threads_give_the_same_bits_as_one(void **state)
     check_threads(MICRO_IMPLICIT);
 }
 
+// 36 parts are three blocks; a single part is one, as none is.
+static void threads_without_a_block_of_parts_are_not_used(void **state)
+{
+    helper_body h;
+    driver_progress progress;
+    helper_body_jam(&h);
+    h.def.n_threads = 8;
+    body_state *s = helper_body_start(&h);
+    assert_int_equal(s->n, 36);
+    assert_int_equal(body__begin(s, &progress), 3);
+    micro__body.destroy(s);
+    helper_body_init(&h, helper_body_cylinder(0.01, 0.01));
+    for (h.def.n_parts = 0; h.def.n_parts < 2; h.def.n_parts++) {
+        h.def.n_threads = 8;
+        s = helper_body_start(&h);
+        assert_int_equal(body__begin(s, &progress), 1);
+        micro__body.destroy(s);
+    }
+}
+
 static void parts_stay_on_their_side_and_on_the_belt(void **state)
 {
     helper_body h;
@@ -353,6 +373,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_threads_give_the_same_bits_as_one),
+        cmocka_unit_test(threads_without_a_block_of_parts_are_not_used),
         cmocka_unit_test(a_tilted_part_covers_the_rectangle_that_holds_it),
         cmocka_unit_test(parts_stay_on_their_side_and_on_the_belt),
         cmocka_unit_test(a_loaded_state_goes_on_with_the_same_bits),
