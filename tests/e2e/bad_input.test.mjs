@@ -6,6 +6,7 @@ import test from "node:test";
 import { badEnvelopes, badScenarios, badTexts, goodScenario } from "./bad_scenarios.mjs";
 import { daemon } from "./daemon.mjs";
 import { beltflow } from "./processes.mjs";
+import { isSanitized } from "./setup.mjs";
 
 async function assertNothingIsStored(d) {
   const list = (await d.get("/v1/runs")).json;
@@ -52,8 +53,11 @@ test("each bad scenario is a 422 that names its place, and nothing is stored", a
   await assertNothingIsStored(d);
 });
 
+// A process for each; under a sanitizer, where one takes a second to begin and to look for leaks, for one in ten: the
+// documents are read by what the story above has had read.
 test("the command line names the same places and leaves with 2", async (t) => {
-  for (const [what, change, pointer] of badScenarios) {
+  const some = badScenarios.filter((_, index) => !isSanitized || index % 10 === 0);
+  for (const [what, change, pointer] of some) {
     await t.test(what, async () => {
       const scenario = goodScenario();
       change(scenario);
