@@ -467,6 +467,17 @@ static double way_to_next_belt(const measuring *m, vec2 tip, vec2 belt)
     return INFINITY;
 }
 
+/// How far the end of a plate stands off the wall that the plate begins at, m; INFINITY: it begins at none, or ends at one.
+static double off_its_wall(const measuring *m, size_t k, vec2 tip)
+{
+    double off = INFINITY;
+
+    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++)
+        if (is_wall(m, side) && body_of(m, k) == body_of_side(m, side))
+            off = fmin(off, -surroundings_excess(&m->around, side, tip));
+    return off > m->closed_gap ? off : INFINITY;
+}
+
 static void measure_plates(const measuring *m, layout *out)
 {
     size_t last = SIZE_MAX, last_of_all = SIZE_MAX;
@@ -495,6 +506,10 @@ static void measure_plates(const measuring *m, layout *out)
             continue;
         if (way < out->run_out.value)
             out->run_out = (layout_figure){ way, p->obstacle };
+        const scene_obstacle *o = &m->s->obstacles[p->obstacle];
+        const double off = off_its_wall(m, k, tip);
+        if ((p->index == 0 || p->index + 2 == o->n_points) && off < out->short_end.value)
+            out->short_end = (layout_figure){ off, p->obstacle };
         const double next = way_to_next_belt(m, tip, p->belt);
         if (next < out->next_belt.value)
             out->next_belt = (layout_figure){ next, p->obstacle };
@@ -579,7 +594,8 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
                    .greatest = { -INFINITY, 0 },
                    .stagger = { INFINITY, 0 },
                    .run_out = { INFINITY, 0 },
-                   .next_belt = { INFINITY, 0 } };
+                   .next_belt = { INFINITY, 0 },
+                   .short_end = { INFINITY, 0 } };
 
     for (size_t k = 0; k < s->n_obstacles; k++)
         out.n_pieces += s->obstacles[k].n_points - 1;

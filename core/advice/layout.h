@@ -18,6 +18,7 @@
 ///              the domain ends
 ///     next belt    the way along the belt from such an end to where a straight belt of another velocity begins, half a radius of the
 ///              largest part long or longer
+///     short end    how far the downstream end of the first or last piece of a plate stands off the wall that the plate begins at
 ///
 /// Plates are solid with their thickness, and are looked at as far as they lie in the domain, or beyond a
 /// side where cargo flows in. Pieces along their belt are guides: they bound openings and deflect nothing. A gap at a wall of at most half a
@@ -63,6 +64,8 @@ typedef struct layout {
     layout_figure run_out; ///< the least, m, INFINITY: to walls alone; index of the obstacle
     layout_figure
         next_belt; ///< the least, m, INFINITY: beyond LAYOUT_NEXT_BELT; index of the obstacle
+    layout_figure
+        short_end; ///< the least, m, INFINITY: no plate begins at a wall; index of the obstacle
     layout_figure wall_angle; ///< largest angle at which a belt runs against a wall, 0: none does;
                               ///< index of the side
 } layout;

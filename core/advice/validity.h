@@ -46,6 +46,7 @@ typedef enum validity_figure {
     VALIDITY_FREE_ENDS, ///< angle of a single plate with two free ends before which cargo queues, degrees (layout.h)
     VALIDITY_RUN_OUT,   ///< belt behind a plate before which cargo queues, diameters (layout.h)
     VALIDITY_NEXT_BELT, ///< belt behind a plate whose opening is full, up to a belt of another velocity, diameters (layout.h)
+    VALIDITY_SHORT_END, ///< by which a plate whose opening is full stands off its wall, diameters (layout.h)
     VALIDITY_FUNNEL_ANGLE,  ///< least angle of several plates whose opening is full, degrees
     VALIDITY_SLIDING,       ///< mu of parts on plates at less than 50 degrees whose opening is full
     VALIDITY_FRICTION_FULL, ///< mu of parts on parts whose opening is nearly full

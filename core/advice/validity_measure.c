@@ -206,6 +206,9 @@ static void note_full(measures *f, const layout *of)
     if (isfinite(of->next_belt.value))
         note(f, VALIDITY_NEXT_BELT, of->next_belt.value / f->diameter, "/obstacles/%zu",
              of->next_belt.index);
+    if (isfinite(of->short_end.value))
+        note(f, VALIDITY_SHORT_END, of->short_end.value / f->diameter, "/obstacles/%zu",
+             of->short_end.index);
     if (of->n_plates > 1)
         note(f, VALIDITY_FUNNEL_ANGLE, of->least.value, "/obstacles/%zu", of->least.index);
     if (of->least.value < SHALLOW)

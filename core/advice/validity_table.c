@@ -46,8 +46,9 @@
     "line."
 #define TOO_MANY_PIECES "Angles and openings of so many were not measured."
 #define NEAR                                                                                       \
-    "Parts that enter right before the deflector push others aside: of the density up to "         \
-    "13 % too few passed."
+    "Parts that enter right before the deflector push others aside, and lie less close than "      \
+    "others: of the density 13 % too few to 5 % too many passed, and 5 to 12 % too many lay "      \
+    "before it."
 #define BESIDE                                                                                     \
     "Beside such a feed cargo queues, or none comes: where it was full the density model let "     \
     "12 % too few to 19 % too many through, and none where parts still passed a closed corner."
@@ -73,6 +74,9 @@
 #define NEXT_BELT                                                                                  \
     "Parts are pulled out of the opening by a faster belt, or pushed into what a slower one "      \
     "holds: the density model let 16 % too few to 21 % too many through."
+#define SHORT_END                                                                                  \
+    "An end that stands off its wall by less than half a part is taken for the wall: the density " \
+    "model let 4 % too few to 18 % too many through."
 #define QUEUE                                                                                      \
     "The rate of a full outlet depends on how much cargo waits: it rises by 5 to 18 % when "       \
     "moving parts queue "                                                                          \
@@ -175,6 +179,12 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                              " diameters",
                              NULL,
                              { ANY, { 12.0, INFINITY, NEXT_BELT, NULL }, ANY } },
+    [VALIDITY_SHORT_END] = { "diameters",
+                             "The opening is full, and a deflector ends",
+                             " part diameters off its wall",
+                             " diameters",
+                             NULL,
+                             { ANY, { 0.5, INFINITY, SHORT_END, NULL }, ANY } },
     [VALIDITY_FUNNEL_ANGLE] = { "deg",
                                 "The opening is full, and one of several deflectors stands at",
                                 " degrees to the belt",
@@ -268,7 +278,7 @@ const validity_row validity_table[VALIDITY_FIGURE_COUNT] = {
                          " diameters",
                          NULL,
                          { UP_TO(33.0, QUEUE),
-                           { 2.0, 24.0, NEAR, LONG_QUEUE },
+                           { 8.0, 24.0, NEAR, LONG_QUEUE },
                            UP_TO(17.0, QUEUE) } },
     [VALIDITY_PARTS] = { "parts",
                          "The number of parts is",
@@ -561,6 +571,7 @@ const char *const validity_words[] = {
     [VALIDITY_FREE_ENDS] = "free_ends",
     [VALIDITY_RUN_OUT] = "run_out",
     [VALIDITY_NEXT_BELT] = "next_belt",
+    [VALIDITY_SHORT_END] = "short_end",
     [VALIDITY_FUNNEL_ANGLE] = "funnel_angle",
     [VALIDITY_SLIDING] = "sliding",
     [VALIDITY_FRICTION_FULL] = "friction_full",

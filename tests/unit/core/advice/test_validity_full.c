@@ -94,8 +94,7 @@ static void feeds_on_a_part_of_the_belt_were_not_compared_where_cargo_queues(voi
     scene_fini(&s);
 }
 
-// A plate that ends at x = 0.75 m, and a belt half as fast from 0.87 m on, 5 diameters of 24 mm; its foot is at 0.519 m, one
-// diameter behind the feed.
+// A plate that ends at x = 0.75 m, and a belt half as fast from 0.87 m on, 5 diameters of 24 mm.
 static void another_belt_behind_a_full_opening_was_not_compared(void **state)
 {
     static const vec2 behind[] = { { 0.87, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.6 }, { 0.87, 0.6 } };
@@ -105,9 +104,46 @@ static void another_belt_behind_a_full_opening_was_not_compared(void **state)
     assert_true(isnan(value_outside(&s, VALIDITY_NEXT_BELT)));
     helper_scene_add_belt(&s, (vec2){ 0.1975, 0.0 }, behind, 4);
     assert_near(value_outside(&s, VALIDITY_NEXT_BELT), 5.0, 1e-6);
-    assert_true(isnan(value_outside(&s, VALIDITY_QUEUE)));
-    s.feeds[0].line[0].x = s.feeds[0].line[1].x = s.obstacles[0].path[0].x - 0.024;
-    assert_near(value_outside(&s, VALIDITY_QUEUE), 1.0, 1e-6);
+    scene_fini(&s);
+}
+
+// A plate at 60 degrees that ends 16.7, 0.4 and 0.6 diameters of 24 mm off its wall.
+static void short_ends_of_plates_were_not_compared_where_the_opening_is_full(void **state)
+{
+    scene s;
+
+    make_full(&s, 60.0);
+    assert_true(isnan(value_outside(&s, VALIDITY_SHORT_END)));
+    s.obstacles[0].path[1].y = 0.4 * 0.024;
+    s.obstacles[0].path[0].x = 0.75 - 0.4 * 0.024 / tan(M_PI / 3.0);
+    s.feeds[0].rate = 2000.0;
+    assert_near(value_outside(&s, VALIDITY_SHORT_END), 0.4, 1e-6);
+    s.feeds[0].rate = 50.0;
+    assert_true(isnan(value_outside(&s, VALIDITY_SHORT_END)));
+    s.obstacles[0].path[1].y = 0.6 * 0.024;
+    s.feeds[0].rate = 2000.0;
+    assert_true(isnan(value_outside(&s, VALIDITY_SHORT_END)));
+    scene_fini(&s);
+}
+
+// The foot of the plate is 21.6 to 1 diameters of 24 mm behind the feed; it was compared from 8 on.
+static void short_queues_before_full_openings_were_not_compared(void **state)
+{
+    static const struct {
+        double diameters;
+        bool is_outside;
+    } cases[] = { { 21.6, false }, { 8.1, false }, { 7.0, true }, { 1.0, true } };
+    scene s;
+
+    make_full(&s, 60.0);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        s.feeds[0].line[0].x = s.feeds[0].line[1].x =
+            s.obstacles[0].path[0].x - cases[k].diameters * 0.024;
+        const double value = value_outside(&s, VALIDITY_QUEUE);
+        assert_int_equal(isnan(value), !cases[k].is_outside);
+        if (cases[k].is_outside)
+            assert_near(value, cases[k].diameters, 1e-6);
+    }
     scene_fini(&s);
 }
 
@@ -185,6 +221,8 @@ int main(void)
         cmocka_unit_test(shallow_funnels_were_not_compared_where_they_are_full),
         cmocka_unit_test(feeds_on_a_part_of_the_belt_were_not_compared_where_cargo_queues),
         cmocka_unit_test(another_belt_behind_a_full_opening_was_not_compared),
+        cmocka_unit_test(short_ends_of_plates_were_not_compared_where_the_opening_is_full),
+        cmocka_unit_test(short_queues_before_full_openings_were_not_compared),
         cmocka_unit_test(friction_of_parts_was_compared_in_a_range_where_an_opening_is_nearly_full),
         cmocka_unit_test(fast_belts_were_not_compared_where_an_opening_is_nearly_full),
         cmocka_unit_test(
