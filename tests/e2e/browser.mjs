@@ -12,7 +12,8 @@ const load = createRequire(path.join(npm, "package.json"));
 const { chromium } = load("playwright-core");
 const { source: axe } = load("axe-core");
 
-export const sizes = { wide: { width: 1440, height: 900 }, phone: { width: 390, height: 844 } };
+// A phone is as narrow as WCAG 2.2 has it (1.4.10): 1280 pixels at 400 %.
+export const sizes = { wide: { width: 1440, height: 900 }, phone: { width: 320, height: 640 } };
 
 // Pictures are for people; no story reads them.
 const pictures = process.env.BELTFLOW_PICTURES === "1" ? path.join(binaries, "../screenshots") : null;
