@@ -21,6 +21,9 @@ typedef struct member_element {
     void (*read)(json_in *in, const json_t *value, void *to); // untouched where it is at fault
     void (*write)(json_out *w, const void *from);
     void (*describe)(json_out *w, const member *m); // its schema
+    bool may_be_null;                               // a number or null, NAN in memory
+    size_t least; // numbers of a tuple, which without read and write is in memory as in the list
+    size_t most;  // 0: it is no tuple
 } member_element;
 
 // ---- tuples
@@ -160,6 +163,18 @@ const void *member__items(const void *item, const member *m)
     return items;
 }
 
+static void read_element(json_in *in, const json_t *value, const member_element *element, void *to)
+{
+    if (element->may_be_null)
+        *(double *)to = NAN;
+    if (element->may_be_null && json_is_null(value))
+        return;
+    if (element->read != NULL)
+        element->read(in, value, to);
+    else
+        (void)json_in_tuple(in, value, element->least, element->most, to, NULL);
+}
+
 static void read_list(json_in *in, const json_t *value, const member *m, void *item)
 {
     const member_element *element = m->kind->element;
@@ -170,7 +185,7 @@ static void read_list(json_in *in, const json_t *value, const member *m, void *i
     char *items = member__allocate(in, m, n, element->size, item);
     for (size_t k = 0; k < n && items != NULL; k++) {
         const size_t mark = json_pointer_enter_index(&in->pointer, k);
-        element->read(in, json_array_get(value, k), items + k * element->size);
+        read_element(in, json_array_get(value, k), element, items + k * element->size);
         json_pointer_leave(&in->pointer, mark);
     }
 }
@@ -182,17 +197,32 @@ static void write_list(json_out *w, const member *m, const void *item)
     const size_t n = member__count(item, m);
 
     json_out_array(w);
-    for (size_t k = 0; k < n; k++)
-        element->write(w, items + k * element->size);
+    for (size_t k = 0; k < n; k++) {
+        const void *from = items + k * element->size;
+        if (element->write != NULL)
+            element->write(w, from);
+        else
+            json_out_numbers(w, from, element->most, 1);
+    }
     json_out_array_end(w);
 }
 
 static void describe_list(json_out *w, const member *m, member_view view)
 {
+    const member_element *element = m->kind->element;
+
     (void)view;
     json_out_key_string(w, "type", "array");
     json_out_key(w, "items");
-    m->kind->element->describe(w, m);
+    if (element->most > 0) {
+        json_out_object(w);
+        describe_numbers(w, element->least, element->most);
+        json_out_object_end(w);
+    } else if (element->may_be_null) {
+        schema_write(w, "number?", NULL, NULL);
+    } else {
+        element->describe(w, m);
+    }
     member__describe_length(w, m);
 }
 
@@ -219,11 +249,16 @@ static void describe_number(json_out *w, const member *m)
     json_out_object_end(w);
 }
 
-static const member_element number = { sizeof(double), read_number, write_number, describe_number };
+static const member_element number = { sizeof(double), read_number, write_number,
+                                       .describe = describe_number };
+static const member_element number_or_null = { sizeof(double), read_number, write_number,
+                                               .may_be_null = true };
 
 const member_kind member_numbers = { .text = "list of numbers",
                                      .type = "[number]",
                                      LIST_OF(number) };
+const member_kind member_numbers_or_null = { .text = "list of numbers or null",
+                                             LIST_OF(number_or_null) };
 
 static void read_angle(json_in *in, const json_t *value, void *to)
 {
@@ -238,39 +273,12 @@ static void write_angle(json_out *w, const void *from)
     json_out_number(w, number_to_degrees(*(const double *)from));
 }
 
-static const member_element angle = { sizeof(double), read_angle, write_angle, describe_number };
+static const member_element angle = { sizeof(double), read_angle, write_angle,
+                                      .describe = describe_number };
+static const member_element angle_or_null = { sizeof(double), read_angle, write_angle,
+                                              .may_be_null = true };
 
 const member_kind member_angles = { .text = "list of numbers", LIST_OF(angle) };
-
-static void read_number_or_null(json_in *in, const json_t *value, void *to)
-{
-    *(double *)to = NAN;
-    if (!json_is_null(value))
-        read_number(in, value, to);
-}
-
-static void describe_number_or_null(json_out *w, const member *m)
-{
-    (void)m;
-    schema_write(w, "number?", NULL, NULL);
-}
-
-static const member_element number_or_null = { sizeof(double), read_number_or_null, write_number,
-                                               describe_number_or_null };
-
-const member_kind member_numbers_or_null = { .text = "list of numbers or null",
-                                             LIST_OF(number_or_null) };
-
-static void read_angle_or_null(json_in *in, const json_t *value, void *to)
-{
-    *(double *)to = NAN;
-    if (!json_is_null(value))
-        read_angle(in, value, to);
-}
-
-static const member_element angle_or_null = { sizeof(double), read_angle_or_null, write_angle,
-                                              describe_number_or_null };
-
 const member_kind member_angles_or_null = { .text = "list of numbers or null",
                                             LIST_OF(angle_or_null) };
 
@@ -293,7 +301,8 @@ static void describe_flag(json_out *w, const member *m)
     schema_write(w, "boolean", NULL, NULL);
 }
 
-static const member_element flag = { sizeof(double), read_flag, write_flag, describe_flag };
+static const member_element flag = { sizeof(double), read_flag, write_flag,
+                                     .describe = describe_flag };
 
 const member_kind member_flags = { .text = "list of booleans", LIST_OF(flag) };
 
@@ -317,57 +326,19 @@ static void describe_count(json_out *w, const member *m)
     json_out_object_end(w);
 }
 
-static const member_element count = { sizeof(uint32_t), read_count, write_count, describe_count };
+static const member_element count = { sizeof(uint32_t), read_count, write_count,
+                                      .describe = describe_count };
 
 const member_kind member_counts = { .text = "list of whole numbers", LIST_OF(count) };
 
 // ---- lists of tuples
 
-static void read_two(json_in *in, const json_t *value, void *to)
-{
-    (void)json_in_tuple(in, value, 2, 2, to, NULL);
-}
-
-static void write_two(json_out *w, const void *from)
-{
-    json_out_numbers(w, from, 2, 1);
-}
-
-static void describe_two(json_out *w, const member *m)
-{
-    (void)m;
-    json_out_object(w);
-    describe_numbers(w, 2, 2);
-    json_out_object_end(w);
-}
-
-static const member_element point = { sizeof(vec2), read_two, write_two, describe_two };
-static const member_element corner = { 3 * sizeof(double), read_two, write_two, describe_two };
+static const member_element point = { sizeof(vec2), .least = 2, .most = 2 };
+static const member_element corner = { 3 * sizeof(double), .least = 2, .most = 2 };
+static const member_element vertex = { 3 * sizeof(double), .least = 3, .most = 3 };
 
 const member_kind member_points = { .text = "list of [x, y]", LIST_OF(point) };
 const member_kind member_outline = { .text = "list of [x, y]", LIST_OF(corner) };
-
-static void read_three(json_in *in, const json_t *value, void *to)
-{
-    (void)json_in_tuple(in, value, 3, 3, to, NULL);
-}
-
-static void write_three(json_out *w, const void *from)
-{
-    json_out_numbers(w, from, 3, 1);
-}
-
-static void describe_three(json_out *w, const member *m)
-{
-    (void)m;
-    json_out_object(w);
-    describe_numbers(w, 3, 3);
-    json_out_object_end(w);
-}
-
-static const member_element vertex = { 3 * sizeof(double), read_three, write_three,
-                                       describe_three };
-
 const member_kind member_vertices = { .text = "list of [x, y, z]", LIST_OF(vertex) };
 
 // A heading that is missing or at fault is 0.
@@ -389,14 +360,7 @@ static void write_pose(json_out *w, const void *from)
     json_out_numbers(w, tuple, has_heading ? 3 : 2, 1);
 }
 
-static void describe_pose(json_out *w, const member *m)
-{
-    (void)m;
-    json_out_object(w);
-    describe_numbers(w, 2, 3);
-    json_out_object_end(w);
-}
-
-static const member_element pose = { sizeof(scene_pose), read_pose, write_pose, describe_pose };
+static const member_element pose = { sizeof(scene_pose), read_pose, write_pose, .least = 2,
+                                     .most = 3 };
 
 const member_kind member_poses = { .text = "list of [x, y] or [x, y, heading]", LIST_OF(pose) };

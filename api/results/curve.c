@@ -140,35 +140,31 @@ static size_t find_column(text_piece header, const char *id)
     return 0;
 }
 
-static bf_status fail_line(bf_error *err, size_t line, const char *text)
+static const char *pointer_to(size_t line, char ret_pointer[BF_POINTER_SIZE])
 {
-    char pointer[32];
-
-    snprintf(pointer, sizeof pointer, "/line/%zu", line);
-    return bf_fail(err, BF_EINPUT, pointer, "%s", text);
+    snprintf(ret_pointer, BF_POINTER_SIZE, "/line/%zu", line);
+    return ret_pointer;
 }
 
 // column is that of the counts, among n_columns.
 static bf_status read_row(text_piece row, size_t column, size_t n_columns, size_t line,
                           bf_buffer *t, bf_buffer *parts, bf_error *err)
 {
-    char text[80];
-    size_t n_cells = text_count_pieces(row, ',');
+    char pointer[BF_POINTER_SIZE];
+    const size_t n_cells = text_count_pieces(row, ',');
+    double time, count;
 
-    snprintf(text, sizeof text, "has %zu fields, the header has %zu", n_cells, n_columns);
     if (n_cells != n_columns)
-        return fail_line(err, line, text);
+        return bf_fail(err, BF_EINPUT, pointer_to(line, pointer),
+                       "has %zu fields, the header has %zu", n_cells, n_columns);
     text_piece cell = trim(text_take_until(&row, ','));
-    double time;
-    double count;
-
     if (number_read(cell.at, cell.n, &time) != 0)
-        return fail_line(err, line, "the time is not a number");
+        return bf_fail(err, BF_EINPUT, pointer_to(line, pointer), "the time is not a number");
     for (size_t k = 0; k < column; k++)
         cell = trim(text_take_until(&row, ','));
-    snprintf(text, sizeof text, "column %zu is not a number", column + 1);
     if (number_read(cell.at, cell.n, &count) != 0)
-        return fail_line(err, line, text);
+        return bf_fail(err, BF_EINPUT, pointer_to(line, pointer), "column %zu is not a number",
+                       column + 1);
     if (buffer_append(t, &time, sizeof time) != BF_OK ||
         buffer_append(parts, &count, sizeof count) != BF_OK)
         return bf_fail_memory(err);
@@ -194,7 +190,7 @@ bf_status results_read_curve_column(const char *text, size_t n, char *ret_name, 
     text_piece time = trim(text_take_until(&header, ','));
     text_piece name = trim(text_take_until(&header, ','));
     if (!text_is(time, "t_s") || name.n == 0 || name.n >= SCENE_ID_SIZE)
-        return fail_line(err, 1, "must be \"t_s,count\" or \"t_s,<counter>\"");
+        return bf_fail(err, BF_EINPUT, "/line/1", "must be \"t_s,count\" or \"t_s,<counter>\"");
     memcpy(ret_name, name.at, name.n);
     ret_name[name.n] = '\0';
     return BF_OK;
@@ -204,16 +200,14 @@ bf_status results_read_curve_csv(const char *text, size_t n, const char *id, bf_
                                  bf_buffer *parts, bf_buffer *lines, bf_error *err)
 {
     text_piece rest = begin_text(text, n);
-    char wanted[SCENE_ID_SIZE + 48];
     size_t n_t = t->n, n_parts = parts->n, n_lines = lines == NULL ? 0 : lines->n;
     bf_status status = BF_OK;
 
-    snprintf(wanted, sizeof wanted, "must be \"t_s,%.*s\" or have more columns", SCENE_ID_SIZE,
-             id == NULL ? "<id>" : id);
     text_piece header = trim(text_take_until(&rest, '\n'));
     size_t column = find_column(header, id), n_columns = text_count_pieces(header, ',');
     if (column == 0)
-        return fail_line(err, 1, wanted);
+        return bf_fail(err, BF_EINPUT, "/line/1", "must be \"t_s,%.*s\" or have more columns",
+                       SCENE_ID_SIZE, id == NULL ? "<id>" : id);
     for (size_t line = 2; rest.n > 0 && status == BF_OK; line++) {
         text_piece row = trim(text_take_until(&rest, '\n'));
         if (row.n == 0)

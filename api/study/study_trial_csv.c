@@ -30,23 +30,25 @@ static bf_status append_numbers(bf_buffer *out, const double *values, size_t n)
     return BF_OK;
 }
 
-bf_status study_trial_csv_header(const study_columns *columns, bf_buffer *out, bf_error *err)
+static bf_status append_header(bf_buffer *out, const study_columns *columns)
 {
-    bf_status status = buffer_printf(out, "trial,point,model,substream");
-
-    for (size_t k = 0; k < columns->n_parameters && status == BF_OK; k++)
-        if ((status = buffer_printf(out, ",")) == BF_OK)
-            status = append_text(out, columns->parameters[k]);
-    if (status == BF_OK)
-        status = buffer_printf(out, ",state");
-    for (size_t k = 0; k < columns->n_values && status == BF_OK; k++)
-        status = buffer_printf(out, ",%s", columns->values[k]);
-    if (status == BF_OK)
-        status = buffer_printf(out, ",fault\n");
-    return status == BF_OK ? BF_OK : bf_fail_memory(err);
+    BF_TRY(buffer_printf(out, "trial,point,model,substream"));
+    for (size_t k = 0; k < columns->n_parameters; k++) {
+        BF_TRY(buffer_printf(out, ","));
+        BF_TRY(append_text(out, columns->parameters[k]));
+    }
+    BF_TRY(buffer_printf(out, ",state"));
+    for (size_t k = 0; k < columns->n_values; k++)
+        BF_TRY(buffer_printf(out, ",%s", columns->values[k]));
+    return buffer_printf(out, ",fault\n");
 }
 
-bf_status study_trial_csv_line(const api_trial *trial, bf_buffer *out, bf_error *err)
+bf_status study_trial_csv_header(const study_columns *columns, bf_buffer *out, bf_error *err)
+{
+    return append_header(out, columns) == BF_OK ? BF_OK : bf_fail_memory(err);
+}
+
+static bf_status append_line(bf_buffer *out, const api_trial *trial)
 {
     const bf_error *f = &trial->fault;
     char fault[BF_POINTER_SIZE + BF_TEXT_SIZE + 2] = "";
@@ -54,21 +56,19 @@ bf_status study_trial_csv_line(const api_trial *trial, bf_buffer *out, bf_error 
     if (f->code != BF_OK)
         snprintf(fault, sizeof fault, "%s%s%s", f->pointer, f->pointer[0] != '\0' ? ": " : "",
                  f->text);
-    bf_status status = buffer_printf(out, "%" PRIu64 ",%" PRIu64 ",%s,%" PRIu64, trial->number,
-                                     trial->point, run_model_words[trial->model], trial->substream);
-    if (status == BF_OK)
-        status = append_numbers(out, trial->parameters, trial->n_parameters);
-    if (status == BF_OK)
-        status = buffer_printf(out, ",%s", api_trial_state_word(trial->state));
-    if (status == BF_OK)
-        status = append_numbers(out, trial->values, trial->n_values);
-    if (status == BF_OK)
-        status = buffer_printf(out, ",");
-    if (status == BF_OK)
-        status = append_text(out, fault);
-    if (status == BF_OK)
-        status = buffer_printf(out, "\n");
-    return status == BF_OK ? BF_OK : bf_fail_memory(err);
+    BF_TRY(buffer_printf(out, "%" PRIu64 ",%" PRIu64 ",%s,%" PRIu64, trial->number, trial->point,
+                         run_model_words[trial->model], trial->substream));
+    BF_TRY(append_numbers(out, trial->parameters, trial->n_parameters));
+    BF_TRY(buffer_printf(out, ",%s", api_trial_state_word(trial->state)));
+    BF_TRY(append_numbers(out, trial->values, trial->n_values));
+    BF_TRY(buffer_printf(out, ","));
+    BF_TRY(append_text(out, fault));
+    return buffer_printf(out, "\n");
+}
+
+bf_status study_trial_csv_line(const api_trial *trial, bf_buffer *out, bf_error *err)
+{
+    return append_line(out, trial) == BF_OK ? BF_OK : bf_fail_memory(err);
 }
 
 bool study_trial_csv_read(const study_columns *columns, const char *line, size_t n,

@@ -102,42 +102,6 @@ static bf_status note_sizes(store__row *row, const bf_grid *grid, const api_part
     return BF_OK;
 }
 
-static bf_status need_columns(store__connection *writer, store__appending *context, bf_error *err)
-{
-    if (context->columns.n > 0)
-        return BF_OK;
-    BF_TRY(
-        store__get_text(writer, context->row.rowid, STORE__TEXT_COLUMNS, &context->columns, err));
-    context->n_columns = api_count_columns(&context->columns);
-    return BF_OK;
-}
-
-static bf_status check_curve(const store__appending *context, const store_item *item, bf_error *err)
-{
-    uint64_t n_stored = context->row.run.n_samples;
-
-    if (item->t.n != item->n * sizeof(double) ||
-        item->values.n != item->n * context->n_columns * sizeof(double))
-        return bf_fail(err, BF_ECORRUPT, "", "%zu samples of %zu columns came as %zu and %zu bytes",
-                       item->n, context->n_columns, item->t.n, item->values.n);
-    if (item->first > n_stored)
-        return bf_fail(err, BF_ECORRUPT, "",
-                       "the curve has a gap: sample %llu came after %llu samples",
-                       (unsigned long long)item->first, (unsigned long long)n_stored);
-    return BF_OK;
-}
-
-static bf_status insert_samples(store__connection *writer, store__appending *context,
-                                const frame_curve *c, bf_error *err)
-{
-    BF_TRY(store__exec(writer, STORE__SQL_INSERT_SAMPLES, err, INTEGER(context->row.results),
-                       INTEGER(c->first), INTEGER(c->n), BLOB(c->t, c->n * sizeof(double)),
-                       BLOB(c->values, (size_t)c->n * c->n_columns * sizeof(double))));
-    context->row.run.n_samples += c->n;
-    context->n_bytes += (size_t)c->n * (c->n_columns + 1) * sizeof(double);
-    return BF_OK;
-}
-
 // An item that is stored in part has an event of the rest only.
 static bf_status emit_rest(store__connection *writer, store__appending *context,
                            const frame_curve *rest, bf_error *err)
@@ -155,32 +119,42 @@ static bf_status emit_rest(store__connection *writer, store__appending *context,
 static bf_status append_curve(store__connection *writer, store__appending *context,
                               const store_item *item, bf_error *err)
 {
-    BF_TRY(need_columns(writer, context, err));
-    BF_TRY(check_curve(context, item, err));
-    uint64_t n_known = context->row.run.n_samples - item->first;
+    api_run *record = &context->row.run;
+
+    if (context->columns.n == 0) {
+        BF_TRY(store__get_text(writer, context->row.rowid, STORE__TEXT_COLUMNS, &context->columns,
+                               err));
+        context->n_columns = api_count_columns(&context->columns);
+    }
+    const size_t n_columns = context->n_columns;
+    if (item->t.n != item->n * sizeof(double) ||
+        item->values.n != item->n * n_columns * sizeof(double))
+        return bf_fail(err, BF_ECORRUPT, "", "%zu samples of %zu columns came as %zu and %zu bytes",
+                       item->n, n_columns, item->t.n, item->values.n);
+    if (item->first > record->n_samples)
+        return bf_fail(err, BF_ECORRUPT, "",
+                       "the curve has a gap: sample %llu came after %llu samples",
+                       (unsigned long long)item->first, (unsigned long long)record->n_samples);
+
+    const uint64_t n_known = record->n_samples - item->first;
     if (n_known >= item->n)
         return BF_OK;
-    frame_curve rest = {
-        .first = item->first + n_known,
+    const frame_curve rest = {
+        .first = record->n_samples,
         .n = (uint32_t)(item->n - n_known),
-        .n_columns = (uint32_t)context->n_columns,
+        .n_columns = (uint32_t)n_columns,
         .t = (const double *)(const void *)item->t.bytes + n_known,
-        .values = (const double *)(const void *)item->values.bytes + n_known * context->n_columns,
+        .values = (const double *)(const void *)item->values.bytes + n_known * n_columns,
     };
-    BF_TRY(insert_samples(writer, context, &rest, err));
+    BF_TRY(store__exec(writer, STORE__SQL_INSERT_SAMPLES, err, INTEGER(context->row.results),
+                       INTEGER(rest.first), INTEGER(rest.n), BLOB(rest.t, rest.n * sizeof(double)),
+                       BLOB(rest.values, rest.n * n_columns * sizeof(double))));
+    record->n_samples += rest.n;
+    context->n_bytes += rest.n * (n_columns + 1) * sizeof(double);
     if (n_known > 0 && item->event.n > 0)
         return emit_rest(writer, context, &rest, err);
     return store__insert_event(writer, &context->row, API_EVENT_CURVE, rest.first, &item->event,
                                err);
-}
-
-static bf_status replace_figures(store__connection *writer, store__row *row, const store_item *item,
-                                 bf_error *err)
-{
-    memcpy(row->run.figures, item->run_figures, sizeof row->run.figures);
-    BF_TRY(store__put_text(writer, row->rowid, STORE__TEXT_FIGURES, item->figures.bytes,
-                           item->figures.n, err));
-    return store__insert_event(writer, row, API_EVENT_FIGURES, 0, &item->event, err);
 }
 
 static bf_status append_change(store__connection *writer, store__appending *context,
@@ -213,33 +187,22 @@ static bf_status append_item(store__connection *writer, store__appending *contex
                              bf_error *err)
 {
     const store_item *item = &context->batch->items[i];
+    store__row *row = &context->row;
 
     if (item->type == API_EVENT_CURVE)
         return append_curve(writer, context, item, err);
     if (item->type == API_EVENT_SNAPSHOT)
-        return store__append_snapshot(writer, &context->row, item, compressed_grid(context, i),
+        return store__append_snapshot(writer, row, item, compressed_grid(context, i),
                                       compressed_parts(context, i), &context->n_bytes, err);
-    if (item->type == API_EVENT_FIGURES)
-        return replace_figures(writer, &context->row, item, err);
     if (item->type >= API_EVENT_EYE)
         return append_change(writer, context, item, err);
-    BF_CHECK(item->type == API_EVENT_PROGRESS);
-    return store__insert_event(writer, &context->row, API_EVENT_PROGRESS, 0, &item->event, err);
-}
-
-// It comes in the same transaction as all that came before it (I5).
-static bf_status replace_checkpoint(store__connection *writer, store__appending *context,
-                                    bf_error *err)
-{
-    const store_batch *batch = context->batch;
-    store__row *row = &context->row;
-
-    if (batch->checkpoint == NULL)
-        return BF_OK;
-    row->checkpoint_step = batch->step;
-    BF_TRY(store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err));
-    return store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, 0,
-                                compressed_checkpoint(context), err);
+    BF_CHECK(item->type == API_EVENT_FIGURES || item->type == API_EVENT_PROGRESS);
+    if (item->type == API_EVENT_FIGURES) {
+        memcpy(row->run.figures, item->run_figures, sizeof row->run.figures);
+        BF_TRY(store__put_text(writer, row->rowid, STORE__TEXT_FIGURES, item->figures.bytes,
+                               item->figures.n, err));
+    }
+    return store__insert_event(writer, row, item->type, 0, &item->event, err);
 }
 
 static bool is_hidden(const store_item *item)
@@ -273,7 +236,13 @@ bf_status store__apply_batch(store__connection *writer, store__appending *contex
     if (context->n_bytes > 0)
         BF_TRY(store__exec(writer, STORE__SQL_GROW_RESULTS, err, INTEGER(context->row.results),
                            INTEGER(context->n_bytes)));
-    BF_TRY(replace_checkpoint(writer, context, err));
+    // The checkpoint comes in the same transaction as all that came before it (I5).
+    if (batch->checkpoint != NULL) {
+        context->row.checkpoint_step = batch->step;
+        BF_TRY(store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err));
+        BF_TRY(store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, 0,
+                                    compressed_checkpoint(context), err));
+    }
     *row = context->row;
     if (brings_nothing_visible(batch))
         return BF_OK;

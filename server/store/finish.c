@@ -23,16 +23,6 @@ bf_status store__check_running(const store__row *row, bf_error *err)
                          run_state_word(row->run.state));
 }
 
-static bf_status put_summary(store__connection *writer, const store_ending *ending, store__row *row,
-                             bf_error *err)
-{
-    if (ending->summary == NULL)
-        return BF_OK;
-    row->run.has_summary = true;
-    return store__put_run_text(writer, row, STORE__TEXT_SUMMARY, ending->summary, ending->n_summary,
-                               &row->n_bytes, err);
-}
-
 static bf_status check_whole(const store__row *row, const store_ending *ending, bf_error *err)
 {
     const frame_end *whole = ending->state == RUN_SUCCEEDED ? ending->whole : NULL;
@@ -97,7 +87,11 @@ static bf_status apply_finish(store__connection *writer, store__operation *opera
     if (ending->state == RUN_FAILED)
         row->run.error = ending->error;
     BF_TRY(store__charge(writer, row, ending->cpu_s, err));
-    BF_TRY(put_summary(writer, ending, row, err));
+    if (ending->summary != NULL) {
+        row->run.has_summary = true;
+        BF_TRY(store__put_run_text(writer, row, STORE__TEXT_SUMMARY, ending->summary,
+                                   ending->n_summary, &row->n_bytes, err));
+    }
     return store__transition(writer, row, is_last ? RUN_FAILED : ending->state, err);
 }
 
