@@ -11,6 +11,7 @@ import { marksOf, readNumber, writeNumber } from "../../web/src/base/numbers.js"
 import { lineOf } from "../../web/src/board/lines.js";
 import { nameOfThing, rename } from "../../web/src/board/things.js";
 import { PartsLayer } from "../../web/src/player/parts_layer.js";
+import { writeTwice } from "../../web/src/player/scenery.js";
 import { columnsOf, contentOf, differenceOf, distanceOf, fallsOf, fittedShift, flowOf, rateOf, shifted, valueAt } from "../../web/src/plot/series.js";
 import { residenceOf } from "../../web/src/run/key_figures.js";
 import { searchOf } from "../../web/src/runs/search_words.js";
@@ -166,6 +167,19 @@ test("the residence of a thousandth of a part is not told", () => {
   assert.equal(residenceOf({ parts: { left: 0.5 }, residence_s }), 638);
   assert.equal(residenceOf({ residence_s }), 638); // of an earlier version
   assert.equal(residenceOf({ parts: { left: 3 } }), undefined);
+});
+
+test("a label that would stick out at the right or the top of a picture is moved into it", () => {
+  const placeOf = (at) => {
+    let place;
+    const context = { canvas: { width: 600, height: 200 }, measureText: () => ({ width: 40 }), strokeText: () => {}, fillText: (_, ...to) => (place = to) };
+    writeTwice(context, "out", at, "white", "black", 2);
+    return place;
+  };
+  assert.deepEqual(placeOf([100, 50]), [100, 50]);
+  assert.deepEqual(placeOf([590, 50]), [556, 50]); // 40 of text and 4 of its halo before the right side
+  assert.deepEqual(placeOf([100, -12]), [100, 2]);
+  assert.deepEqual(placeOf([610, -30]), [610, -30]); // of what cannot be seen
 });
 
 test("files are called by what they show", () => {

@@ -36,17 +36,19 @@ export function strokeTwice(context, path, { width, color, halo, dash = [] }, ra
   context.setLineDash([]);
 }
 
-// The same for a line of text; at is its upper left corner.
-export function writeTwice(context, text, at, color, halo, ratio) {
+// The same for a line of text; x, y is its upper left corner. What would begin on the canvas, or right above it, and stick out is moved onto it.
+export function writeTwice(context, text, [x, y], color, halo, ratio) {
   context.font = FONT.replace("11", 11 * ratio);
   context.textBaseline = "top";
   context.textAlign = "left";
   context.lineWidth = 3 * ratio;
   context.strokeStyle = halo;
   context.lineJoin = "round";
-  context.strokeText(text, ...at);
+  const [most, high] = [context.canvas.width - context.measureText(text).width - 2 * ratio, 11 * ratio];
+  const place = [x < context.canvas.width ? Math.min(x, most) : x, y > -high ? Math.max(y, ratio) : y];
+  context.strokeText(text, ...place);
   context.fillStyle = color;
-  context.fillText(text, ...at);
+  context.fillText(text, ...place);
 }
 
 function drawAxes(context, view, { x_m, y_m }, colors) {
