@@ -18,19 +18,19 @@ static const double most_moved = 0.25;
 static const double pressed = 1.1;
 
 // Where the field has an obstacle.
-typedef struct place {
-    plate_place at;
+typedef struct placement {
+    plate_displacement displacement;
     double presence; // 1 or 0
-} place;
+} placement;
 
 // An obstacle of the scene.
 typedef struct plate {
-    place place;
+    placement placement;
     double radius;      // plate_range_radius()
     uint64_t n_steps;   // between two loads of its drive; 0: it neither turns nor is shifted
     size_t n_lines;     // 0: it closes nothing
     closed_line *lines; // as in the document
-    vec2 *path;         // at its place
+    vec2 *path;         // as displaced
     scene_rect around;  // holds its path
 } plate;
 
@@ -41,7 +41,7 @@ struct moving_field {
     int8_t *directions;        // of each of them: 1, or -1: it runs backwards; with speeds
     double dt;                 // step of the solver, s
     double edge;               // shorter one of a cell, m
-    scene now; // the same with the plates that are there, at their places, and belts as they run
+    scene now; // the same with the plates that are there, displaced, and belts as they run
     scene_obstacle *obstacles; // of now
     plate_motion *motion;      // of the scene's world, borrowed
     const plate_drive *drives; // same
@@ -49,8 +49,8 @@ struct moving_field {
     velocity_field *field;
     swept_cells *swept;
     scene_rect *changed; // scratch: what holds an obstacle where it was and where it is
-    place *before;       // scratch: where the field had each obstacle
-    place *after;        // scratch: where it has to have it
+    placement *before;   // scratch: where the field had each obstacle
+    placement *after;    // scratch: where it has to have it
 };
 
 static bool add_line(void *context, const closed_line *l)
@@ -81,16 +81,16 @@ static double full_density(const scene *s)
     return s->macro.closure == SCENE_CONGESTED ? s->macro.jam_density : 1.0;
 }
 
-// The places at a time.
-static void find_places(const moving_field *p, double t, place *ret_places)
+// The placements at a time.
+static void find_placements(const moving_field *p, double t, placement *ret_placements)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
-        ret_places[k] = (place){ plate_motion_at(p->motion, k, t),
-                                 plate_motion_is_present(p->motion, k, t) ? 1.0 : 0.0 };
+        ret_placements[k] = (placement){ plate_motion_at(p->motion, k, t),
+                                         plate_motion_is_present(p->motion, k, t) ? 1.0 : 0.0 };
 }
 
-// Makes `now` the scene with these places, and the field that of `now`; all of it, or what has changed.
-static void set_places(moving_field *p, const place *places, bool is_all)
+// Makes `now` the scene with these placements, and the field that of `now`; all of it, or what has changed.
+static void set_placements(moving_field *p, const placement *placements, bool is_all)
 {
     const scene *s = p->scene;
     size_t n_changed = 0;
@@ -98,20 +98,20 @@ static void set_places(moving_field *p, const place *places, bool is_all)
     p->now.n_obstacles = 0;
     for (size_t k = 0; k < s->n_obstacles; k++) {
         plate *of = &p->plates[k];
-        const plate_pose pose = plate_pose_of(&p->motion->obstacles[k], places[k].at);
-        const place before = of->place;
+        const plate_pose pose = plate_pose_of(&p->motion->obstacles[k], placements[k].displacement);
+        const placement before = of->placement;
         const scene_rect was = of->around;
-        of->place = places[k];
+        of->placement = placements[k];
         for (size_t m = 0; m < s->obstacles[k].n_points; m++)
             of->path[m] = plate_pose_move(&pose, s->obstacles[k].path[m]);
         of->around = scene_rect_around(of->path, s->obstacles[k].n_points);
-        if (places[k].presence == 1.0) {
+        if (placements[k].presence == 1.0) {
             p->obstacles[p->now.n_obstacles] = s->obstacles[k];
             p->obstacles[p->now.n_obstacles++].path = of->path;
         }
-        if ((places[k].presence == 1.0 || before.presence == 1.0) &&
-            (places[k].presence != before.presence ||
-             !plate_place_is_same(places[k].at, before.at)))
+        if ((placements[k].presence == 1.0 || before.presence == 1.0) &&
+            (placements[k].presence != before.presence ||
+             !plate_displacement_is_same(placements[k].displacement, before.displacement)))
             p->changed[n_changed++] =
                 (scene_rect){ fmin(was.x_min, of->around.x_min), fmax(was.x_max, of->around.x_max),
                               fmin(was.y_min, of->around.y_min),
@@ -211,9 +211,9 @@ bf_status moving_field_create(const scene *s, bf_world *w, moving_field **ret_fi
         moving_field_destroy(p);
         return status;
     }
-    find_places(p, 0.0, p->after);
+    find_placements(p, 0.0, p->after);
     (void)find_directions(p, 0);
-    set_places(p, p->after, true);
+    set_placements(p, p->after, true);
     *ret_field = p;
     return BF_OK;
 }
@@ -249,8 +249,8 @@ const scene_belt *moving_field_belts(const moving_field *p)
     return p->belts;
 }
 
-// How far a point of an obstacle moves at most from one place to another, m.
-static double way_of(const plate *p, const plate_place *from, const plate_place *to)
+// How far a point of an obstacle moves at most from one displacement to another, m.
+static double way_of(const plate *p, const plate_displacement *from, const plate_displacement *to)
 {
     return p->radius * fabs(to->angle - from->angle) +
            vec2_length(vec2_sub(to->shift, from->shift));
@@ -263,12 +263,13 @@ static bool is_due(const moving_field *p, double t)
 
     for (size_t k = 0; k < p->scene->n_obstacles && !is; k++) {
         const plate *of = &p->plates[k];
-        const place *to = &p->after[k];
-        const double moved = way_of(of, &of->place.at, &to->at);
-        is = to->presence != of->place.presence;
+        const placement *to = &p->after[k];
+        const double moved = way_of(of, &of->placement.displacement, &to->displacement);
+        is = to->presence != of->placement.presence;
         if (!is && to->presence == 1.0 && moved > 0.0)
             is = moved >= most_moved * p->edge ||
-                 plate_place_is_same(to->at, plate_motion_at(p->motion, k, t + p->dt));
+                 plate_displacement_is_same(to->displacement,
+                                            plate_motion_at(p->motion, k, t + p->dt));
     }
     return is;
 }
@@ -277,15 +278,16 @@ static bool is_due(const moving_field *p, double t)
 static bool find_sweep(const moving_field *p, size_t k, swept_cells_plate *ret_sweep)
 {
     const plate *of = &p->plates[k];
-    const place *from = &p->before[k], *to = &p->after[k];
-    const double moved = way_of(of, &from->at, &to->at);
+    const placement *from = &p->before[k], *to = &p->after[k];
+    const double moved = way_of(of, &from->displacement, &to->displacement);
 
-    *ret_sweep = (swept_cells_plate){ .n_lines = of->n_lines,
-                                      .lines = of->lines,
-                                      .before = plate_pose_of(&p->motion->obstacles[k], from->at),
-                                      .after = plate_pose_of(&p->motion->obstacles[k], to->at),
-                                      .turned = to->at.angle - from->at.angle,
-                                      .moved = moved };
+    *ret_sweep =
+        (swept_cells_plate){ .n_lines = of->n_lines,
+                             .lines = of->lines,
+                             .before = plate_pose_of(&p->motion->obstacles[k], from->displacement),
+                             .after = plate_pose_of(&p->motion->obstacles[k], to->displacement),
+                             .turned = to->displacement.angle - from->displacement.angle,
+                             .moved = moved };
     return moved > 0.0 && from->presence == 1.0 && to->presence == 1.0;
 }
 
@@ -313,11 +315,12 @@ static void follow(moving_field *p, size_t k, macro_solver *s)
                                       belt,
                                       moving->radius };
     plate_load load = { .torque = 0.0 };
-    p->before[k] = moving->place;
-    p->after[k] = moving->place;
-    p->after[k].at = plate_motion_told(p->motion, k, until);
+    p->before[k] = moving->placement;
+    p->after[k] = moving->placement;
+    p->after[k].displacement = plate_motion_told(p->motion, k, until);
     if (find_sweep(p, k, &sweep)) {
-        const vec2 shifted = vec2_sub(p->after[k].at.shift, p->before[k].at.shift);
+        const vec2 shifted =
+            vec2_sub(p->after[k].displacement.shift, p->before[k].displacement.shift);
         const double way = vec2_length(shifted);
         const vec2 along = way > 0.0 ? vec2_scale(shifted, 1.0 / way) : shifted;
         const double w = sweep.turned != 0.0 ? copysign(p->drives[k].rate, sweep.turned) : 0.0;
@@ -338,7 +341,7 @@ void moving_field_update(moving_field *p, macro_solver *s)
         if (p->plates[k].n_steps > 0 && macro_steps(s) % p->plates[k].n_steps == 0)
             follow(p, k, s);
     const bool reverses = find_directions(p, macro_steps(s));
-    find_places(p, macro_time(s), p->after);
+    find_placements(p, macro_time(s), p->after);
     if (!is_due(p, macro_time(s))) {
         if (reverses) {
             velocity_field_update(p->field, &p->now, 0, NULL);
@@ -347,9 +350,9 @@ void moving_field_update(moving_field *p, macro_solver *s)
         return;
     }
     for (size_t k = 0; k < of->n_obstacles; k++)
-        p->before[k] = p->plates[k].place;
+        p->before[k] = p->plates[k].placement;
     swept_cells_begin(p->swept, p->field);
-    set_places(p, p->after, reverses);
+    set_placements(p, p->after, reverses);
     for (size_t k = 0; k < of->n_obstacles; k++)
         if (find_sweep(p, k, &sweep))
             swept_cells_mark(p->swept, &sweep);
@@ -362,7 +365,7 @@ void moving_field_update(moving_field *p, macro_solver *s)
 void moving_field_save(const moving_field *p, checkpoint_writer *w)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
-        checkpoint_write(w, &p->plates[k].place, sizeof p->plates[k].place);
+        checkpoint_write(w, &p->plates[k].placement, sizeof p->plates[k].placement);
     if (p->directions != NULL)
         checkpoint_write(w, p->directions, p->scene->n_sections);
 }
@@ -371,8 +374,9 @@ bool moving_field_load(moving_field *p, macro_solver *s, checkpoint_reader *r)
 {
     for (size_t k = 0; k < p->scene->n_obstacles; k++)
         if (!checkpoint_read(r, &p->after[k], sizeof p->after[k]) ||
-            !isfinite(p->after[k].at.angle) || !isfinite(p->after[k].at.shift.x) ||
-            !isfinite(p->after[k].at.shift.y) ||
+            !isfinite(p->after[k].displacement.angle) ||
+            !isfinite(p->after[k].displacement.shift.x) ||
+            !isfinite(p->after[k].displacement.shift.y) ||
             (p->after[k].presence != 0.0 && p->after[k].presence != 1.0))
             return false;
     if (p->directions != NULL && !checkpoint_read(r, p->directions, p->scene->n_sections))
@@ -382,7 +386,7 @@ bool moving_field_load(moving_field *p, macro_solver *s, checkpoint_reader *r)
             return false;
     if (p->directions != NULL)
         set_directions(p);
-    set_places(p, p->after, true);
+    set_placements(p, p->after, true);
     macro_set_field(s, p->field, p->belts);
     return true;
 }

@@ -196,11 +196,11 @@ static bool is_clear_of_piece(const part_index_parts *parts, const part_index_pi
         return true;
     if (piece->moves) {
         // The pose seen from a plate that has moved.
-        const plate_place place = plate_motion_at(motion, piece->obstacle, parts->t);
-        const plate_pose of = plate_pose_of(&motion->obstacles[piece->obstacle], place);
+        const plate_displacement displacement = plate_motion_at(motion, piece->obstacle, parts->t);
+        const plate_pose of = plate_pose_of(&motion->obstacles[piece->obstacle], displacement);
         const plate_pose back = plate_pose_inverse(&of);
         const vec2 at = plate_pose_move(&back, (vec2){ pose.x, pose.y });
-        pose = (scene_pose){ at.x, at.y, pose.heading - place.angle };
+        pose = (scene_pose){ at.x, at.y, pose.heading - displacement.angle };
     }
     return polygon_segment_distance((vec2){ pose.x, pose.y }, c[0], c[1]) > range ||
            !shape_overlaps_polygon(n->footprint, pose, c, 4);

@@ -153,14 +153,14 @@ static bf_status watch_drives(control *c, uint64_t step, figures *to, const run_
         if (!motion->plates[k].moves)
             continue;
         control_drive *told = &c->drives[k];
-        const plate_place place = plate_motion_at(motion, k, t);
+        const plate_displacement displacement = plate_motion_at(motion, k, t);
         const frame_change change = { .type = FRAME_CHANGE_DRIVE,
                                       .item = (uint32_t)k,
                                       .state = plate_drive_state_of(motion, k, t),
-                                      .turn = place.angle,
-                                      .shift = place.shift };
-        const bool is_near = fabs(place.angle - told->turn) < told_turn &&
-                             vec2_length(vec2_sub(place.shift, told->shift)) < told_shift;
+                                      .turn = displacement.angle,
+                                      .shift = displacement.shift };
+        const bool is_near = fabs(displacement.angle - told->turn) < told_turn &&
+                             vec2_length(vec2_sub(displacement.shift, told->shift)) < told_shift;
         if (change.state == told->state && (change.state == PLATE_DRIVE_AS_TOLD || is_near))
             continue;
         if ((change.state == PLATE_DRIVE_STALLED) != (told->state == PLATE_DRIVE_STALLED))

@@ -333,14 +333,14 @@ static size_t place_inlet(const surroundings *around, const scene_feed *f, doubl
     return polygon_convex_hull(corners, 4, ret_corners);
 }
 
-/// Whether a plate meets an inlet at a place.
+/// Whether a plate meets an inlet, with a displacement.
 static bool stands_on(const surroundings *around, const scene_obstacle *o, const vec2 *inlet,
-                      size_t n, plate_place place)
+                      size_t n, plate_displacement displacement)
 {
     vec2 plate[4];
 
     for (size_t m = 0; m + 1 < o->n_points; m++) {
-        plate_pieces_placed(around, o, m, place, plate);
+        plate_pieces_placed(around, o, m, displacement, plate);
         if (polygon_overlaps(inlet, n, plate, 4, SCENE_TOLERANCE))
             return true;
     }
@@ -377,11 +377,11 @@ static bool moves_onto(const surroundings *around, const scene_obstacle *o, cons
             for (int j = 0; j <= n_across; j++) {
                 const double u = i / fmax(n_along, 1.0),
                              v = r->is_line ? u : j / fmax(n_across, 1.0);
-                const plate_place place = {
+                const plate_displacement displacement = {
                     r->least + (r->most - r->least) * k / fmax(n_angles, 1.0),
                     { from.x + (to.x - from.x) * u, from.y + (to.y - from.y) * v }
                 };
-                if (stands_on(around, o, inlet, n, place))
+                if (stands_on(around, o, inlet, n, displacement))
                     return true;
             }
     return false;

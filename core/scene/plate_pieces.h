@@ -12,6 +12,6 @@
 bool plate_pieces_get(const surroundings *around, const scene_obstacle *o, size_t k,
                       vec2 ret_corners[4]);
 
-/// Same of an obstacle at a place, whether it is there or not.
+/// Same of an obstacle with a displacement, whether it is there or not.
 void plate_pieces_placed(const surroundings *around, const scene_obstacle *o, size_t k,
-                         plate_place place, vec2 ret_corners[4]);
+                         plate_displacement displacement, vec2 ret_corners[4]);

@@ -11,10 +11,10 @@
 #include <stdbool.h>
 
 /// How far an obstacle is from where its path is in the document.
-typedef struct plate_place {
+typedef struct plate_displacement {
     double angle; ///< rad
     vec2 shift;   ///< m
-} plate_place;
+} plate_displacement;
 
 /// A rotation about a point and a displacement.
 typedef struct plate_pose {
@@ -24,16 +24,18 @@ typedef struct plate_pose {
     double sin; ///< same
 } plate_pose;
 
-/// True if two places are the same, bit by bit.
-static inline bool plate_place_is_same(plate_place a, plate_place b)
+/// True if two displacements are the same, bit by bit.
+static inline bool plate_displacement_is_same(plate_displacement a, plate_displacement b)
 {
     return a.angle == b.angle && a.shift.x == b.shift.x && a.shift.y == b.shift.y;
 }
 
-/// The pose of an obstacle at a place; at zeros it changes no bit of what it moves.
-static inline plate_pose plate_pose_of(const scene_obstacle *obstacle, plate_place place)
+/// The pose of an obstacle with a displacement; at zeros it changes no bit of what it moves.
+static inline plate_pose plate_pose_of(const scene_obstacle *obstacle,
+                                       plate_displacement displacement)
 {
-    return (plate_pose){ obstacle->pivot, place.shift, cos(place.angle), sin(place.angle) };
+    return (plate_pose){ obstacle->pivot, displacement.shift, cos(displacement.angle),
+                         sin(displacement.angle) };
 }
 
 /// A vector turned by a pose.

@@ -38,18 +38,18 @@ static span find_span(const scene_series *s, double t)
     return (span){ k > 0 ? k - 1 : n - 1, k < n ? k : 0, (in_round - from) / (to - from) };
 }
 
-plate_place plate_schedule_place(const scene_obstacle *o, double t)
+plate_displacement plate_schedule_displacement(const scene_obstacle *o, double t)
 {
-    plate_place place = { .angle = 0.0 };
+    plate_displacement displacement = { .angle = 0.0 };
 
     if (o->turn.n_times == 0)
-        return place;
+        return displacement;
     const span at = find_span(&o->turn, t);
     const double before = o->turn.values[at.before], after = o->turn.values[at.after];
-    place.angle = before + (after - before) * at.part;
+    displacement.angle = before + (after - before) * at.part;
     if (o->n_shifts > 0)
-        place.shift = vec2_between(o->shifts[at.before], o->shifts[at.after], at.part);
-    return place;
+        displacement.shift = vec2_between(o->shifts[at.before], o->shifts[at.after], at.part);
+    return displacement;
 }
 
 bool plate_schedule_is_present(const scene_obstacle *o, double t, double *ret_came)

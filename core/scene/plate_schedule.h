@@ -22,8 +22,8 @@
 /// upon is pushed aside by that time, so that no contact begins with an overlap, whatever its stiffness.
 #define PLATE_SCHEDULE_COMING 0.2
 
-/// The place of an obstacle at a time t >= 0; zeros without a schedule.
-plate_place plate_schedule_place(const scene_obstacle *o, double t);
+/// The displacement of an obstacle at a time t >= 0; zeros without a schedule.
+plate_displacement plate_schedule_displacement(const scene_obstacle *o, double t);
 
 /// Whether it is there at a time t >= 0. *ret_came: since when, or a time more than PLATE_SCHEDULE_COMING before t; -INFINITY: always.
 bool plate_schedule_is_present(const scene_obstacle *o, double t, double *ret_came);

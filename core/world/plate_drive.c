@@ -38,8 +38,8 @@ bool plate_drive_is_needed(const plate_motion *motion, size_t obstacle, double t
 {
     return motion->plates[obstacle].moves &&
            (is_behind(&motion->plates[obstacle].lag) ||
-            !plate_place_is_same(plate_motion_told(motion, obstacle, t),
-                                 plate_motion_told(motion, obstacle, until)) ||
+            !plate_displacement_is_same(plate_motion_told(motion, obstacle, t),
+                                        plate_motion_told(motion, obstacle, until)) ||
             plate_motion_told_extent(motion, obstacle, t) <
                 plate_motion_told_extent(motion, obstacle, until));
 }
@@ -77,9 +77,9 @@ void plate_drive_follow(plate_motion *motion, size_t obstacle, const plate_drive
                         const plate_load *load, double t, double until)
 {
     plate_motion_lag *lag = &motion->plates[obstacle].lag;
-    const plate_place now = plate_motion_at(motion, obstacle, t);
-    const plate_place told = plate_motion_told(motion, obstacle, t);
-    const plate_place next = plate_motion_told(motion, obstacle, until);
+    const plate_displacement now = plate_motion_at(motion, obstacle, t);
+    const plate_displacement told = plate_motion_told(motion, obstacle, t);
+    const plate_displacement next = plate_motion_told(motion, obstacle, until);
     const vec2 extent = { plate_motion_extent(motion, obstacle, t), 0.0 };
     const vec2 told_extent = { plate_motion_told_extent(motion, obstacle, t), 0.0 };
     const vec2 next_extent = { plate_motion_told_extent(motion, obstacle, until), 0.0 };
@@ -102,7 +102,7 @@ static bool stands(const plate_motion_ramp *ramp)
 plate_drive_state plate_drive_state_of(const plate_motion *motion, size_t obstacle, double t)
 {
     const plate_motion_lag *lag = &motion->plates[obstacle].lag;
-    const plate_place told = plate_motion_told(motion, obstacle, t);
+    const plate_displacement told = plate_motion_told(motion, obstacle, t);
     const vec2 left = vec2_sub(lag->shift.to, told.shift);
 
     if ((stands(&lag->angle) && lag->angle.to.x != told.angle) ||

@@ -46,30 +46,30 @@ static vec2 ramp_at(const plate_motion_ramp *r, double t)
 
 // Replaces what has a ramp.
 static void put_ramps(const plate_motion_ramp *angle, const plate_motion_ramp *shift, double t,
-                      plate_place *place)
+                      plate_displacement *displacement)
 {
     if (angle->at < INFINITY)
-        place->angle = ramp_at(angle, t).x;
+        displacement->angle = ramp_at(angle, t).x;
     if (shift->at < INFINITY)
-        place->shift = ramp_at(shift, t);
+        displacement->shift = ramp_at(shift, t);
 }
 
-plate_place plate_motion_told(const plate_motion *motion, size_t obstacle, double t)
+plate_displacement plate_motion_told(const plate_motion *motion, size_t obstacle, double t)
 {
     const plate_motion_command *command = &motion->plates[obstacle].command;
-    plate_place place = plate_schedule_place(&motion->obstacles[obstacle], t);
+    plate_displacement displacement = plate_schedule_displacement(&motion->obstacles[obstacle], t);
 
-    put_ramps(&command->angle, &command->shift, t, &place);
-    return place;
+    put_ramps(&command->angle, &command->shift, t, &displacement);
+    return displacement;
 }
 
-plate_place plate_motion_at(const plate_motion *motion, size_t obstacle, double t)
+plate_displacement plate_motion_at(const plate_motion *motion, size_t obstacle, double t)
 {
     const plate_motion_lag *lag = &motion->plates[obstacle].lag;
-    plate_place place = plate_motion_told(motion, obstacle, t);
+    plate_displacement displacement = plate_motion_told(motion, obstacle, t);
 
-    put_ramps(&lag->angle, &lag->shift, t, &place);
-    return place;
+    put_ramps(&lag->angle, &lag->shift, t, &displacement);
+    return displacement;
 }
 
 static bool find_presence(const plate_motion *motion, size_t obstacle, double t, double *ret_came)
@@ -112,8 +112,8 @@ plate_motion_step plate_motion_in_step(const plate_motion *motion, size_t obstac
     const double from = (double)n_before * dt, to = (double)(n_before + 1) * dt;
     const double extent = plate_motion_extent(motion, obstacle, from);
     const double grown = plate_motion_extent(motion, obstacle, to) - extent;
-    const plate_place before = plate_motion_at(motion, obstacle, from);
-    const plate_place after = plate_motion_at(motion, obstacle, to);
+    const plate_displacement before = plate_motion_at(motion, obstacle, from);
+    const plate_displacement after = plate_motion_at(motion, obstacle, to);
 
     return (plate_motion_step){
         .pose = plate_pose_of(&motion->obstacles[obstacle], before),

@@ -83,11 +83,11 @@ BF_MUST_CHECK bf_status plate_motion_init(plate_motion *ret_motion, size_t n,
 /// Free what *motion owns and zero it.
 void plate_motion_fini(plate_motion *motion);
 
-/// The place of an obstacle at a time t >= 0; zeros of one that does not move.
-plate_place plate_motion_at(const plate_motion *motion, size_t obstacle, double t);
+/// The displacement of an obstacle at a time t >= 0; zeros of one that does not move.
+plate_displacement plate_motion_at(const plate_motion *motion, size_t obstacle, double t);
 
 /// The one that schedule and commands tell it to have.
-plate_place plate_motion_told(const plate_motion *motion, size_t obstacle, double t);
+plate_displacement plate_motion_told(const plate_motion *motion, size_t obstacle, double t);
 
 /// Whether it is there at a time t >= 0; true for one that does not move.
 bool plate_motion_is_present(const plate_motion *motion, size_t obstacle, double t);

@@ -346,7 +346,7 @@ static void make_bent(world *w, int solver, bool is_scheduled)
         return;
     }
     assert_int_equal(plate_motion_init(&motion, 1, &w->plate, NULL), BF_OK);
-    const plate_pose pose = plate_pose_of(&w->plate, (plate_place){ .angle = angles[0] });
+    const plate_pose pose = plate_pose_of(&w->plate, (plate_displacement){ .angle = angles[0] });
     for (int k = 0; k < 3; k++)
         w->path[k] = plate_pose_move(&pose, bent[k]);
     plate_motion_fini(&motion);

@@ -53,7 +53,7 @@ static void an_obstacle_without_motion_stands_as_in_the_document(void **state)
 {
     scene_obstacle o = gate();
     plate_motion motion = motion_of(&o);
-    const plate_pose pose = plate_pose_of(&o, (plate_place){ .angle = 0.0 });
+    const plate_pose pose = plate_pose_of(&o, (plate_displacement){ .angle = 0.0 });
 
     assert_false(motion.is_any);
     ASSERT_ANGLES(&motion, { 0.0, 0.0 }, { 1e6, 0.0 });
@@ -173,7 +173,7 @@ static void it_turns_left_about_its_pivot(void **state)
 {
     scene_obstacle o = gate();
     plate_motion motion = motion_of(&o);
-    const plate_pose pose = plate_pose_of(&o, (plate_place){ .angle = M_PI / 2.0 });
+    const plate_pose pose = plate_pose_of(&o, (plate_displacement){ .angle = M_PI / 2.0 });
     const vec2 pivot = plate_pose_move(&pose, path[0]), end = plate_pose_move(&pose, path[1]);
     const vec2 velocity = plate_pose_velocity(o.pivot, 2.0, (vec2){ 0.5, -1.0 }, path[1]);
 
@@ -184,13 +184,14 @@ static void it_turns_left_about_its_pivot(void **state)
     plate_motion_fini(&motion);
 }
 
-static void assert_place(const plate_motion *motion, double t, double angle, double x, double y)
+static void assert_displacement(const plate_motion *motion, double t, double angle, double x,
+                                double y)
 {
-    const plate_place place = plate_motion_at(motion, 0, t);
+    const plate_displacement displacement = plate_motion_at(motion, 0, t);
 
-    assert_near(place.angle, angle, 1e-14);
-    assert_near(place.shift.x, x, 1e-14);
-    assert_near(place.shift.y, y, 1e-14);
+    assert_near(displacement.angle, angle, 1e-14);
+    assert_near(displacement.shift.x, x, 1e-14);
+    assert_near(displacement.shift.y, y, 1e-14);
 }
 
 static void shifts_are_linear_between_the_times_of_angles(void **state)
@@ -203,12 +204,12 @@ static void shifts_are_linear_between_the_times_of_angles(void **state)
     o.n_shifts = 3;
     plate_motion motion = motion_of(&o);
 
-    assert_place(&motion, 0.5, 0.0, 0.0, 0.0);
-    assert_place(&motion, 1.25, 0.125, 0.0, 0.1);
-    assert_place(&motion, 3.0, 0.0, 1.0, 0.2);
+    assert_displacement(&motion, 0.5, 0.0, 0.0, 0.0);
+    assert_displacement(&motion, 1.25, 0.125, 0.0, 0.1);
+    assert_displacement(&motion, 3.0, 0.0, 1.0, 0.2);
     // From the last place at 4 s to the first one of the next round at 6 s.
-    assert_place(&motion, 5.0, -0.25, 1.0, 0.0);
-    assert_place(&motion, 6.25, 0.125, 0.0, 0.1);
+    assert_displacement(&motion, 5.0, -0.25, 1.0, 0.0);
+    assert_displacement(&motion, 6.25, 0.125, 0.0, 0.1);
     // Over [1.25, 2.5]: by 0.3 up, then by 0.5 along and 0.1 down.
     const plate_motion_step step = plate_motion_in_step(&motion, 0, 1, 1.25, 0.0);
     assert_near(step.velocity.x, 0.5 / 1.25, 1e-15);
@@ -245,11 +246,11 @@ static void a_shift_is_commanded_from_where_the_plate_is(void **state)
 
     plate_motion_command_shift(&motion, 0, 2.0, (vec2){ 1.0, 0.0 }, 0.5);
     // Its angles go on by the schedule.
-    assert_place(&motion, 2.0, 0.5, 0.0, 0.4);
-    assert_place(&motion, 2.25, 0.5625, 0.5, 0.2);
+    assert_displacement(&motion, 2.0, 0.5, 0.0, 0.4);
+    assert_displacement(&motion, 2.25, 0.5625, 0.5, 0.2);
     plate_motion_command_shift(&motion, 0, 2.25, (vec2){ 0.0, 0.0 }, 1.0);
-    assert_place(&motion, 2.75, 0.6875, 0.25, 0.1);
-    assert_place(&motion, 9.0, 1.0, 0.0, 0.0);
+    assert_displacement(&motion, 2.75, 0.6875, 0.25, 0.1);
+    assert_displacement(&motion, 9.0, 1.0, 0.0, 0.0);
     plate_motion_fini(&motion);
 }
 
