@@ -6,7 +6,8 @@ import test, { after } from "node:test";
 
 import { closeBrowser, numberIn, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
-import { jam } from "./scenarios.mjs";
+import { longJam } from "./micro.mjs";
+import { endless, jam } from "./scenarios.mjs";
 import { until } from "./setup.mjs";
 
 after(closeBrowser);
@@ -260,6 +261,24 @@ test("one request gets several pictures that follow each other", async (t) => {
   // The first ones come one by one, so that something is shown soon; 48 are fetched ahead.
   await until(() => asked.reduce((sum, n) => sum + n, 0) >= 48, "48 pictures to be asked for");
   assert.ok(asked.length <= 20, `${asked.length} requests: ${asked}`);
+});
+
+test("the columns of parts are asked for once while the answer is on its way, whatever snapshots come", async (t) => {
+  const d = await daemon(t);
+  const first = await d.submit(endless());
+  const run = await d.submit(longJam(), { model: "micro" });
+  const page = await openPage(t, d);
+  const held = [];
+  await page.route("**/snapshots", (route) => void held.push(route));
+  await visit(page, `#/runs/${run.id}`);
+  await page.locator(".pill", { hasText: "queued" }).first().waitFor();
+  await d.post(`/v1/runs/${first.id}/cancel`, "");
+  await d.reached(run.id, "succeeded");
+  await page.locator(".verdict", { hasText: "192 of 192 parts are still on the belt" }).waitFor(); // what comes with the end
+  assert.equal(held.length, 1);
+
+  await held[0].continue();
+  await page.waitForFunction(() => performance.getEntriesByName("first-frame").length > 0);
 });
 
 test("on a slow connection every picture that is asked for arrives, and the clock of a live run is its time", async (t) => {

@@ -21,6 +21,7 @@ export class RunData {
     this.grid = null; // { origin_m, cell_m, shape }; not known before there is a snapshot
     this.parts = null; // { rows, columns, cargo }
     this.snapshots = [];
+    this.columns = null; // what loads the columns of parts, while it does
     this.curve = { t: [], columns: new Map() };
     this.actions = []; // that photo eyes commanded, { t_s, action }
     this.drives = []; // of obstacles that cargo holds back, { t_s, obstacle, state, turn_deg, shift_m }
@@ -114,17 +115,24 @@ export class RunData {
     }
   }
 
-  // The columns of parts come with the list, which is asked for until it has come.
   async takeSnapshot(event) {
     if (this.snapshots.length > event.n) return;
     this.snapshots.push(event);
     if (!this.grid) this.gridOfShape(event.shape);
     if (!event.parts_url || this.parts) return;
+    this.columns ??= this.loadColumns();
+    await this.columns;
+  }
+
+  // The columns of parts come with the list, which is asked for until it has come; not again while an answer is on its way.
+  async loadColumns() {
     try {
       const { parts, kinds } = await getJson(paths.of(this.id, "snapshots"));
       if (parts) this.takeParts(parts, kinds);
     } catch (error) {
       if (error.status === undefined) throw error; // an answer that did not come, or was refused: the next snapshot asks again
+    } finally {
+      this.columns = null;
     }
   }
 
