@@ -20,18 +20,20 @@ const char *const prediction_kind_words[] = { "roe",
 
 /// Seconds for each amount. tests/bench/prediction.py fits them, and says how far off predictions are.
 static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
-    [PREDICTION_ROE] = { [PREDICTION_ROW_STEPS] = 5.96e-08,
-                         [PREDICTION_CELL_STEPS] = 1.11e-10,
-                         [PREDICTION_COVERED_STEPS] = 8.92e-10,
-                         [PREDICTION_SATURATED_STEPS] = 1.27e-09,
-                         [PREDICTION_SAMPLE_CELLS] = 1.19e-08,
-                         [PREDICTION_TRACER_STEPS] = 9.07e-08 },
-    [PREDICTION_MUSCL] = { [PREDICTION_ROW_STEPS] = 9.05e-08,
-                           [PREDICTION_CELL_STEPS] = 8.24e-10,
-                           [PREDICTION_COVERED_STEPS] = 1.74e-09,
-                           [PREDICTION_SATURATED_STEPS] = 2.38e-09,
-                           [PREDICTION_SAMPLE_CELLS] = 1.46e-08,
-                           [PREDICTION_TRACER_STEPS] = 6.93e-08 },
+    [PREDICTION_ROE] = { [PREDICTION_ROW_STEPS] = 2.80e-08,
+                         [PREDICTION_SWEPT] = 3.21e-10,
+                         [PREDICTION_VARIED] = 4.21e-09,
+                         [PREDICTION_DISPERSED] = 3.43e-10,
+                         [PREDICTION_RECORDED] = 9.85e-10,
+                         [PREDICTION_SAMPLE_CELLS] = 1.73e-08,
+                         [PREDICTION_TRACER_STEPS] = 5.64e-08 },
+    [PREDICTION_MUSCL] = { [PREDICTION_ROW_STEPS] = 6.29e-08,
+                           [PREDICTION_SWEPT] = 5.81e-10,
+                           [PREDICTION_VARIED] = 4.27e-09,
+                           [PREDICTION_DISPERSED] = 2.59e-10,
+                           [PREDICTION_RECORDED] = 1.10e-09,
+                           [PREDICTION_SAMPLE_CELLS] = 2.13e-08,
+                           [PREDICTION_TRACER_STEPS] = 4.76e-08 },
     [PREDICTION_CONGESTED] = { [PREDICTION_RUN] = 2.66e-03,
                                [PREDICTION_STEPS] = 2.16e-06,
                                [PREDICTION_ROW_STEPS] = 8.94e-08,
@@ -69,6 +71,9 @@ static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
                                       [PREDICTION_PAIR_STEPS] = 6.17e-07 },
 };
 
+// What recording the velocity of a cell whose I is made costs, by that of others.
+static const double dispersed_cost = 8.0;
+
 static prediction_kind kind_of_micro(const micro_def *def)
 {
     const bool is_implicit = def->integrator == MICRO_IMPLICIT;
@@ -104,10 +109,6 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     const bf_grid grid = scene_grid(s);
     const double steps = load->time / scene_macro_step(s);
     const double cells = steps / (grid.d1 * grid.d2) / load->time;
-    const bool is_everywhere = s->macro.heaviside != SCENE_HEAVISIDE_SHARP;
-    const double area = grid.d1 * grid.d2 * (double)grid_cells(&grid) * load->time;
-    // On a single belt without plates a heap goes on as dense as it was placed.
-    const bool may_jam = s->n_obstacles > 0 || s->n_sections > 1;
     double *amounts = work->amounts;
 
     work->kind = s->macro.closure == SCENE_CONGESTED     ? PREDICTION_CONGESTED
@@ -116,7 +117,6 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     amounts[PREDICTION_STEPS] = steps;
     amounts[PREDICTION_ROW_STEPS] = (double)grid.n2 * steps;
     amounts[PREDICTION_CELL_STEPS] = (double)grid_cells(&grid) * steps;
-    amounts[PREDICTION_COVERED_STEPS] = load->area * cells;
     amounts[belt_are_forward(s->n_sections, s->belts) ? PREDICTION_RELAXED : PREDICTION_COUPLED] =
         work->kind == PREDICTION_CONGESTED ? load->relaxed : 0.0;
     amounts[PREDICTION_FIELD_CELLS] = load->fields * (double)grid_cells(&grid);
@@ -127,12 +127,15 @@ static void set_macro(const scene *s, const prediction_load *load, prediction_wo
     if (scene_tells_kinds(s))
         amounts[PREDICTION_KIND_STEPS] =
             (double)s->n_cargo * (load->area + load->saturated_area) * cells;
-    if (work->kind != PREDICTION_CONGESTED)
-        amounts[PREDICTION_SATURATED_STEPS] =
-            (is_everywhere ? area
-             : may_jam     ? load->saturated_area
-                           : 0.0) *
-            cells * mollifier_reach(s->macro.mollifier, scene_cell_edge(s));
+    if (work->kind == PREDICTION_CONGESTED)
+        amounts[PREDICTION_COVERED_STEPS] = load->area * cells;
+    amounts[PREDICTION_SWEPT] = load->swept;
+    amounts[PREDICTION_VARIED] = load->varied;
+    amounts[PREDICTION_DISPERSED] =
+        load->dispersed * mollifier_reach(s->macro.mollifier, scene_cell_edge(s));
+    if (work->kind != PREDICTION_CONGESTED && s->n_feeds > 0)
+        amounts[PREDICTION_RECORDED] =
+            amounts[PREDICTION_CELL_STEPS] + dispersed_cost * load->dispersed;
 }
 
 static bf_status set_micro(const scene *s, const prediction_load *load, prediction_work *work,
@@ -169,7 +172,7 @@ bf_status prediction_work_of(const scene *s, run_model model, prediction_work *r
 {
     prediction_load load;
 
-    bf_status status = prediction_load_of(s, &load, err);
+    bf_status status = prediction_load_of(s, model, &load, err);
     if (status != BF_OK)
         return status;
     *ret_work = (prediction_work){ .kind = PREDICTION_KIND_COUNT };

@@ -36,9 +36,12 @@ typedef enum prediction_term {
     PREDICTION_STEPS,          ///< of time
     PREDICTION_ROW_STEPS,      ///< rows of the grid times steps
     PREDICTION_CELL_STEPS,     ///< cells times steps
-    PREDICTION_COVERED_STEPS,  ///< of them, cells that cargo covers
-    PREDICTION_SATURATED_STEPS, ///< dispersive closure: of them, cells of a jam times the cells that the mollifier
-                                ///< reaches over
+    PREDICTION_COVERED_STEPS,  ///< congested closure: of them, cells that cargo covers
+    PREDICTION_SWEPT, ///< dispersive closure: cells that the sweeps go over, each time that they do
+    PREDICTION_VARIED, ///< same: of them, those whose fluxes are not those of one velocity
+    PREDICTION_DISPERSED, ///< same: of them, those whose I is made, times the cells that the mollifier reaches over
+    PREDICTION_RECORDED, ///< same, with feeds, whose velocities are recorded: cells times steps; those whose I is made eight
+    ///< times more
     PREDICTION_RELAXED, ///< congested closure: cells whose pressure is relaxed, each time that one is
     PREDICTION_COUPLED,      ///< same, where belts do not all run along x1
     PREDICTION_FIELD_CELLS,  ///< cells of all fields that plates and belts have made anew

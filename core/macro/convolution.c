@@ -191,6 +191,7 @@ void macro__dispersion_make(macro_band *band, ptrdiff_t r)
     }
     if (any == 0)
         return;
+    band->swept.dispersed += block_set_count(missing, macro__words(s)) * BLOCK_CELLS;
     fill_ring(band, r + s->across.reach);
     make_unexpected(band, r);
     const window seen = window_of(band, r);

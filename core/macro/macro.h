@@ -72,13 +72,21 @@ typedef struct macro_def {
 /// A running solver; opaque, on the heap.
 typedef struct macro_solver macro_solver;
 
+/// Cells that the sweeps of the closure `dispersive` went over since the solver was made, in whole blocks, each time that they did.
+typedef struct macro_swept {
+    double all;       ///< cells, those without cargo between others included
+    double varied;    ///< of them, those whose fluxes along x1 are not those of one velocity
+    double dispersed; ///< cells whose I was made
+} macro_swept;
+
 /// Mass and peak of the density at one time, and what took time since the solver was made.
 typedef struct macro_totals {
-    double mass;     ///< integral of rho over the grid, m2
-    double peak;     ///< largest rho
-    double fallen;   ///< integral of what fell since t = 0, m2
-    double relaxed;  ///< cells whose pressure was relaxed, each time that one was
-    double n_fields; ///< times that it was given another field
+    double mass;       ///< integral of rho over the grid, m2
+    double peak;       ///< largest rho
+    double fallen;     ///< integral of what fell since t = 0, m2
+    double relaxed;    ///< cells whose pressure was relaxed, each time that one was
+    double n_fields;   ///< times that it was given another field
+    macro_swept swept; ///< zeros with the closure `congested`
 } macro_totals;
 
 /// A point that moves with the cargo and stands for a portion of it (tracers.h).

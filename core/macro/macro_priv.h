@@ -76,6 +76,7 @@ typedef struct macro_band {
     const macro_solver *solver; ///< whose
     ptrdiff_t first;            ///< first row
     ptrdiff_t last;             ///< row after the last
+    macro_swept swept;          ///< by its sweeps
     char *bytes;                ///< of all that follows
     uint64_t *expected;   ///< per row of the grid: blocks whose I this step will probably need
     uint64_t *near;       ///< at j + S: blocks that the rows within S of row j expect

@@ -54,7 +54,7 @@ static inline block_span skip_grow_span(const macro_solver *s, block_span span, 
 }
 
 /// Set band->special: the blocks of row r whose x1 fluxes are made one by one, because a face has another
-/// velocity than the free belt or I may not be zero there.
+/// velocity than the free belt or I may not be zero there. Counts all cells of the span, and these.
 static inline void skip_find_special(macro_band *band, ptrdiff_t r, block_span span)
 {
     const macro_solver *s = band->solver;
@@ -66,6 +66,8 @@ static inline void skip_find_special(macro_band *band, ptrdiff_t r, block_span s
         band->special[w] = (faces | faces << 1 | carry) & block_set_span_word(span, w);
         carry = faces >> 63;
     }
+    band->swept.all += (double)((span.last - span.first) * BLOCK_CELLS);
+    band->swept.varied += block_set_count(band->special, macro__words(s)) * BLOCK_CELLS;
 }
 
 /// Set band->flux2_set of the faces between rows r - 1 and r, and clear the flux in blocks that leave the set.

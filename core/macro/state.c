@@ -199,6 +199,11 @@ macro_totals macro_measure(const macro_solver *s)
                             .relaxed = s->congested != NULL ? congested_relaxed(s) : 0.0,
                             .n_fields = (double)s->n_fields };
 
+    for (int k = 0; k < s->n_bands; k++) {
+        totals.swept.all += s->bands[k].swept.all;
+        totals.swept.varied += s->bands[k].swept.varied;
+        totals.swept.dispersed += s->bands[k].swept.dispersed;
+    }
     for (size_t j = 0; j < g->n2; j++)
         if (s->now.span[j].first < s->now.span[j].last)
             totals.peak = fmax(totals.peak, peak_of_row(macro_row(s, j), g->n1));

@@ -480,7 +480,10 @@ static run_load measure_run(const void *solver)
                        .smooth_peak = totals.peak,
                        .relaxed = totals.relaxed,
                        .n_fields = totals.n_fields,
-                       .n_tracers = (double)n_tracers };
+                       .n_tracers = (double)n_tracers,
+                       .swept = totals.swept.all,
+                       .varied = totals.swept.varied,
+                       .dispersed = totals.swept.dispersed };
 }
 
 // What density thins out to without end is no cargo that has a time.

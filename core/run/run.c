@@ -71,7 +71,12 @@ run_work run_work_of(const run *r)
 {
     const run_load load = r->backend->measure(r->solver);
 
-    return (run_work){ load.relaxed, load.n_fields, load.n_tracers };
+    return (run_work){ .relaxed = load.relaxed,
+                       .n_fields = load.n_fields,
+                       .n_tracers = load.n_tracers,
+                       .swept = load.swept,
+                       .varied = load.varied,
+                       .dispersed = load.dispersed };
 }
 
 double run_left(double came, double inside, double fallen)

@@ -87,6 +87,9 @@ typedef struct run_work {
     double relaxed;   ///< cells whose pressure was relaxed, each time that one was
     double n_fields;  ///< fields that plates and belts have made anew
     double n_tracers; ///< tracers of cargo's time that there are
+    double swept;     ///< cells that sweeps went over (core/macro/macro.h, macro_swept)
+    double varied;    ///< same
+    double dispersed; ///< same
 } run_work;
 
 run_work run_work_of(const run *r);

@@ -43,6 +43,7 @@ typedef struct run_load {
     double smooth_peak; ///< same by a mollifier that is no narrower than a part
     uint64_t n_rows;    ///< rows of FRAME_PARTS, see frame_parts
     double relaxed, n_fields, n_tracers; ///< of run_work; 0 where the model has none
+    double swept, varied, dispersed;     ///< same
 } run_load;
 
 /// A part that left the domain, or fell off the belts.

@@ -24,8 +24,8 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build/release/bench/bench_prediction"
 KINDS = ["roe", "muscl", "congested", "planar_verlet", "planar_implicit", "spatial_verlet", "spatial_implicit"]
-TERMS = ["RUN", "CELLS", "SNAPSHOT_CELLS", "STEPS", "ROW_STEPS", "CELL_STEPS", "COVERED_STEPS", "SATURATED_STEPS",
-         "RELAXED", "COUPLED", "FIELD_CELLS", "SAMPLE_CELLS", "TRACER_STEPS", "KIND_STEPS", "SPREAD_CELLS",
+TERMS = ["RUN", "CELLS", "SNAPSHOT_CELLS", "STEPS", "ROW_STEPS", "CELL_STEPS", "COVERED_STEPS", "SWEPT", "VARIED",
+         "DISPERSED", "RECORDED", "RELAXED", "COUPLED", "FIELD_CELLS", "SAMPLE_CELLS", "TRACER_STEPS", "KIND_STEPS", "SPREAD_CELLS",
          "SAMPLE_PARTS", "PART_STEPS", "ROUND_STEPS", "PAIR_STEPS", "LISTED_PAIRS"]
 SEEDS_OF_FIT, SEED_OF_JUDGEMENT = range(11, 17), 2
 BOUND = 1.25

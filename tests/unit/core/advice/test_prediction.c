@@ -37,12 +37,17 @@ static void check_scene(scene *s, run_model model)
         fail_msg("%s: %s", faults.items[0].pointer, faults.items[0].text);
 }
 
-static prediction_load load_of(scene *s)
+static prediction_load load_of(scene *s, run_model model)
 {
     prediction_load load;
 
-    assert_int_equal(prediction_load_of(s, &load, NULL), BF_OK);
+    assert_int_equal(prediction_load_of(s, model, &load, NULL), BF_OK);
     return load;
+}
+
+static bf_status take(void *context, const frame *f, bf_error *err)
+{
+    return BF_OK;
 }
 
 static void test_parts_that_leave_stop_to_count(void **state)
@@ -51,7 +56,7 @@ static void test_parts_that_leave_stop_to_count(void **state)
 
     make_scene(&s, 8.0);
     check_scene(&s, RUN_MICRO);
-    const prediction_load load = load_of(&s);
+    const prediction_load load = load_of(&s, RUN_MICRO);
     // Part k is there until it has gone from its place to x = 2 m; the mean place is 0.2 m + 4.5 * 0.03 m.
     const double expected = ROWS * COLUMNS * (2.0 - 0.335) / 0.5;
     assert_near(load.parts, expected, 0.03 * expected);
@@ -68,7 +73,7 @@ static void test_parts_that_jam_count_to_the_end(void **state)
     make_scene(&s, 8.0);
     helper_scene_add_obstacle(&s, across, 2, SCENE_SEALED);
     check_scene(&s, RUN_MICRO);
-    const prediction_load load = load_of(&s);
+    const prediction_load load = load_of(&s, RUN_MICRO);
     assert_near(load.parts, 8.0 * ROWS * COLUMNS, 0.02 * 8.0 * ROWS * COLUMNS);
     // They reach the plate after 1.8 s to 2.4 s, and are saturated soon after that.
     assert_true(load.saturated > 0.5 * 5.0 * ROWS * COLUMNS && load.saturated < load.parts);
@@ -83,7 +88,7 @@ static void test_a_long_run_is_followed_for_a_part_of_it(void **state)
     helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
     s.output.curve_every = s.output.snapshot_every = 1.0;
     check_scene(&s, RUN_MACRO);
-    const prediction_load load = load_of(&s);
+    const prediction_load load = load_of(&s, RUN_MACRO);
     // 20 parts/s that take 4 s each.
     assert_near(load.parts / 10000.0, 80.0, 4.0);
     scene_fini(&s);
@@ -99,11 +104,12 @@ static void test_a_queue_that_grows_all_the_time_is_followed_to_the_end(void **s
 
     make_scene(&s, 150.0);
     s.initial.type = SCENE_INITIAL_EMPTY;
+    s.macro.closure = SCENE_CONGESTED;
     helper_scene_add_obstacle(&s, across, 2, SCENE_SEALED);
     helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 5.0);
     s.output.curve_every = s.output.snapshot_every = 1.0;
     check_scene(&s, RUN_MACRO);
-    const prediction_load load = load_of(&s);
+    const prediction_load load = load_of(&s, RUN_MACRO);
     assert_near(load.parts, expected, 0.03 * expected);
     assert_true(load.saturated > 0.7 * expected && load.saturated < load.parts);
     scene_fini(&s);
@@ -118,7 +124,7 @@ static void test_fields_are_made_while_plates_move(void **state)
     make_scene(&s, 8.0);
     helper_scene_add_obstacle(&s, flap, 2, SCENE_SEALED);
     check_scene(&s, RUN_MACRO);
-    assert_true(load_of(&s).fields == 0.0);
+    assert_true(load_of(&s, RUN_MACRO).fields == 0.0);
     scene_fini(&s);
     make_scene(&s, 8.0);
     helper_scene_add_obstacle(&s, flap, 2, SCENE_SEALED);
@@ -126,7 +132,7 @@ static void test_fields_are_made_while_plates_move(void **state)
     check_scene(&s, RUN_MACRO);
     // The flap's tip goes by 0.2 m * 0.5, of which each quarter of a cell asks for one: at most one step late.
     const double expected = 0.1 / (0.25 * 0.01);
-    const double fields = load_of(&s).fields;
+    const double fields = load_of(&s, RUN_MACRO).fields;
     assert_true(fields > 0.5 * expected && fields < 1.2 * expected);
     scene_fini(&s);
 }
@@ -137,14 +143,53 @@ static void test_tracers_are_there_while_cargo_is_fed(void **state)
 
     make_scene(&s, 8.0);
     check_scene(&s, RUN_MACRO);
-    assert_true(load_of(&s).tracers == 0.0);
+    assert_true(load_of(&s, RUN_MACRO).tracers == 0.0);
     scene_fini(&s);
     make_scene(&s, 100.0);
     helper_scene_add_feed(&s, SCENE_WEST, SCENE_ARRIVALS_REGULAR, 20.0);
     check_scene(&s, RUN_MACRO);
     // A thousand of what is fed in 100 s, each for the 4 s of its way.
     const double expected = 1024.0 * 4.0;
-    assert_near(load_of(&s).tracers, expected, 0.3 * expected);
+    assert_near(load_of(&s, RUN_MACRO).tracers, expected, 0.3 * expected);
+    scene_fini(&s);
+}
+
+// What the run on coarse cells foresees of its cells is what the run itself goes over.
+static void test_sweeps_are_foreseen(void **state)
+{
+    static const scene_scheme schemes[] = { SCENE_SCHEME_ROE, SCENE_SCHEME_MUSCL };
+    const vec2 across[] = { { 1.5, 0.0 }, { 1.5, 0.48 } };
+    const run_sink sink = { NULL, take, NULL };
+
+    for (size_t k = 0; k < sizeof schemes / sizeof *schemes; k++) {
+        run *r = NULL;
+        scene s;
+        make_scene(&s, 8.0);
+        s.macro.scheme = schemes[k];
+        helper_scene_add_obstacle(&s, across, 2, SCENE_SEALED);
+        check_scene(&s, RUN_MACRO);
+        const prediction_load load = load_of(&s, RUN_MACRO);
+        assert_int_equal(run_create(&s, RUN_MACRO, 1, &r, NULL), BF_OK);
+        assert_int_equal(run_execute(r, &sink, NULL), BF_OK);
+        const run_work work = run_work_of(r);
+        run_destroy(r);
+        assert_true(work.dispersed > 0.0);
+        assert_near(load.swept, work.swept, 0.1 * work.swept);
+        assert_near(load.varied, work.varied, 0.25 * work.varied);
+        assert_near(load.dispersed, work.dispersed, 0.5 * work.dispersed);
+        scene_fini(&s);
+    }
+}
+
+// Where nothing is saturated no I is made, and on a belt of one velocity no cell's fluxes are made one by one.
+static void test_loose_cargo_is_carried_by_one_velocity(void **state)
+{
+    scene s;
+
+    make_scene(&s, 2.0);
+    check_scene(&s, RUN_MACRO);
+    const prediction_load load = load_of(&s, RUN_MACRO);
+    assert_true(load.swept > 0.0 && load.dispersed == 0.0 && load.varied == 0.0);
     scene_fini(&s);
 }
 
@@ -295,6 +340,8 @@ int main(void)
         cmocka_unit_test(test_a_queue_that_grows_all_the_time_is_followed_to_the_end),
         cmocka_unit_test(test_fields_are_made_while_plates_move),
         cmocka_unit_test(test_tracers_are_there_while_cargo_is_fed),
+        cmocka_unit_test(test_sweeps_are_foreseen),
+        cmocka_unit_test(test_loose_cargo_is_carried_by_one_velocity),
         cmocka_unit_test(test_kinds_count_where_they_are_told_apart),
         cmocka_unit_test(test_results_of_parts_cost_by_parts),
         cmocka_unit_test(test_lists_are_made_by_the_way_of_the_belt),
