@@ -467,15 +467,30 @@ static double way_to_next_belt(const measuring *m, vec2 tip, vec2 belt)
     return INFINITY;
 }
 
-/// How far the end of a plate stands off the wall that the plate begins at, m; INFINITY: it begins at none, or ends at one.
-static double off_its_wall(const measuring *m, size_t k, vec2 tip)
+/// How far the downstream end of piece k stands off the wall that its plate begins at, m; either end of one at right angles to the belt.
+/// INFINITY: the plate begins at none, the end is at one, or a piece that deflects goes on from it.
+static double off_its_wall(const measuring *m, size_t k)
 {
-    double off = INFINITY;
+    const piece *p = &m->pieces[k];
+    const double slide = vec2_dot(p->along, p->belt), level = RIGHT_ANGLE * vec2_length(p->belt);
+    const struct {
+        vec2 at;
+        bool is_downstream;
+        size_t next; // beyond all pieces before the first one
+    } ends[] = { { p->start, slide <= level, k - 1 }, { p->end, slide >= -level, k + 1 } };
+    double least = INFINITY;
 
-    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++)
-        if (is_wall(m, side) && body_of(m, k) == body_of_side(m, side))
-            off = fmin(off, -surroundings_excess(&m->around, side, tip));
-    return off > m->closed_gap ? off : INFINITY;
+    for (int e = 0; e < 2; e++) {
+        const piece *next = ends[e].next < m->n ? &m->pieces[ends[e].next] : NULL;
+        const bool goes_on = next != NULL && next->obstacle == p->obstacle && next->deflects;
+        double off = INFINITY;
+        for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++)
+            if (is_wall(m, side) && body_of(m, k) == body_of_side(m, side))
+                off = fmin(off, -surroundings_excess(&m->around, side, ends[e].at));
+        if (ends[e].is_downstream && !goes_on && off > m->closed_gap)
+            least = fmin(least, off);
+    }
+    return least;
 }
 
 static void measure_plates(const measuring *m, layout *out)
@@ -506,9 +521,8 @@ static void measure_plates(const measuring *m, layout *out)
             continue;
         if (way < out->run_out.value)
             out->run_out = (layout_figure){ way, p->obstacle };
-        const scene_obstacle *o = &m->s->obstacles[p->obstacle];
-        const double off = off_its_wall(m, k, tip);
-        if ((p->index == 0 || p->index + 2 == o->n_points) && off < out->short_end.value)
+        const double off = off_its_wall(m, k);
+        if (off < out->short_end.value)
             out->short_end = (layout_figure){ off, p->obstacle };
         const double next = way_to_next_belt(m, tip, p->belt);
         if (next < out->next_belt.value)

@@ -18,7 +18,8 @@
 ///              the domain ends
 ///     next belt    the way along the belt from such an end to where a straight belt of another velocity begins, half a radius of the
 ///              largest part long or longer
-///     short end    how far the downstream end of the first or last piece of a plate stands off the wall that the plate begins at
+///     short end    how far the downstream end of a plate, or of what deflects cargo before a bend along the belt, stands off the wall that
+///              the plate begins at
 ///
 /// Plates are solid with their thickness, and are looked at as far as they lie in the domain, or beyond a
 /// side where cargo flows in. Pieces along their belt are guides: they bound openings and deflect nothing. A gap at a wall of at most half a

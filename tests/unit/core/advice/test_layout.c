@@ -184,6 +184,35 @@ static void the_next_belt_begins_where_another_velocity_does(void **state)
     }
 }
 
+// Plates of 45, 90 and 63.43 degrees that begin at y = 0 m; one that goes on behind a bend at y = 0.01 m ends at 0.4 m, or at 0.01 m if it
+// goes on along the belt. The last one begins at no wall.
+static void the_end_of_a_plate_stands_off_the_wall_that_the_plate_begins_at(void **state)
+{
+    static const struct {
+        size_t n;
+        vec2 path[3];
+        double off;
+    } cases[] = { { 2, { { 0.4, 0.0 }, { 0.41, 0.01 } }, 0.01 },
+                  { 2, { { 0.41, 0.01 }, { 0.4, 0.0 } }, 0.01 },
+                  { 2, { { 0.4, 0.0 }, { 0.4, 0.01 } }, 0.01 },
+                  { 2, { { 0.4, 0.01 }, { 0.4, 0.0 } }, 0.01 },
+                  { 3, { { 0.4, 0.0 }, { 0.41, 0.01 }, { 0.605, 0.4 } }, 0.4 },
+                  { 3, { { 0.605, 0.4 }, { 0.41, 0.01 }, { 0.4, 0.0 } }, 0.4 },
+                  { 3, { { 0.4, 0.0 }, { 0.41, 0.01 }, { 0.6, 0.01 } }, 0.01 },
+                  { 2, { { 0.4, 0.1 }, { 0.6, 0.3 } }, INFINITY } };
+
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene s;
+        make_belt(&s, east[0], east[1]);
+        helper_scene_add_obstacle(&s, cases[k].path, cases[k].n, SCENE_SEALED);
+        const layout of = measure(&s);
+        if (isinf(cases[k].off))
+            assert_true(isinf(of.short_end.value));
+        else
+            assert_near(of.short_end.value, cases[k].off, 1e-12);
+    }
+}
+
 // 45 degrees up to (0.6, 0.2), then atan 2 = 63.43 degrees, up to (0.7, 0.4); the tip is 0.2 m off the wall.
 static void a_bent_plate_has_the_angles_of_its_pieces(void **state)
 {
@@ -542,6 +571,7 @@ int main(void)
         cmocka_unit_test(plates_are_staggered_by_how_far_one_is_downstream_of_the_other),
         cmocka_unit_test(the_belt_behind_a_plate_ends_at_the_first_open_side),
         cmocka_unit_test(the_next_belt_begins_where_another_velocity_does),
+        cmocka_unit_test(the_end_of_a_plate_stands_off_the_wall_that_the_plate_begins_at),
         cmocka_unit_test(a_bent_plate_has_the_angles_of_its_pieces),
         cmocka_unit_test(angles_are_those_to_the_belt),
         cmocka_unit_test(a_belt_may_run_in_any_direction),
