@@ -345,7 +345,7 @@ void scene__check_photo_eyes(const scene *s, bf_faults *faults)
 typedef struct target_rule {
     const char *name;      ///< of the member that names the target
     const char *value;     ///< and of that with the value
-    const bf_range *range; ///< of the value; NULL: it is a displacement
+    const bf_range *range; ///< of the value; NULL: it is a shift
 } target_rule;
 
 static const target_rule targets[SCENE_ACTION_COUNT] = {

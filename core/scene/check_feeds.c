@@ -353,8 +353,8 @@ static int steps_on(double way, double step, int most)
     return (int)fmin(ceil(way / step), (double)most);
 }
 
-/// Whether a plate meets an inlet at an angle and a displacement of its range, looked for in steps by which its ends move by less than
-/// `step`, m, where SWINGS_MAX and MOVES_MAX allow so many. Displacements are those of a line, or of the box that they span.
+/// Whether a plate meets an inlet at an angle and a shift of its range, looked for in steps by which its ends move by less than
+/// `step`, m, where SWINGS_MAX and MOVES_MAX allow so many. Shifts are those of a line, or of the box that they span.
 static bool moves_onto(const surroundings *around, const scene_obstacle *o, const vec2 *inlet,
                        size_t n, const plate_range *r, double step)
 {

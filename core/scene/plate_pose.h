@@ -16,7 +16,7 @@ typedef struct plate_displacement {
     vec2 shift;   ///< m
 } plate_displacement;
 
-/// A rotation about a point and a displacement.
+/// A rotation about a point, then a shift.
 typedef struct plate_pose {
     vec2 pivot; ///< as in the document, m
     vec2 shift; ///< m

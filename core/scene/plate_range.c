@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-// Calls a function for each displacement that an obstacle is told.
+// Calls a function for each shift that an obstacle is told.
 static void visit_shifts(const scene_obstacle *obstacles, size_t k, size_t n_actions,
                          const scene_action *actions, void (*visit)(plate_range *r, vec2 shift),
                          plate_range *r)

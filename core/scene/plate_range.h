@@ -1,6 +1,6 @@
 /// Where obstacles may come to: what schedule and actions tell them, and how fast they are at most.
 ///
-/// Between what it is told a plate may have any angle, and any displacement of the box that its displacements span: a command
+/// Between what it is told a plate may have any angle, and any shift of the box that its shifts span: a command
 /// acts from wherever it is, and a drive that is behind goes straight to where it is told.
 ///
 /// Units    SI, angles in rad.
@@ -19,9 +19,9 @@ typedef struct plate_range {
     bool is_shifted; ///< it shifts it
     double least;    ///< angle, rad
     double most;     ///< same
-    vec2 low;        ///< corner of the box of its displacements, m
+    vec2 low;        ///< corner of the box of its shifts, m
     vec2 high;       ///< the other one
-    vec2 ends[2];    ///< displacements that are far from each other, m
+    vec2 ends[2];    ///< shifts that are far from each other, m
     bool is_line;    ///< all lie on the line between these two
 } plate_range;
 

@@ -1,5 +1,5 @@
-/// How obstacles move: the angle by which each is turned about its pivot at a time, the displacement by which both are then
-/// shifted, and whether it is there. A point p of the path as in the document is at
+/// How obstacles move: the angle by which each is turned about its pivot at a time, the shift by which both are then
+/// moved, and whether it is there. A point p of the path as in the document is at
 ///
 ///     x(t) = c + R(angle(t)) (p - c) + shift(t),      c the pivot as in the document
 ///
@@ -106,7 +106,7 @@ plate_motion_step plate_motion_in_step(const plate_motion *motion, size_t obstac
 void plate_motion_command_turn(plate_motion *motion, size_t obstacle, double t, double angle,
                                double over);
 
-/// Shift an obstacle that moves, from where it is at a time t, s, to another displacement, m, within `over`, s, > 0.
+/// Shift an obstacle that moves, from where it is at a time t, s, to another shift, m, within `over`, s, > 0.
 void plate_motion_command_shift(plate_motion *motion, size_t obstacle, double t, vec2 shift,
                                 double over);
 
