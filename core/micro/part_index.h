@@ -52,7 +52,7 @@ typedef struct part_index_parts {
 /// Prepare the index of a definition. BF_ENOMEM: *ret_index is empty.
 BF_MUST_CHECK bf_status part_index_init(const micro_def *def, part_index *ret_index, bf_error *err);
 
-/// Free what they own and zero *p. NULL is fine.
+/// Free what it owns and zero *p. NULL is fine.
 void part_index_fini(part_index *p);
 
 /// Note that a part of a kind was admitted.

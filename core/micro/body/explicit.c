@@ -185,7 +185,7 @@ int body__begin(const void *state, driver_progress *ret_progress)
     const body_state *s = state;
 
     *ret_progress = (driver_progress){ .displacement_bound = 0.0 };
-    // Who has no block only waits for the others, a hundred times in each step.
+    // A thread without a block of parts only waits for the others, at every barrier of a step.
     const size_t n_of_use = s->n_blocks > 0 ? s->n_blocks : 1;
     return (size_t)s->def.n_threads < n_of_use ? s->def.n_threads : (int)n_of_use;
 }
