@@ -68,9 +68,18 @@ function linesIn(entities, blocks, inside, count) {
   });
 }
 
+function parseDxf(text) {
+  if (text.startsWith("AutoCAD Binary DXF")) throw new Error("It is a binary DXF file: save it as an ASCII one.");
+  try {
+    return new DxfParser().parseSync(text);
+  } catch {
+    throw new Error("It is no DXF file, or a damaged one.");
+  }
+}
+
 // { lines: [[[x, y], ...], ...], metres: of a unit, or null }.
 export function linesOfDxf(text) {
-  const drawing = new DxfParser().parseSync(text);
+  const drawing = parseDxf(text);
   const lines = linesIn(drawing?.entities ?? [], drawing?.blocks ?? {}, [], { n: 0 });
   return { lines, metres: METRES[drawing?.header?.$INSUNITS] ?? null };
 }

@@ -27,9 +27,12 @@ async function readDrawing(file, [west, east]) {
   const { lines: found, metres } = read(await file.text());
   const lines = found.filter((line) => line.length > 1 && line.flat().every(Number.isFinite));
   if (lines.length === 0) throw new Error("There are no lines in it.");
-  const [[x0, x1], [y0]] = [sizeOf(lines, 0), sizeOf(lines, 1)];
+  const [[x0, x1], [y0, y1]] = [sizeOf(lines, 0), sizeOf(lines, 1)];
+  // What turns and shifts leave of rounding is far below this, and 0 again.
+  const grain = 1e-9 * (Math.max(x1 - x0, y1 - y0) || 1);
+  const onGrain = (value) => tidy(Math.round(value / grain) * grain, 9);
   return { name: file.name, metres: metres ?? tidy((east - west) / (x1 - x0 || 1), 9),
-    lines: lines.map((line) => line.map(([x, y]) => [tidy(x - x0, 9), tidy(y - y0, 9)])) };
+    lines: lines.map((line) => line.map(([x, y]) => [onGrain(x - x0), onGrain(y - y0)])) };
 }
 
 export class Underlay {
