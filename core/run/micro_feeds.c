@@ -26,7 +26,9 @@ vec2 micro_feeds_counted_place(const scene *s, vec2 at)
 
     if (s->n_feeds == 0)
         return at;
-    return (vec2){ fmin(fmax(at.x, d->x_min), d->x_max), fmin(fmax(at.y, d->y_min), d->y_max) };
+    // A counter does not hold its upper borders.
+    return (vec2){ fmin(fmax(at.x, d->x_min), nextafter(d->x_max, d->x_min)),
+                   fmin(fmax(at.y, d->y_min), nextafter(d->y_max, d->y_min)) };
 }
 
 // The counters that count a part of a kind which is there.

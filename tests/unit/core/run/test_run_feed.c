@@ -134,6 +134,36 @@ static void nothing_is_lost_through_a_blocked_inlet(void **state)
     }
 }
 
+// Parts that have just entered lie on the side with the feed, also while their belt stands.
+static void parts_on_the_line_of_their_feed_are_inside(void **state)
+{
+    static const struct {
+        scene_side side;
+        vec2 velocity;
+    } cases[] = { { SCENE_WEST, { 0.4, 0.0 } },
+                  { SCENE_EAST, { -0.4, 0.0 } },
+                  { SCENE_SOUTH, { 0.0, 0.4 } },
+                  { SCENE_NORTH, { 0.0, -0.4 } } };
+    enum { PLANAR_IMPLICIT = 3 };
+
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        helper_run_log *log = new_log(PLANAR_IMPLICIT);
+        scene s;
+        make_belt(&s, PLANAR_IMPLICIT);
+        s.belts[0].velocity = cases[k].velocity;
+        helper_scene_schedule(&s.belts[0], 2, (double[]){ 0.3, 0.6 }, (double[]){ 0.0, 1.0 });
+        helper_scene_add_feed(&s, cases[k].side, SCENE_ARRIVALS_POISSON, 100.0);
+        helper_scene_resolve(&s);
+        assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
+        assert_true(log->values[log->n_samples - 1][ADMITTED] > 30.0);
+        for (size_t i = 0; i < log->n_samples; i++)
+            assert_near(log->values[i][ADMITTED], log->values[i][INSIDE] + log->values[i][LEFT],
+                        0.0);
+        scene_fini(&s);
+        helper_run_free(log);
+    }
+}
+
 static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
 {
     for (int k = 0; k < SOLVERS; k++) {
@@ -311,6 +341,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_is_lost_through_a_blocked_inlet),
+        cmocka_unit_test(parts_on_the_line_of_their_feed_are_inside),
         cmocka_unit_test(a_run_stopped_anywhere_resumes_to_the_same_results),
         cmocka_unit_test(a_drained_run_ends_before_its_duration),
         cmocka_unit_test(a_photo_eye_stops_a_belt),
