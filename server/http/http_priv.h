@@ -132,7 +132,7 @@ struct http {
     http_content_lengths lengths; ///< of what clients may have
     lock lock;                    ///< guards all that follows
     lock_condition changed;       ///< a connection came, a request went, or is_stopping
-    /// Open ones: those with a request and those that were idle for longest come last
+    /// Open ones; one that becomes idle moves to the head, one that gets a request stays where it is
     TAILQ_HEAD(http_connections, http_connection) connections;
     unsigned n_connections;                ///< how many
     LIST_HEAD(, http_request) pulls;       ///< requests with a pull under way

@@ -239,8 +239,8 @@ bf_status store__apply_batch(store__connection *writer, store__appending *contex
     // The checkpoint comes in the same transaction as all that came before it (I5).
     if (batch->checkpoint != NULL) {
         context->row.checkpoint_step = batch->step;
-        BF_TRY(store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err));
-        BF_TRY(store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, 0,
+        BF_TRY(store__delete_chunks(writer, context->row.results, STORE__BLOB_CHECKPOINT, 0, err));
+        BF_TRY(store__insert_chunks(writer, context->row.results, STORE__BLOB_CHECKPOINT, 0, 0,
                                     compressed_checkpoint(context), err));
     }
     *row = context->row;

@@ -4,7 +4,7 @@
 //   I2  connection.c opens; only store_open() asks for STORE__READ_WRITE. The lock file keeps other
 //       processes out.
 //   I3  row.c: store__transition() is the only function that changes a state.
-//   I4  append.c: check_curve(), snapshots.c, and what they let pass. store__transition() deletes what is not whole.
+//   I4  append.c: append_curve(), snapshots.c, and what they let pass. store__transition() deletes what is not whole.
 //   I5  append.c: a checkpoint and what came before it are one transaction.
 //   I6  schema.c: AUTOINCREMENT.
 //   I7  append.c, events.c: events are inserted by the operation that they report.
