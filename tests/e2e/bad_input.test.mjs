@@ -53,8 +53,8 @@ test("each bad scenario is a 422 that names its place, and nothing is stored", a
   await assertNothingIsStored(d);
 });
 
-// A process for each; under a sanitizer, where one takes a second to begin and to look for leaks, for one in ten: the
-// documents are read by what the story above has had read.
+// A process for each; under a sanitizer, where a process takes a second to begin and to look for leaks, for one in ten:
+// the story above has a sanitized daemon read all these documents.
 test("the command line names the same places and leaves with 2", async (t) => {
   const some = badScenarios.filter((_, index) => !isSanitized || index % 10 === 0);
   for (const [what, change, pointer] of some) {

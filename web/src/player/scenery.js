@@ -36,7 +36,7 @@ export function strokeTwice(context, path, { width, color, halo, dash = [] }, ra
   context.setLineDash([]);
 }
 
-// The same for a line of text; x, y is its upper left corner. What would begin on the canvas, or right above it, and stick out is moved onto it.
+// The same for a line of text; x, y is its upper left corner. One that would stick out at the right of the canvas, or at its top, is moved onto it.
 export function writeTwice(context, text, [x, y], color, halo, ratio) {
   context.font = FONT.replace("11", 11 * ratio);
   context.textBaseline = "top";
