@@ -11,7 +11,7 @@
 enum {
     API_LIST_NEWEST = 50000,    ///< newest runs that a search, another order or a count looks at
     API_LIST_DOCUMENTS = 10000, ///< newest ones whose scenarios a search by conditions reads
-    API_LIST_DOCUMENT_BYTES = 64 << 20, ///< of them and their key figures; more are refused
+    API_LIST_DOCUMENT_BYTES = 64 << 20, ///< of these scenarios and key figures; more are refused
     API_LIST_LOOKS = 20000,             ///< runs that a page in the order of creation looks at
     API_SORT_KEY_SIZE = 81,             ///< bytes of the text of a run's key with its terminator
     API_SORT_FIGURE_SIZE = 48,          ///< same of the name of a key figure, "residence_s.p95"

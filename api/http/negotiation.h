@@ -66,7 +66,7 @@ BF_MUST_CHECK bf_status negotiation_choose_media(const char *formats, const char
 bool negotiation_has_format(const char *formats, const char *word);
 
 /// The one of the formats of a body that its Content-Type names; NULL: none of them. Parameters have no effect: JSON has no
-/// charset (RFC 8259, 11), and what reads CSV takes nothing but ASCII. The types of the formats are written to ret_types
+/// charset (RFC 8259, 11), and what is taken of CSV is ASCII. The types of the formats are written to ret_types
 /// (NEGOTIATION_TYPES_SIZE bytes), with commas between.
 const media *negotiation_find_body(const char *formats, const char *content_type, char *ret_types);
 
