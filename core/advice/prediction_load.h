@@ -1,7 +1,8 @@
 /// The load of a run: how much cargo there will be, and how much of it is saturated, over the time of the run.
 ///
 ///     A run of the same scenario by the macroscopic model on coarse cells takes some 10 to 100 milliseconds. Its closure is
-///     `congested`, or the scenario's own if it is predicted for that model. Its density rho_k(t) in cells of the area a, normalised as in core/scene/README.md, is integrated:
+///     `congested`, or the scenario's own if it is predicted for that model. Its density rho_k(t) in cells of the area a,
+///     normalised as in core/scene/README.md, is integrated:
 ///
 ///     parts = int sum_k rho_k a rho_max dt,   saturated = the same over cells with rho_k >= 0.7,
 ///     pairs = int sum_k rho_k^2 a rho_max dt,   in proportion to the neighbours of all parts,

@@ -41,7 +41,7 @@ typedef struct micro_feeds {
     double *flows;       ///< parts that left each counter, then each outlet, since t = 0
 } micro_feeds;
 
-/// Where a part counts: one that was pushed back behind a side with a feed, on that side.
+/// Where a part counts: one that lies on a side with a feed, or was pushed back behind it, so that counters up to that side hold it.
 vec2 micro_feeds_counted_place(const scene *s, vec2 at);
 
 /// Begin at t = 0 with the parts of a placement, whose kinds may be NULL. BF_ENOMEM: to be freed all the same.
