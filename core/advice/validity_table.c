@@ -42,8 +42,8 @@
 #define COMMANDED                                                                                  \
     "Whether an eye is blocked depends on single parts and on gaps between them. Where eyes or "   \
     "merges commanded belts, cycles of the density model were 22 % too short to 31 % too long, "   \
-    "its throughput was 21 % too low to 20 % too high, and it kept up to 42 % too much on the "    \
-    "line."
+    "its throughput was 21 % too low to 20 % too high, it kept up to 42 % too much on the line, "  \
+    "and up to 11 % more than of moving parts went to the wrong side of diverters that sorted."
 #define TOO_MANY_PIECES "Angles and openings of so many were not measured."
 #define NEAR                                                                                       \
     "Parts that enter right before the deflector push others aside, and lie less close than "      \

@@ -23,7 +23,7 @@
 #include <stdint.h>
 
 /// Incremented with every change of the format of any solver's state.
-enum { CHECKPOINT_VERSION = 24 };
+enum { CHECKPOINT_VERSION = 25 };
 
 /// The owner of a checkpoint's state.
 typedef enum checkpoint_kind {

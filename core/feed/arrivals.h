@@ -2,7 +2,7 @@
 ///
 /// Both models are fed by one cumulative arrival function: Lambda(t), parts until the time t. It is the
 /// integral of the feed's rate from its start to its end, or, of a list, the step function of its counts between the
-/// two, both inclusive. The density's demand in a step is what Lambda grows by, at most `count` parts in all. Of the
+/// two, both inclusive. The density's demand in a step is what Lambda grows by, at most `count` parts in all (part by part: density_entry.h). Of the
 /// parts, k = 1, 2, ..., each arrives where Lambda reaches
 ///
 ///     regular   k - 1/2

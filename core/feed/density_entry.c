@@ -41,6 +41,13 @@ typedef struct feed_state {
     uint64_t is_held; // 0 or 1
 } feed_state;
 
+// The next parts of a feed, as it is saved.
+typedef struct feed_parts {
+    feed_cursor arriving; // the first one that has not arrived
+    feed_cursor overdue;  // the first one that is not dropped yet
+    feed_cursor entering; // the one of which some enters next
+} feed_parts;
+
 typedef struct feed_line {
     feed_arrivals *arrivals;
     size_t n;
@@ -52,12 +59,14 @@ struct feed_density {
     const scene *scene;
     double saturated;      // rho_p
     double parts_per_cell; // at density 1
+    bool tells_kinds;
+    bool is_by_parts; // what is offered are parts, and not Lambda
     size_t n_feeds;
     feed_line *lines;
     feed_state *states;
-    feed_cursor *cursors; // of the parts that enter; NULL: kinds are not told apart
-    uint64_t n_turns;     // calls of feed_density_advance()
-    cell_room *rooms;     // scratch: as many as the longest line has cells
+    feed_parts *parts; // of each feed, also where kinds are not told apart
+    uint64_t n_turns;  // calls of feed_density_advance()
+    cell_room *rooms;  // scratch: as many as the longest line has cells
 };
 
 // The cell behind one that lies beside a side; the same if there is none.
@@ -133,25 +142,28 @@ bf_status feed_density_create(const scene *s, double dt, feed_density **ret_dens
 
     if (d != NULL) {
         const bf_grid grid = scene_grid(s);
-        *d = (feed_density){ .scene = s, .n_feeds = s->n_feeds };
+        *d = (feed_density){ .scene = s,
+                             .tells_kinds = scene_tells_kinds(s),
+                             .is_by_parts = scene_acts_by_kind(s),
+                             .n_feeds = s->n_feeds };
         d->saturated =
             s->macro.closure == SCENE_CONGESTED ? s->macro.jam_density : 1.0 - below_saturated;
         d->parts_per_cell = scene_packing_density(s) * grid.d1 * grid.d2;
         d->lines = memory_alloc(s->n_feeds, sizeof *d->lines);
         d->states = memory_alloc(s->n_feeds, sizeof *d->states);
-        if (scene_tells_kinds(s))
-            d->cursors = memory_alloc(s->n_feeds, sizeof *d->cursors);
+        d->parts = memory_alloc(s->n_feeds, sizeof *d->parts);
     }
-    if (d == NULL || d->lines == NULL || d->states == NULL ||
-        (scene_tells_kinds(s) && d->cursors == NULL))
+    if (d == NULL || d->lines == NULL || d->states == NULL || d->parts == NULL)
         status = bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu feeds", s->n_feeds);
     for (size_t k = 0; status == BF_OK && k < s->n_feeds; k++) {
         feed_line *line = &d->lines[k];
         status = feed_arrivals_create(&s->feeds[k], s->substream, &line->arrivals, err);
         if (status == BF_OK)
             status = make_line(d, &s->feeds[k], dt, line, err);
-        if (status == BF_OK && d->cursors != NULL)
-            d->cursors[k] = feed_arrivals_first(line->arrivals);
+        if (status == BF_OK) {
+            const feed_cursor first = feed_arrivals_first(line->arrivals);
+            d->parts[k] = (feed_parts){ first, first, first };
+        }
         n_most = line->n > n_most ? line->n : n_most;
     }
     if (status == BF_OK && (d->rooms = memory_alloc(n_most, sizeof *d->rooms)) == NULL)
@@ -174,7 +186,7 @@ feed_density *feed_density_destroy(feed_density *d)
     }
     memory_free(d->lines);
     memory_free(d->states);
-    memory_free(d->cursors);
+    memory_free(d->parts);
     memory_free(d->rooms);
     memory_free(d);
     return NULL;
@@ -199,7 +211,7 @@ static double free_in(const feed_density *d, size_t cell, const feed_field *fiel
 static void find_fractions(feed_density *d, size_t feed, double from, double to,
                            double ret_fractions[SCENE_KINDS_MAX])
 {
-    feed_cursor *cursor = &d->cursors[feed];
+    feed_cursor *cursor = &d->parts[feed].entering;
     const feed_arrivals *arrivals = d->lines[feed].arrivals;
     double at = from;
 
@@ -233,10 +245,10 @@ static double add_to_cell(feed_density *d, size_t feed, const cell_entry *c, siz
 
     if (!(density > 0.0))
         return taken;
-    if (d->cursors != NULL)
+    if (d->tells_kinds)
         find_fractions(d, feed, served + d->parts_per_cell * taken,
                        served + d->parts_per_cell * (taken + density), fractions);
-    field->add(field->context, cell, density, c->at, d->cursors != NULL ? fractions : NULL);
+    field->add(field->context, cell, density, c->at, d->tells_kinds ? fractions : NULL);
     return taken + density;
 }
 
@@ -278,6 +290,18 @@ static double fill_line(feed_density *d, size_t feed, double demand, const feed_
     return taken;
 }
 
+// What a feed offers until t. Part by part it is what is before *next, which is moved on.
+static double offered_until(const feed_density *d, size_t feed, feed_cursor *next, double t)
+{
+    const feed_arrivals *arrivals = d->lines[feed].arrivals;
+
+    if (!d->is_by_parts)
+        return feed_arrivals_until(arrivals, t);
+    while (next->due <= t)
+        feed_arrivals_next(arrivals, next);
+    return (double)(next->number - 1);
+}
+
 void feed_density_advance(feed_density *d, double t, const feed_field *field)
 {
     const size_t turn = d->n_feeds > 0 ? (size_t)(d->n_turns++ % d->n_feeds) : 0;
@@ -285,16 +309,17 @@ void feed_density_advance(feed_density *d, double t, const feed_field *field)
     for (size_t n = 0; n < d->n_feeds; n++) {
         const size_t k = (turn + n) % d->n_feeds;
         const scene_feed *f = &d->scene->feeds[k];
-        const feed_arrivals *arrivals = d->lines[k].arrivals;
+        feed_parts *parts = &d->parts[k];
         feed_state *state = &d->states[k];
-        state->offered = feed_arrivals_until(arrivals, t);
+        state->offered = offered_until(d, k, &parts->arriving, t);
         const double waiting = state->offered - state->admitted - state->discarded;
         if (!state->is_held && waiting > 0.0)
             state->admitted +=
                 d->parts_per_cell * fill_line(d, k, waiting / d->parts_per_cell, field);
         if (f->when_blocked == SCENE_BLOCKED_DISCARD) {
             const double served = state->admitted + state->discarded;
-            state->discarded += fmax(feed_arrivals_until(arrivals, t - f->max_wait) - served, 0.0);
+            const double overdue = offered_until(d, k, &parts->overdue, t - f->max_wait);
+            state->discarded += fmax(overdue - served, 0.0);
         }
     }
 }
@@ -340,8 +365,11 @@ bool feed_density_is_exhausted(const feed_density *d)
 
     for (size_t k = 0; k < d->n_feeds; k++) {
         const feed_balance b = feed_density_balance(d, k);
-        const double all = feed_arrivals_until(d->lines[k].arrivals, INFINITY);
-        is_exhausted = is_exhausted && all - b.offered + b.waiting < exhausted_below;
+        const double to_come = !d->is_by_parts
+                                   ? feed_arrivals_until(d->lines[k].arrivals, INFINITY) - b.offered
+                               : isfinite(d->parts[k].arriving.due) ? 1.0
+                                                                    : 0.0;
+        is_exhausted = is_exhausted && to_come + b.waiting < exhausted_below;
     }
     return is_exhausted;
 }
@@ -350,13 +378,12 @@ void feed_density_save(const feed_density *d, checkpoint_writer *w)
 {
     checkpoint_write(w, &d->n_turns, sizeof d->n_turns);
     checkpoint_write(w, d->states, d->n_feeds * sizeof *d->states);
-    if (d->cursors != NULL)
-        checkpoint_write(w, d->cursors, d->n_feeds * sizeof *d->cursors);
+    checkpoint_write(w, d->parts, d->n_feeds * sizeof *d->parts);
 }
 
 bool feed_density_load(feed_density *d, checkpoint_reader *r)
 {
     return checkpoint_read(r, &d->n_turns, sizeof d->n_turns) &&
            checkpoint_read(r, d->states, d->n_feeds * sizeof *d->states) &&
-           (d->cursors == NULL || checkpoint_read(r, d->cursors, d->n_feeds * sizeof *d->cursors));
+           checkpoint_read(r, d->parts, d->n_feeds * sizeof *d->parts);
 }

@@ -14,12 +14,16 @@
 /// cell's side that the line covers.
 ///
 /// What finds no room waits. Parts are served in the order of their arrival: those that enter next arrived when Lambda
-/// was S, so that waits follow from the curves of what was offered, admitted and discarded. Of a feed that discards, what is left below Lambda(t - max_wait) is dropped. A feed that is held admits
+/// was S, so that waits follow from the curves of what was offered, admitted and discarded. Of a feed that discards, what was offered until t - max_wait and is left is dropped. A feed that is held admits
 /// nothing, while parts go on to arrive. Within a call each feed has its turn once, and the one that is first changes
 /// from call to call, so that none starves where two share cells.
 ///
 /// Of which kind: where kinds are told apart (scene_tells_kinds()) what enters while S grows from k - 1 to k is of the kind of
 /// part k, so that kinds come in the order in which they come as parts.
+///
+/// Part by part: where something is commanded for a kind (scene_acts_by_kind()), in place of Lambda(t) a feed has offered the parts that
+/// are due at t. Each enters as fast as there is room, as a strip about as long as the part. By Lambda it would be as long as the way
+/// to the next part, and of what an eye commands for a part too much of it would be past, and too much of the next one there.
 ///
 /// rho_p is jam_density with the congested closure. With the dispersive one it is 1 - 1e-12: from a density of 1 on cargo
 /// disperses, and a feed alone must not start that.
@@ -73,7 +77,7 @@ feed_balance feed_density_balance(const feed_density *d, size_t feed);
 /// Parts that entered, of all feeds.
 double feed_density_admitted(const feed_density *d);
 
-/// Parts that all feeds offer until a time, s.
+/// Parts that all feeds offer until a time, s, by Lambda.
 double feed_density_offered(const feed_density *d, double t);
 
 /// True if less than a millionth of a part waits at each feed and as little will arrive.

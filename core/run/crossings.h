@@ -9,7 +9,7 @@
 ///     N        = sigma rho A               parts that break the beam at a time, in the mean
 ///
 /// The next part comes when lambda dt has summed up to a gap, of mean 1. Gaps follow the law of the feeds: 1 if all are
-/// regular, Erlang variates if all are, else exponential ones. Parts do not lie on each other, so that of each random
+/// regular or let the density in part by part, Erlang variates if all are, else exponential ones. Parts do not lie on each other, so that of each random
 /// gap c = (N/m)^m <= 1 is not random, with m parts of the length l side by side. Then the beam is free for 1 - N of the
 /// time where parts pass one by one, for exp(-N) on a wide belt that is loosely covered, and never where cargo is packed.
 /// A beam that was free between two steps counts as free at the second one. Where the belt stands, what breaks the beam

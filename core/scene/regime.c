@@ -17,6 +17,11 @@ static bool are_drawn(const double *values, size_t n)
     return false;
 }
 
+static bool draws_kinds(const scene_feed *f)
+{
+    return f->n_cargo > 1 && (f->demand != SCENE_DEMAND_SCHEDULE || f->schedule.kinds == NULL);
+}
+
 static bool has_draws(const scene_feed *f)
 {
     const bool is_list = f->demand == SCENE_DEMAND_SCHEDULE;
@@ -27,13 +32,15 @@ static bool has_draws(const scene_feed *f)
         return true;
     return (has_places && (!is_list || are_drawn(list->places, list->n))) ||
            (f->has_random_heading && (!is_list || are_drawn(list->headings, list->n))) ||
-           (f->n_cargo > 1 && (!is_list || list->kinds == NULL));
+           draws_kinds(f);
 }
 
 uint32_t scene_gap_shape(const scene *s)
 {
     uint32_t shape = UINT32_MAX;
 
+    if (scene_acts_by_kind(s))
+        return 0;
     for (size_t k = 0; k < s->n_feeds; k++) {
         const scene_feed *f = &s->feeds[k];
         if (f->arrivals == SCENE_ARRIVALS_ERLANG)
@@ -48,17 +55,21 @@ uint32_t scene_gap_shape(const scene *s)
 
 bool scene_has_chance(const scene *s, bool is_density)
 {
+    const bool draws_gaps = is_density && scene_gap_shape(s) > 0;
+    const bool tells_kinds = is_density && scene_tells_kinds(s);
+
     for (size_t k = 0; k < s->n_belts; k++)
         if (belt_range_stops_by_chance(&s->belts[k]))
             return true;
-    // An eye may command something that draws the gaps between a density's parts.
+    // An eye may command something that draws the gaps between a density's parts, or their kinds.
     for (size_t k = 0; k < s->n_actions && is_density; k++)
-        if (s->eyes[s->actions[k].eye].density_ratio == 0.0)
-            return scene_gap_shape(s) > 0;
-    if (s->n_merges > 0 && is_density)
-        return scene_gap_shape(s) > 0;
-    for (size_t k = 0; k < s->n_feeds && !is_density; k++)
-        if (has_draws(&s->feeds[k]))
+        if (s->actions[k].kind != SCENE_KIND_ANY ||
+            (draws_gaps && s->eyes[s->actions[k].eye].density_ratio == 0.0))
+            return true;
+    if (s->n_merges > 0 && draws_gaps)
+        return true;
+    for (size_t k = 0; k < s->n_feeds; k++)
+        if (is_density ? tells_kinds && draws_kinds(&s->feeds[k]) : has_draws(&s->feeds[k]))
             return true;
     return false;
 }

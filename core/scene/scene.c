@@ -218,12 +218,19 @@ static double mean_packing(const scene *s)
     return sum / area;
 }
 
-bool scene_tells_kinds(const scene *s)
+bool scene_acts_by_kind(const scene *s)
 {
-    bool tells = false;
+    bool acts = false;
 
     for (size_t k = 0; k < s->n_actions; k++)
-        tells = tells || s->actions[k].kind != SCENE_KIND_ANY;
+        acts = acts || s->actions[k].kind != SCENE_KIND_ANY;
+    return acts;
+}
+
+bool scene_tells_kinds(const scene *s)
+{
+    bool tells = scene_acts_by_kind(s);
+
     for (size_t k = 0; k < s->n_counters; k++)
         tells = tells || s->counters[k].kind != SCENE_KIND_ANY;
     for (size_t k = 0; k < s->n_sinks; k++)

@@ -83,6 +83,9 @@ double scene_packing_density(const scene *s);
 /// True if what happens, or is told, depends on the kinds of the parts: the density then has one for each kind.
 bool scene_tells_kinds(const scene *s);
 
+/// True if something is commanded for parts of one kind: feeds then let the density in part by part.
+bool scene_acts_by_kind(const scene *s);
+
 /// Mean area of the footprint of a part, by the shares of the kinds, m2.
 double scene_mean_footprint(const scene *s);
 

@@ -271,15 +271,15 @@ def compare(program, scene, load, substreams):
     documents = [scene.document(load, k) for k in range(substreams)]
     warm_up = documents[0]["warmup_s"]
     micro = [program.solve("micro", document) for document in documents]
-    macro = program.solve("macro", documents[0])
-    flows = [[rate(run.folder, warm_up, (column,)) for run in micro] for column in scene.flows]
-    parts = [statistics.mean(of) for of in flows]
-    density = [rate(macro.folder, warm_up, (column,)) for column in scene.flows]
+    macro = [program.solve("macro", document) for document in documents]  # kinds are those of the substream, too
+    parts, density = ([statistics.mean(rate(run.folder, warm_up, (column,)) for run in runs) for column in scene.flows]
+                      for runs in (micro, macro))
     more = sum(density) - sum(parts)
     elsewhere = (sum(abs(a - b) for a, b in zip(density, parts)) - abs(more)) / 2
     off = abs(more) + elsewhere
-    mean = smoothed([statistics.mean(values) for values in zip(*[run.curve.upstream for run in micro])])
-    gap = statistics.mean(abs(a - b) for a, b in zip(mean, smoothed(macro.curve.upstream))) / max(mean)
+    mean, other = (smoothed([statistics.mean(values) for values in zip(*[run.curve.upstream for run in runs])])
+                   for runs in (micro, macro))
+    gap = statistics.mean(abs(a - b) for a, b in zip(mean, other)) / max(mean)
     sign = "" if elsewhere > abs(more) else "-" if more < 0 else "+"
     return {"micro": sum(parts), "macro": sum(density), "off": off / sum(parts) if sum(parts) > 0 else math.inf, "sign": sign,
             "gap": gap}

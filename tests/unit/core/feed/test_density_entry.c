@@ -326,6 +326,47 @@ static void waits_and_drops_follow_the_order_of_arrival(void **state)
     scene_fini(&s);
 }
 
+// 10 parts/s arrive at 0.05, 0.15, ... s, of which 20 are due until 2 s and 15 until 1.5 s. Where something is
+// commanded for a kind they are offered one by one, and a feed of two is exhausted by the second one.
+static void parts_that_are_acted_on_are_offered_and_dropped_as_they_arrive(void **state)
+{
+    scene_action of_kind = { .kind = 0 };
+    cells c;
+    scene s;
+    make_scene(&s, 1, 10.0);
+    s.n_actions = 1;
+    s.actions = &of_kind;
+    feed_density *d = make_density(&s, &c);
+    advance(d, 0.049, &c);
+    check_balance(d, 0, 0.0, 0.0, 0.0);
+    advance(d, 0.051, &c);
+    check_balance(d, 0, 1.0, 1.0, 0.0);
+    advance(d, 0.149, &c);
+    check_balance(d, 0, 1.0, 1.0, 0.0);
+    advance(d, 0.151, &c);
+    check_balance(d, 0, 2.0, 2.0, 0.0);
+    feed_density_destroy(d);
+
+    s.feeds[0].when_blocked = SCENE_BLOCKED_DISCARD;
+    s.feeds[0].max_wait = 0.5;
+    d = make_density(&s, &c);
+    feed_density_hold(d, 0, true);
+    advance(d, 2.0, &c);
+    check_balance(d, 0, 20.0, 0.0, 15.0);
+    feed_density_destroy(d);
+
+    s.feeds[0].count = 2.0;
+    d = make_density(&s, &c);
+    advance(d, 0.14, &c);
+    assert_false(feed_density_is_exhausted(d));
+    advance(d, 0.16, &c);
+    assert_true(feed_density_is_exhausted(d));
+    feed_density_destroy(d);
+    s.n_actions = 0;
+    s.actions = NULL;
+    scene_fini(&s);
+}
+
 // Both want all of the room of the line that they share: who is first takes it.
 static void feeds_in_the_same_cells_take_turns(void **state)
 {
@@ -415,6 +456,7 @@ int main(void)
         cmocka_unit_test(a_line_inside_has_no_bound_but_its_room),
         cmocka_unit_test(a_line_lets_in_on_every_section_of_a_path_and_nothing_beside_it),
         cmocka_unit_test(waits_and_drops_follow_the_order_of_arrival),
+        cmocka_unit_test(parts_that_are_acted_on_are_offered_and_dropped_as_they_arrive),
         cmocka_unit_test(feeds_in_the_same_cells_take_turns),
         cmocka_unit_test(what_enters_is_of_the_kinds_of_the_parts_in_their_order),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error),

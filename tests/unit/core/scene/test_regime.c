@@ -51,7 +51,7 @@ static void what_feeds_draw_is_chance(void **state)
 static void eyes_that_command_by_drawn_gaps_are_chance_of_the_density(void **state)
 {
     scene_photo_eye eyes[] = { { .density_ratio = 0.5 } };
-    scene_action actions[] = { { .eye = 0, .type = SCENE_ACTION_BELT } };
+    scene_action actions[] = { { .eye = 0, .kind = SCENE_KIND_ANY, .type = SCENE_ACTION_BELT } };
     scene s;
 
     make(&s);
@@ -69,6 +69,37 @@ static void eyes_that_command_by_drawn_gaps_are_chance_of_the_density(void **sta
     s.n_eyes = s.n_actions = 0;
     s.eyes = NULL;
     s.actions = NULL;
+    scene_fini(&s);
+}
+
+// A counter of a kind counts what is drawn of a mix. An eye that commands something for a kind draws the kind of what comes to it, but not
+// the gaps between parts, as the density is let in part by part.
+static void kinds_that_are_told_apart_are_chance_of_the_density(void **state)
+{
+    scene_counter of_kind = { .kind = 0 };
+    scene_photo_eye eye = { .density_ratio = 0.0 };
+    scene_action action = { .kind = 1 };
+    scene s;
+
+    make(&s);
+    s.counters = &of_kind;
+    s.n_counters = 1;
+    s.feeds[0].arrivals = SCENE_ARRIVALS_POISSON;
+    assert_false(scene_has_chance(&s, true));
+    assert_int_equal(scene_gap_shape(&s), 1);
+    s.feeds[0].n_cargo = 2;
+    assert_true(scene_has_chance(&s, true));
+    s.feeds[0].n_cargo = 1;
+    assert_false(scene_has_chance(&s, true));
+    s.eyes = &eye;
+    s.actions = &action;
+    s.n_eyes = s.n_actions = 1;
+    assert_true(scene_has_chance(&s, true));
+    assert_int_equal(scene_gap_shape(&s), 0);
+    s.n_eyes = s.n_actions = s.n_counters = 0;
+    s.eyes = NULL;
+    s.actions = NULL;
+    s.counters = NULL;
     scene_fini(&s);
 }
 
@@ -177,6 +208,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_feeds_draw_is_chance),
         cmocka_unit_test(eyes_that_command_by_drawn_gaps_are_chance_of_the_density),
+        cmocka_unit_test(kinds_that_are_told_apart_are_chance_of_the_density),
         cmocka_unit_test(failures_are_chance_of_both_models_unless_they_are_given),
         cmocka_unit_test(a_list_draws_what_it_does_not_give),
         cmocka_unit_test(a_gate_that_repeats_is_a_cycle),
